@@ -101,9 +101,7 @@ impl Import {
                 Ok(None) => Stage::Suggesting(draft, suggest),
                 Ok(Some(suggestion)) => match suggestion.scenario.validate() {
                     Ok(()) => {
-                        let problem = suggestion.why_no_guess().map(str::to_owned);
-                        let Suggestion { scenario, mut reasons, .. } = suggestion;
-                        reasons.retain(|reason| Some(reason) != problem.as_ref());
+                        let Suggestion { scenario, reasons, problem, .. } = suggestion;
                         return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem });
                     }
                     Err(error) => Stage::Failed(format!("no start values can be made of it: {error}")),

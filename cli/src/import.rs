@@ -88,7 +88,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     suggestion.scenario.validate().map_err(unsound)?;
     let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
     let mut text = format!("# {}\n", table.form);
-    for remark in remark.iter().chain(&imported.remarks).chain(&suggestion.reasons) {
+    for remark in remark.iter().chain(&imported.remarks).chain(&suggestion.problem).chain(&suggestion.reasons) {
         text.push_str(&shown(&format!("# {remark}\n")));
     }
     text.push_str(&toml);

@@ -34,7 +34,6 @@ pub struct Job {
     revision: Revision,
     analysis: Analysis,
     goal: usize,
-    /// The number of samples before which some are forgotten, or the goal.
     stage: usize,
     done: bool,
 }

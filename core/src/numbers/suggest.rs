@@ -41,8 +41,11 @@ pub struct Suggestion {
     pub scenario: Scenario,
     /// The reasons, one sentence each.
     pub reasons: Vec<String>,
-    /// Whether a guess of the motion's frequency was found, where a filter wants one. Without it the guess is a default.
-    pub is_guessed: bool,
+    /// Why no guess of the motion's frequency was found, where a filter wants one: the guess is a default then.
+    pub problem: Option<String>,
+    /// The reasons for R of each sensor and for the filter's steps, which later ones replace.
+    #[serde(skip)]
+    replaceable: Vec<String>,
 }
 
 /// A new scenario for a measured record: an EKF and a UKF that forget nothing, with a sensor for each of the record's.
@@ -81,14 +84,10 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
     Suggest::new(scenario, record.clone()).run()
 }
 
-/// The beginning of the reason why there is no guess.
-const NO_GUESS: &str = "no start values of ωₙ and ζ could be found, because";
-
 impl Suggestion {
-    /// Why no guess of the motion's frequency was found. `None` if there is one.
-    pub fn why_no_guess(&self) -> Option<&str> {
-        let reason = self.reasons.iter().find(|reason| reason.starts_with(NO_GUESS));
-        reason.filter(|_| !self.is_guessed).map(String::as_str)
+    fn new(scenario: Scenario) -> Self {
+        let replaceable = vec![String::new(); scenario.sensors.len() + 1];
+        Self { scenario, reasons: Vec::new(), problem: None, replaceable }
     }
 
     /// Gives a simulation in place of the record a parameter. The truth of a measured record is not known.
@@ -137,10 +136,8 @@ impl Suggestion {
         sensor.noise_std = noise;
         let measures = sensor.measures;
         self.filters().filter_map(|filter| filter.sensor_std.get_mut(place)).for_each(|std| *std = noise);
-        let begin = format!("R of the {}:", measures.name());
-        self.reasons.retain(|reason| !reason.starts_with(&begin));
         let unit = self.unit(measures.unit());
-        self.reasons.push(format!("{begin} {noise} {unit}, {why}"));
+        self.replaceable[place] = format!("R of the {}: {noise} {unit}, {why}", measures.name());
     }
 
     /// R of each sensor, so that innovations of these sizes over their expected ones are as large as expected.
@@ -178,8 +175,7 @@ impl Suggestion {
             best = (free_response(record, measured, band), "the peak of the spectrum and its width at half the power");
         }
         let (Some(found), reason) = best else {
-            self.reasons.push(no_motion(quantity, measured));
-            self.is_guessed = false;
+            self.problem = Some(no_motion(quantity, measured));
             return None;
         };
         self.begin_at(record, quantity, &found, reason);
@@ -216,7 +212,6 @@ impl Suggestion {
     /// A prediction over a large part of a period is divided, finely enough for a relative error `told` of ωₙ, before a run for that of
     /// the guess. Local linearisation moves the mean of a linear plant exactly, but its Jacobian takes the motion for constant over a step.
     fn substeps(&mut self, dt: f64, told: Option<f64>) {
-        const WHY: &str = "steps a sample, because there are few samples in a period";
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
@@ -238,8 +233,10 @@ impl Suggestion {
             filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
             most = most.max(filter.steps(kind, input, dt));
         }
-        self.reasons.retain(|reason| !reason.ends_with(WHY));
-        self.reasons.extend((most > 1).then(|| format!("{most} {WHY}")));
+        if let Some(last) = self.replaceable.last_mut() {
+            let why = "steps a sample, because there are few samples in a period";
+            *last = if most > 1 { format!("{most} {why}") } else { String::new() };
+        }
     }
 
     /// The first filter alone, with a share of the motion's size as its process noise per step.
@@ -356,7 +353,7 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     } else {
         format!("the spectrum of the {name} has no peak")
     };
-    format!("{NO_GUESS} {why}: the guess is a default, please set it by hand")
+    format!("no start values of ωₙ and ζ could be found, because {why}: the guess is a default, please set it by hand")
 }
 
 /// Mean and standard deviation of the values that are not missing.

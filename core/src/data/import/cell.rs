@@ -124,6 +124,9 @@ impl Decimal {
         if cell.is_empty() {
             return Found::Missing;
         }
+        if let Some(digits) = cell.strip_prefix(['+', '-']).filter(|digits| digits.starts_with(' ')) {
+            return self.read(&format!("{}{}", &cell[..1], digits.trim_start()), thousands);
+        }
         let plain = match self {
             Self::Point => cell.parse().ok(),
             Self::Comma if cell.contains('.') && (thousands || cell.contains(',')) => None,
@@ -259,7 +262,6 @@ pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     Some((day * 86_400.0 + hours * 3600.0 + minutes * 60.0 + seconds - zone, date.is_some()))
 }
 
-/// A time without `AM` or `PM`, and the hours that this adds.
 fn half_of_day(time: &str) -> (&str, Option<f64>) {
     match time.len().checked_sub(2).and_then(|place| time.split_at_checked(place)) {
         Some((rest, word)) if word.eq_ignore_ascii_case("am") => (rest, Some(0.0)),

@@ -71,7 +71,6 @@ impl Conditioning<'_> {
     }
 }
 
-/// A sentence about a band with an upper limit that has no effect.
 pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
     let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
     if low >= nyquist {

@@ -110,7 +110,6 @@ impl Encoding {
         own.map_or(0, |(mark, _)| mark.len())
     }
 
-    /// Appends the text of some bytes. Invalid characters become `�`.
     pub(super) fn decode(self, bytes: &[u8], text: &mut String) {
         match self {
             Self::Utf8 => text.push_str(&String::from_utf8_lossy(bytes)),
@@ -198,12 +197,10 @@ struct Form {
     delimiter: Delimiter,
     decimal: Decimal,
     lines: Vec<Counts>,
-    /// The number of cells of most lines.
     columns: usize,
     thousands: bool,
 }
 
-/// The numbers of cells in a line: all, numbers, and texts.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     cells: usize,
@@ -254,7 +251,6 @@ impl Form {
         Self { delimiter, decimal, columns: columns.unwrap_or(0), lines, thousands }
     }
 
-    /// Numbers speak for the form, texts against it.
     fn score(&self) -> i64 {
         let data = self.lines.iter().filter(|line| line.is_data(self.columns));
         data.map(|line| line.numbers as i64 - line.texts as i64).sum()
@@ -263,17 +259,19 @@ impl Form {
     /// The place of the first line of numbers: most of the lines after it are such lines too.
     fn data(&self) -> Option<usize> {
         const NEXT: usize = 6;
+        let rows = || self.lines.iter().filter(|line| line.is_data(self.columns));
+        let begin_with_text = 2 * rows().filter(|line| line.begins).count() > rows().count();
         let is_first = |place: &usize| {
             let next: Vec<&Counts> = self.lines[*place..].iter().filter(|line| line.cells > 0).take(NEXT).collect();
             let data = next.iter().filter(|line| line.is_data(self.columns)).count();
             // A key and its value stand above names.
-            let is_key = self.lines[*place].begins && next.iter().any(|line| line.numbers == 0 && line.texts > 0);
+            let is_last = !next.iter().any(|line| line.numbers == 0 && line.texts > 0);
+            let is_key = self.lines[*place].begins && !(is_last && begin_with_text);
             self.lines[*place].is_data(self.columns) && 2 * data >= next.len() && !is_key
         };
         (0..self.lines.len()).find(is_first)
     }
 
-    /// The lines of names and units above the numbers, counted from 1.
     fn header(&self, lines: &[&str], data: usize) -> (usize, usize) {
         let columns = self.columns;
         let above = (0..data).rev().filter(|&place| !lines[place].trim().is_empty());
@@ -282,7 +280,7 @@ impl Form {
             let texts = cells.iter().filter(|c| self.decimal.number(c).is_none_or(f64::is_nan)).count();
             cells.len() == columns && texts * 2 > columns && cells.iter().any(|cell| !cell.is_empty())
         };
-        let near: Vec<(usize, Vec<String>)> = above.map(cells).take_while(is_header).take(3).collect();
+        let near: Vec<(usize, Vec<String>)> = above.map(cells).take_while(is_header).take(5).collect();
         let is_filled = |(_, cells): &&(usize, Vec<String>)| {
             let words = cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).count();
             2 * words >= columns
@@ -299,11 +297,27 @@ impl Form {
             let empty = cells.iter().filter(|cell| cell.is_empty()).count();
             known > 0 && (known + empty) * 2 > columns
         };
+        // Keys of columns whose numbers have none: `Kanal;Kraft;Beschl`.
+        if near.is_empty() && !self.lines[data].begins && self.delimiter.cells(lines[data]).next() == Some("") {
+            let keyed = |words: &[&str]| {
+                let is = |place: &usize| {
+                    let cells = header_cells(self.delimiter, lines[*place], columns);
+                    let key = cells[0].to_lowercase();
+                    cells.len() == columns && words.iter().any(|word| key.contains(word))
+                };
+                (0..data).find(is).map_or(0, |place| place + 1)
+            };
+            return (keyed(&["name", "kanal", "channel", "signal"]), keyed(&["unit", "einheit"]));
+        }
         match (near.first(), filled.as_slice()) {
             (Some((last, cells)), [_, ..]) if are_units(cells) && near.len() > 1 => (near[1].0 + 1, last + 1),
-            (_, [(last, cells), (above, names), ..]) if are_units(cells) || distinct(names) > distinct(cells) => {
-                (above + 1, last + 1)
+            (_, filled)
+                if let Some(place) = filled.iter().position(|(_, cells)| are_units(cells))
+                    && let Some((names, _)) = filled.get(place + 1) =>
+            {
+                (names + 1, filled[place].0 + 1)
             }
+            (_, [(last, cells), (above, names), ..]) if distinct(names) > distinct(cells) => (above + 1, last + 1),
             (_, [(last, _), ..]) | (Some((last, _)), []) => (last + 1, 0),
             (None, _) => (0, 0),
         }

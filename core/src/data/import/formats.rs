@@ -22,7 +22,6 @@ use binary::Form;
 pub(super) use kinds::read_binary;
 pub(super) use nameless::nameless;
 
-/// The layout of the numbers below a header.
 #[derive(Debug)]
 pub(super) enum Layout {
     Rows(Rows),
@@ -48,7 +47,6 @@ pub(super) fn find(lines: &[&str]) -> Option<(&'static str, Layout)> {
     FORMATS.iter().find_map(|(name, find)| Some((*name, find(lines)?)))
 }
 
-/// The text behind a word up to one of some characters, without the blanks around it.
 fn text_after<'a>(line: &'a str, word: &str, ends: &[char]) -> Option<&'a str> {
     let place = line.to_ascii_lowercase().find(&word.to_ascii_lowercase())? + word.len();
     let text = line.get(place..)?.split(ends).next()?.trim();
@@ -66,7 +64,6 @@ fn field_width(line: &str) -> Option<usize> {
 /// Reads the header of the next series: from all lines so far that are no numbers. The last line may end it.
 pub(super) type Next = fn(&[String]) -> Option<Series>;
 
-/// A series, as its header describes it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Series {
     pub(super) name: String,
@@ -84,7 +81,6 @@ pub(super) struct Series {
 
 const MOST_LINES: usize = 1000;
 
-/// Series that are being read.
 #[derive(Debug)]
 pub(super) struct SeriesReader {
     next: Next,
@@ -183,7 +179,6 @@ impl SeriesReader {
         }
     }
 
-    /// The series as columns, at the times of the first one.
     pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
         let Self { all, loose, rows: read, lines: mut known, .. } = self;
         // Series that go on with each other have more rows than lines.

@@ -12,11 +12,10 @@ use crate::mathematics::lists::{mapped, places, sort_items};
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator.
-const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
+const OTHERS: &str = "other integrated reference setpoint target estimate predicted model temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
                       magnet compass current id uid tgf level accuracy gps altitude rssi snr";
 
-/// Words in names of columns that count the rows.
 const COUNTERS: &str =
     "record rn index sample samples scan frame row nr no n count counter seq seqnum sequence packet iteration loop id";
 
@@ -69,14 +68,13 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     if column.unit.as_deref().filter(of).is_some_and(|text| !is_letter(text)) {
         return Some(UNIT);
     }
-    (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some("its name says that it is something else")
+    let is_other = has_word(name, OTHERS) || has_word(name, "wind") && role != Some(Role::Input(InputKind::Force));
+    (Quantity::from_key(name).is_none() && is_other).then_some("its name says that it is something else")
 }
 
-/// Words in names of columns that name the channel of a row, and in those of the readings beside them.
 const CHANNELS: [&str; 2] =
     ["channel sensor signal topic measurement metric field variable parameter", "value reading payload"];
 
-/// The mean of a steady voltage, over its standard deviation.
 const STEADY: f64 = 20.0;
 
 /// The error of a file without times, with the reason why a column that is named so has none.
@@ -331,9 +329,9 @@ enum Role {
 
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
-/// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
+/// Words in names, in the order in which they are looked for. Those of one or two letters, and those behind a sign, must be whole.
 const WORDS: [(&str, Role); 8] = [
-    ("ground_acceleration ground base boden", Role::Input(InputKind::GroundAcceleration)),
+    ("ground_acceleration ground base boden suelo =sol =table", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
     ("force input load kraft excitation drive f u in v1", Role::Input(InputKind::Force)),
     (TIMES, Role::Time),
@@ -350,7 +348,6 @@ const NAMED: &str = "its name says so";
 const BY_UNIT: &str = "its unit says so";
 const BY_CLOCK: &str = "its cells are times of day";
 
-/// The meaning that name, unit or cells give a column, and the reason.
 fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if let Some(quantity) = Quantity::from_key(&column.name) {
         return Some((Role::Sensor(quantity), NAMED));
@@ -378,8 +375,23 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
         }
         _ => true,
     };
-    let named = [is_clock.then_some(Role::Time), named()].into_iter().flatten().find(|role| agrees(*role));
+    let of_code = || channel_code(&column.name).map(Role::Sensor);
+    let named = [is_clock.then_some(Role::Time), named(), of_code()].into_iter().flatten().find(|role| agrees(*role));
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
+}
+
+/// What a seismograph's channel reads, by the second letter of its code such as `HHZ`.
+///
+/// Source: FDSN, SEED reference manual 2.4, appendix A.
+pub(super) fn channel_code(name: &str) -> Option<Quantity> {
+    match name.rsplit([' ', '.', '_']).next()?.as_bytes() {
+        [b'B' | b'E' | b'H' | b'S', kind, b'Z' | b'N' | b'E' | b'1'..=b'3'] => match kind {
+            b'H' | b'L' => Some(Quantity::VELOCITY),
+            b'N' => Some(Quantity::ACCELERATION),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 pub(super) fn is_named_time(column: &Column) -> bool {
@@ -392,6 +404,7 @@ fn has_word(name: &str, words: &str) -> bool {
     // The A of `Channel A` is its label.
     let is_label = ["channel", "ch", "kanal", "sensor", "probe"].iter().any(|word| is_word(&lower, word));
     words.split(' ').any(|word| match word.len() {
+        _ if let Some(whole) = word.strip_prefix('=') => is_word(name, whole),
         1 => (!is_label || "xyz".contains(word)) && is_word(name, word),
         2 => is_word(name, word),
         3 => {
@@ -417,7 +430,6 @@ fn is_steady_voltage(column: &Column) -> bool {
     (is_voltage || has_word(&column.name, "volt")) && middle * middle > STEADY * STEADY * mean(&squares)
 }
 
-/// Whether a word of a name is this one, in small letters.
 fn is_word(name: &str, word: &str) -> bool {
     name.split(|c: char| !c.is_alphanumeric()).any(|part| part.to_lowercase() == word)
 }
@@ -444,7 +456,6 @@ pub(super) fn clocks(table: &Table) -> Vec<(usize, usize)> {
     if found.iter().any(|(_, clock)| *clock != found[0].1) { found } else { Vec::new() }
 }
 
-/// The times of a column \[s\], if they rise.
 pub(super) fn rises(table: &Table, place: usize) -> Option<Vec<f64>> {
     let column = &table.columns[place];
     let times = times::of(table, column, column.unit.as_deref().unwrap_or_default(), &mut Vec::new());

@@ -20,9 +20,18 @@ pub(super) struct Facts {
 }
 
 /// Words before the samples in a second, and before the time between samples.
-pub(super) const RATES: [&str; 7] =
-    ["sampling freq", "sampling rate", "sample rate", "sample freq", "samprate", "samples per second", "fs"];
-pub(super) const STEPS: [&str; 14] = [
+pub(super) const RATES: [&str; 9] = [
+    "sampling freq",
+    "sampling rate",
+    "sample rate",
+    "samplerate",
+    "sample freq",
+    "abtastrate",
+    "samprate",
+    "samples per second",
+    "fs",
+];
+pub(super) const STEPS: [&str; 15] = [
     "sampling interval",
     "sample interval",
     "sampling period",
@@ -31,6 +40,7 @@ pub(super) const STEPS: [&str; 14] = [
     "sampling step",
     "time step",
     "timestep",
+    "abtastzeit",
     "time interval",
     "intervals of",
     "spaced at",
@@ -53,7 +63,11 @@ impl Facts {
             .map(|line| {
                 line.split(',').fold(String::new(), |text, part| match text.chars().last() {
                     None => part.to_owned(),
-                    Some(last) => format!("{text}{}{part}", if last.is_ascii_digit() { '.' } else { ' ' }),
+                    // A number with a decimal point ends at a comma.
+                    Some(last) => {
+                        let is_whole = !text.rsplit([' ', ';']).next().is_some_and(|word| word.contains('.'));
+                        format!("{text}{}{part}", if is_whole && last.is_ascii_digit() { '.' } else { ' ' })
+                    }
                 })
             })
             .collect();
@@ -112,13 +126,16 @@ fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
         let end =
             rest[digit..].find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(rest.len() - digit);
         // A long number of a date behind another word is none.
-        (begin <= BETWEEN && !rest[..begin].contains(';') && number > 0.0)
+        (begin <= BETWEEN && (!rest[..begin].contains(';') || begin == 1) && number > 0.0)
             .then(|| (number, format!("{} {}", &rest[..begin], &rest[digit + end..])))
     })
 }
 
-/// The number in `100 sps` and `50 samples/s`.
+/// The number in `100 sps` and `50 samples/s`, and that in the header of a GSE file behind form and number of the samples.
 fn number_before_rate(line: &str) -> Option<(f64, String)> {
+    if line.starts_with("wid2 ") {
+        return Some((line.split_whitespace().skip_while(|word| *word != "int").nth(2)?.parse().ok()?, String::new()));
+    }
     let place = ["sps", "samples/s", "samples per s", "samples / s"].iter().find_map(|word| line.find(word))?;
     let rate = line[..place].split_whitespace().next_back()?.parse().ok().filter(|rate| *rate > 0.0)?;
     Some((rate, String::new()))

@@ -18,7 +18,6 @@ pub struct Sentinel {
 /// The least distance of a sentinel from all other numbers, over their range: of a usual one and of any other number.
 const FAR: [f64; 2] = [3.0, 30.0];
 
-/// The fewest cells that have an unusual sentinel.
 const FEWEST: usize = 3;
 
 #[derive(Clone, Copy)]
@@ -26,7 +25,6 @@ struct End {
     value: f64,
     count: usize,
     row: usize,
-    /// The next number towards the other end.
     next: f64,
 }
 
@@ -66,7 +64,6 @@ impl Table {
     }
 }
 
-/// The lowest number for a sign of 1, the highest for -1.
 fn end(values: &[f64], sign: f64) -> Option<End> {
     let mut end: Option<End> = None;
     for (row, &value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {

@@ -126,10 +126,8 @@ impl OwnTimes {
     }
 }
 
-/// Two clocks that differ by less than this share of a step tell the same times.
 const SAME: f64 = 1e-3;
 
-/// Clocks that differ by a larger factor have other units.
 const UNITS: f64 = 10.0;
 
 pub(super) struct OneClock {
@@ -210,7 +208,6 @@ pub(super) fn on_one_clock(
     Ok(Some(OneClock { timing: Timing::of_steps(steps), own, is_even }))
 }
 
-/// Whether two columns tell the same times, maybe in other units.
 fn is_same(table: &Table, one: usize, other: usize) -> bool {
     if one == other {
         return true;

@@ -7,7 +7,6 @@ use super::table::RowsReader;
 use super::{Dialect, Encoding, Hash, ImportError, Table};
 use crate::data::task::Task;
 
-/// Limits the bytes that are looked at to find the dialect.
 const LOOK: usize = 65_536;
 
 const SLICE: usize = 256;
@@ -96,7 +95,6 @@ impl Reader {
         Ok(self.place >= self.bytes.len())
     }
 
-    /// The columns of a file as they are, without cures of its times.
     pub(super) fn read(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
         let mut reader = Self::new(bytes, dialect)?;
         while !reader.advance(&mut || true)? {}

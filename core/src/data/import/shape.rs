@@ -49,7 +49,6 @@ pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(St
     })
 }
 
-/// How much a column moves, but for what differs from row to row without a rule.
 pub(super) fn liveliness(values: &[f64]) -> f64 {
     let [_, one, two] = covariances(values);
     one.max(two.abs())
@@ -61,7 +60,6 @@ pub(super) fn is_noise(values: &[f64]) -> bool {
     one.max(two.abs()) < 0.3 * own
 }
 
-/// Those of a column with itself, the next row and the one after.
 fn covariances(values: &[f64]) -> [f64; 3] {
     let there: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     let count = there.len().max(1) as f64;
@@ -81,7 +79,6 @@ pub(super) fn are_axes(one: &str, other: &str) -> bool {
     differ.next().is_none() && (is_index || pair.iter().all(|c| ('x'..='z').contains(c)))
 }
 
-/// A name without case, blanks and signs.
 pub(super) fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }

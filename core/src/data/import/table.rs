@@ -251,7 +251,6 @@ pub(super) struct RowsReader {
     doubtful: Odd,
 }
 
-/// Rows that are not as expected: the first line, and how many there are.
 #[derive(Debug, Default)]
 struct Odd {
     first: usize,
@@ -274,6 +273,9 @@ impl Odd {
         }
     }
 }
+
+/// The fewest rows of numbers above a line that may be their summary.
+const SUMMED: usize = 20;
 
 impl RowsReader {
     /// The columns of some rows in a file of some length that begins with some lines.
@@ -318,7 +320,14 @@ impl RowsReader {
             return;
         }
         let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Found::Text;
-        if columns.len() > 1 && trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
+        // Behind numbers a summary has words in their place.
+        let is_sum = columns.first().is_some_and(|first| first.text.is_none() && first.values.len() > SUMMED)
+            && belongs.first() == Some(&true)
+            && dialect.delimiter.cells(row).next().is_some_and(|cell| !cell.is_empty() && is_word(cell));
+        if columns.len() > 1
+            && trimmed.trim_start_matches('*').trim_start().starts_with(char::is_alphabetic)
+            && (is_sum || dialect.delimiter.cells(row).all(is_word))
+        {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
             *rate = rate.or(stated_rate(&[trimmed]));
             // Their axes are in g.

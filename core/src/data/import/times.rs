@@ -29,7 +29,6 @@ const CLOCKS: [(&str, f64, f64); 9] = [
     ("Julian days", DAY, 2_440_587.5 * DAY),
 ];
 
-/// The steps that a record of a motion may have \[s\].
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
 /// Steps without a unit are seconds up to here, and up to there the user is asked about them; longer ones have a smaller unit \[s\].
@@ -161,15 +160,12 @@ const CLOSE: f64 = 0.5;
 /// Equally spaced times, and the rows that they come from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Timing {
-    /// The first time \[s\].
     pub(super) start: f64,
-    /// Time between samples \[s\].
     pub(super) dt: f64,
     pub(super) samples: usize,
     pub(super) places: Places,
     /// The largest error of a time, as a share of the step.
     worst: f64,
-    /// Whether such an error is one of rounding.
     is_rounded: bool,
     pub(super) remark: Option<String>,
     pub(super) gaps: Option<String>,
@@ -177,7 +173,6 @@ pub(super) struct Timing {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Places {
-    /// Row k is sample k.
     Rows,
     /// The sample of each row; samples between have none.
     Gaps(Vec<usize>),
@@ -321,7 +316,6 @@ impl Timing {
     }
 }
 
-/// What helps where times do not rise.
 fn way(times: &[f64]) -> String {
     let still = times.windows(2).filter(|pair| pair[1] == pair[0]).count();
     if 3 * still < times.len() || times.windows(2).any(|pair| pair[1] < pair[0]) {
@@ -362,7 +356,6 @@ fn resolution(times: &[f64]) -> f64 {
     (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
 }
 
-/// A number to six digits.
 fn told(dt: f64) -> f64 {
     format!("{dt:.5e}").parse().unwrap_or(dt)
 }

@@ -10,7 +10,6 @@ use crate::{Estimates, FilterSettings};
 #[derive(Default)]
 pub(super) struct Smoothing {
     estimates: Vec<Estimates>,
-    /// The smoother of each of the estimates; `None` once it has no more to do.
     smoothers: Vec<Option<Box<dyn Smoother>>>,
     is_complete: bool,
 }

@@ -58,6 +58,8 @@ pub static CAUSES: &[&Cause] = &[
     &noise::COMMON_NOISE,
     &plant::UNEVEN_SPRING,
     &plant::DAMPING_OF_SWING,
+    &plant::SWINGING_STIFFNESS,
+    &plant::CREEP,
 ];
 
 /// What is tried on a filter with a good verdict: other models of as many numbers, whose innovations may be white too.

@@ -77,9 +77,7 @@ impl SensorInnovations {
 /// The innovations of two sensors against each other.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
-    /// Their places among the sensors.
     pub(crate) places: [usize; 2],
-    /// The number of samples in which both are measured.
     pub(crate) count: f64,
     /// `r_l = Σ ν_k μ_(k - l) / √(Σ ν² Σ μ²)` at the lags 0 to 20 of the second sensor's μ before the first one's ν, and the other way
     /// round.
@@ -220,7 +218,6 @@ impl Sums {
     }
 }
 
-/// ν in correlations; 0 where nothing was measured.
 fn limited(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
 }
@@ -228,11 +225,9 @@ fn limited(value: f64) -> f64 {
 /// The samples before a granule that its products with the input reach back to.
 const INPUT_BEFORE: usize = CROSS_LAGS - 1 - AFTER;
 
-/// The input of a window \[m/s²\].
 #[derive(Clone, Copy)]
 struct Input<'a> {
     values: &'a [f64],
-    /// The number of the first sample.
     first: usize,
     mean: f64,
     limit: f64,

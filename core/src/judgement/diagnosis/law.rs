@@ -30,7 +30,6 @@ const MARGIN: f64 = 0.05;
 /// The frequencies that are tried within one cycle a record.
 const FINE: f64 = 4.0;
 
-/// Samples that are smoothed between two checks of the time.
 const CHUNK: usize = 100;
 
 /// The smoothed unknown force of a filter, computed in slices of time: the filter's own estimate comes late.

@@ -70,7 +70,6 @@ impl Periodogram {
         all.into_iter().map(mean).collect()
     }
 
-    /// The mean of all powers; NaN where the series is too short.
     pub(crate) fn mean(&self) -> f64 {
         self.power.iter().sum::<f64>() / self.power.len() as f64
     }
@@ -86,7 +85,6 @@ impl Periodogram {
     }
 }
 
-/// The powers of a window, for each two series at each frequency.
 type Powers = Vec<Vec<[f64; 2]>>;
 
 #[derive(Debug)]
@@ -94,7 +92,6 @@ struct WelchWindows {
     length: usize,
     transform: Transform,
     weights: Vec<f64>,
-    /// One over the sum of the squares of the weights.
     scale: f64,
     buffer: Vec<(f64, f64)>,
 }

@@ -31,6 +31,10 @@ impl Remedy {
         std::iter::once(&self.first).chain(&self.then)
     }
 
+    pub(super) fn changes_plant(&self) -> bool {
+        self.first.edits.iter().any(|edit| edit.inner() == "plant")
+    }
+
     pub(super) fn causes_mut(&mut self) -> impl Iterator<Item = &mut LikelyCause> {
         std::iter::once(&mut self.first).chain(&mut self.then)
     }
@@ -156,7 +160,6 @@ impl Trials {
     }
 }
 
-/// The order of two remedies with their ranks, the later one first.
 pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::Ordering {
     // A remedy that ends in a good verdict comes before one that is only likelier.
     let key = |(remedy, rank): (&Remedy, f64)| (remedy.precedence(), rank, remedy.first.weight);

@@ -24,7 +24,6 @@ const STEPS: usize = 4;
 /// Limits the filters on which causes are tried, with the first one: each takes some thirty runs over the window.
 const FILTERS: usize = 6;
 
-/// The share of the search before needless causes are left out.
 const NEARLY: f64 = 0.99;
 
 const UNKNOWN_FORCE: &str = "unknown_force";
@@ -117,6 +116,13 @@ impl Search {
             let causes = remedies.iter_mut().flat_map(Remedy::causes_mut);
             let forces = causes.filter(|likely| likely.cause.key == UNKNOWN_FORCE);
             forces.for_each(|likely| likely.sentence = format!("{}; {}", likely.sentence, law.text));
+        }
+        if let Some(first) = remedies.first_mut().filter(|remedy| remedy.changes_plant()) {
+            let key = first.first.cause.key;
+            let plants = self.alone.iter().map(|ranked| &ranked.remedy).filter(|one| one.changes_plant());
+            for other in plants.filter(|one| one.first.cause.key != key).take(2) {
+                first.first.sentence += &format!("; or {} (a gain of {:.0})", other.first.sentence, other.gain);
+            }
         }
         remedies
     }
@@ -387,7 +393,7 @@ impl Path {
             let mut step = step.clone();
             let augment = &path.scenario.filters.first()?.augment;
             let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
-            let is_list = |edit: &&mut Edit| edit.key.ends_with(&format!(".{AUGMENT}"));
+            let is_list = |edit: &&mut Edit| edit.inner() == AUGMENT;
             step.likely.edits.iter_mut().filter(is_list).for_each(|edit| edit.value = keys.clone().into());
             path.scenario = Edit::apply_all(&step.likely.edits, &path.scenario).ok()?;
             path.steps.push(step);

@@ -21,7 +21,6 @@ pub struct Verdict {
 
 const ENOUGH: u32 = 20;
 
-/// Limits the pieces of evidence in a sentence.
 const MOST: usize = 3;
 
 impl fmt::Display for Verdict {

@@ -55,7 +55,6 @@ impl Change {
     }
 }
 
-/// Whether a signal moves within a record of this length \[s\].
 fn moves(signal: &Signal, duration: f64) -> bool {
     match *signal {
         Signal::Constant(_) => false,

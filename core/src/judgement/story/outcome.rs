@@ -31,7 +31,6 @@ const LOOKS: usize = 100;
 /// is then that about the line.
 const LEAST_BEHIND: f64 = 0.5;
 
-/// Limits the further parameters of a record without a truth.
 const OTHERS: usize = 2;
 
 pub(super) struct Outcome<'a> {
@@ -39,19 +38,16 @@ pub(super) struct Outcome<'a> {
     pub(super) name: &'a str,
     pub(super) kind: Option<VerdictKind>,
     undetermined: Vec<Channel>,
-    /// The parameter that the sentence is about, if the filter estimates one.
     pub(super) main: Option<Main>,
     others: Vec<Main>,
     /// The first parameter whose last error is outside its ±2σ band.
     outside: Option<Channel>,
-    /// Why and when the filter stopped \[s\], if it did.
     stop: Option<(Stop, f64)>,
     /// The angle by which the motion turns in a step, where that is so far that the band of a parameter comes out too narrow \[°\].
     long_steps: Option<u8>,
     /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
     is_settling: bool,
-    /// The time of the last sample \[s\].
     now: f64,
     is_whole: bool,
 }
@@ -133,7 +129,6 @@ impl<'a> Outcome<'a> {
         self.is_settling || self.outside.is_some() && !is_surely_wrong
     }
 
-    /// Whether all that speaks against it is an error that is outside its band at the end.
     pub(super) fn ends_outside(&self) -> bool {
         self.kind.is_some_and(VerdictKind::is_good) && self.outside.is_some() && self.long_steps.is_none()
     }

@@ -29,7 +29,6 @@ pub(super) fn has_input(run: &Run) -> bool {
     run.record().input().iter().any(|input| *input != 0.0)
 }
 
-/// Two bands that differ by less than this factor are equally wide.
 const NARROWER: f64 = 1.1;
 
 /// Which of some filters to believe; nothing before there are verdicts. `told` limits the filters that the story has told of.
@@ -116,10 +115,8 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     Some(text.say(", with a probability of ").result(certainty).say(".").done())
 }
 
-/// Two errors that differ by less than this factor are equally large.
 const EQUAL: f64 = 1.05;
 
-/// Limits the filters that are compared.
 const MOST: usize = 2;
 
 pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Option<Vec<Phrase>> {

@@ -14,7 +14,6 @@ use crate::{Channel, Hold, Quantity, Record, Scenario};
 pub(super) struct Sizes {
     /// s \[m/s²\]
     force: f64,
-    /// In the sensors' order and units.
     noise: Vec<f64>,
     hold: Hold,
 }
@@ -46,7 +45,7 @@ impl Ambient {
         let left_out = suggestion.felt_twice();
         left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
         let sizes = suggestion.ambient(record)?;
-        suggestion.is_guessed = true;
+        suggestion.problem = None;
         suggestion.substeps(record.dt(), None);
         let climb = Climb::new(1 + suggestion.scenario.sensors.len());
         Some(Self { suggestion, sizes, climb, left_out, held: None })
@@ -181,7 +180,6 @@ struct AmbientFit {
     found: Response,
     /// s, the standard deviation of the force over mass at a sample \[m/s²\].
     force: f64,
-    /// The standard deviation of the sensor's noise, in its unit.
     noise: f64,
     /// The standard errors of ωₙ and ζ, relative to them.
     errors: [f64; 2],
@@ -262,9 +260,7 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
 
 struct Lines<'a> {
     first: f64,
-    /// From a line to the next \[rad/s\].
     line: f64,
-    /// Time between samples \[s\].
     dt: f64,
     /// The number of times that a displacement is differentiated to give the measured quantity.
     order: i32,

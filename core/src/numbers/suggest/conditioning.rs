@@ -64,14 +64,12 @@ impl Suggestion {
 
 /// Limits the samples of a record that is filled; longer ones have windows enough between their gaps.
 const MOST: usize = 1 << 18;
-/// The share of the readings that must be there.
 const THERE: f64 = 0.75;
 /// The process noise of the filter, as a share of the motion's size a step.
 pub(super) const FILLING: f64 = 1e-3;
 /// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;
 
-/// The places of a record's lost readings, sensor by sensor.
 #[derive(Clone, Debug)]
 pub(super) struct Lost(Vec<Vec<usize>>);
 
@@ -88,7 +86,6 @@ impl Lost {
         (record.len() <= MOST && lost.iter().any(|lost| !lost.is_empty())).then_some(Self(lost))
     }
 
-    /// The share of a sensor's readings that are not lost.
     pub(super) fn there(&self, sensor: usize, samples: usize) -> f64 {
         let lost = self.0.get(sensor).map_or(0, Vec::len);
         1.0 - lost as f64 / samples.max(1) as f64
@@ -138,7 +135,6 @@ impl Lost {
 
 pub(super) struct Plucked {
     pub(super) whole: Record,
-    /// When the later parts begin \[s\].
     times: Vec<f64>,
     /// The largest reading of all over that of the longest part.
     growth: f64,
@@ -199,7 +195,6 @@ impl Plucked {
     }
 }
 
-/// The course of an input between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Course {
     Linear,
@@ -207,7 +202,6 @@ pub(super) enum Course {
     BandLimited,
 }
 
-/// Steps in place of one, for a band-limited input.
 const STEPS: usize = 4;
 
 const TRIED: usize = 2048;
@@ -258,7 +252,6 @@ impl Course {
 pub(super) struct Between {
     place: usize,
     part: Option<Record>,
-    /// The number of readings in the likeliest trial of each course.
     readings: [Likeliest<u32>; 3],
 }
 

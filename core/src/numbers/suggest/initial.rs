@@ -13,7 +13,6 @@ use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Q
 pub(super) const LOOSE: f64 = 30.0;
 
 impl Suggestion {
-    /// Lets every filter begin with an oscillator that `quantity` shows, for this reason.
     pub(super) fn begin_at(&mut self, record: &mut Record, quantity: Quantity, found: &Response, reason: &str) {
         let Response { natural_frequency, damping_ratio, gain } = *found;
         let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
@@ -181,7 +180,6 @@ const AGAIN: usize = 4;
 /// The motion's process noise per step in a trial, as a share of its size: a parameter that is wrong must not stop the filter.
 const SHARE: f64 = 1e-3;
 
-/// The parameters of a linear oscillator that spectra give.
 const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 /// Prime numbers; their square roots spread points evenly in as many dimensions.
@@ -235,7 +233,7 @@ impl Search {
         let settings = equation.settings();
         let range = |channel: &Channel| {
             let usual = channel.usual();
-            if TOLD.contains(channel) && suggestion.is_guessed {
+            if TOLD.contains(channel) && suggestion.problem.is_none() {
                 let told = filter.initial_mean[*channel];
                 return (told / 4.0, 4.0 * told, 0.0);
             }
@@ -325,7 +323,6 @@ impl Search {
         self.channels.iter().map(end).collect()
     }
 
-    /// Says that nothing is searched, because the record has no input.
     pub(super) fn give_up(self, suggestion: &mut Suggestion) {
         suggestion.reasons.push(format!(
             "{} begin with the guesses of the equation: without an input no start values of its parameters are searched",

@@ -5,13 +5,10 @@ use std::ops::Range;
 use crate::mathematics::lists::numbers;
 use crate::{Channel, FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
-/// The samples that the free run covers.
 const FREE: usize = 16_384;
 
-/// The samples of a trial between two checks of the clock.
 const CHUNK: usize = 200;
 
-/// A trial under way.
 #[derive(Default)]
 pub(super) struct Trial {
     run: Option<Run>,
@@ -75,7 +72,6 @@ fn begin_freely(run: &Run) -> Option<Running> {
     Some(model.running(record, 0..record.len()))
 }
 
-/// The error of a free run for each of the scenario's sensors, if the model has not run away.
 fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
     let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
     let errors = run.scenario().sensors.iter().map(of).collect::<Option<Vec<f64>>>();
@@ -171,7 +167,6 @@ const MOST: usize = 48;
 const FAR: f64 = 1e9;
 
 impl Climb {
-    /// Before the first trial, which leaves the sizes unchanged.
     pub(super) fn new(sizes: usize) -> Self {
         Self { found: Likeliest::new(), sizes, round: 0, size: 0, is_down: false, has_moved: false }
     }
@@ -180,7 +175,6 @@ impl Climb {
         self.found.best.as_ref().map_or_else(|| vec![1.0; self.sizes], |(factors, _)| factors.clone())
     }
 
-    /// The factors of the next trial. `None` if nothing is left to try.
     pub(super) fn next(&self) -> Option<Vec<f64>> {
         let mut factors = self.factors();
         if self.found.trials > 0 {

@@ -12,7 +12,6 @@ use crate::mathematics::least_squares::NormalEquations;
 use crate::mathematics::lists::{numbers, sort_numbers};
 use crate::{Aspect, Hold, Quantity, Record};
 
-/// An oscillator, identified from its frequency response.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     /// ωₙ \[rad/s\]
@@ -51,9 +50,7 @@ struct Point {
     frequency: f64,
     /// The response as that of a displacement, the hold taken out.
     response: (f64, f64),
-    /// The response's square over its variance.
     weight: f64,
-    /// The power that the input explains in the measurement.
     explained: f64,
     /// The power of the measurement over that of a displacement.
     scale: f64,
@@ -144,7 +141,6 @@ pub(super) fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
     band.is_none_or(|[low, high]| (low..=high).contains(&(frequency / TAU)))
 }
 
-/// The part of the explained power that an oscillator leaves unexplained.
 fn misfit(points: &[Point], found: &Response) -> f64 {
     let (wn, gain) = (found.natural_frequency, found.gain.unwrap_or(1.0));
     let error = |point: &Point| {

@@ -8,9 +8,7 @@ use crate::data::record::Timed;
 use crate::mathematics::fourier::Transform;
 use crate::mathematics::lists::sort_numbers;
 
-/// Limits the length of a window for a noise floor.
 pub(super) const SHORT: usize = 256;
-/// Limits the length of a window for a resonance.
 pub(super) const LONG: usize = 8192;
 const SHORTEST: usize = 32;
 /// The number of windows at least, which overlap by half.
@@ -22,7 +20,6 @@ const FLOOR: [f64; 2] = [0.75, 0.96];
 const FLOOR_BELOW: [f64; 2] = [0.6, 0.85];
 /// Limits a gap that is filled by a straight line, in samples.
 const LINE: usize = 3;
-/// The least share of a window's power weights that must be measured.
 const THERE: f64 = 0.75;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +134,6 @@ impl Spectra {
         0.5 * (self.windows as f64 + 1.0)
     }
 
-    /// The frequency at a place \[rad/s\].
     pub(super) fn frequency(&self, place: usize) -> f64 {
         TAU * place as f64 / (self.length as f64 * self.dt)
     }
@@ -151,9 +147,7 @@ impl Spectra {
 
     /// The least power of an input that is one: a share of the median power of the frequencies that have nearly all of it.
     pub(super) fn least_input(&self) -> f64 {
-        /// The share of the power in the input's band.
         const BAND: f64 = 0.99;
-        /// The least power, over the median of the band.
         const LEAST: f64 = 1e-3;
         let mut powers = self.input.clone();
         sort_numbers(&mut powers);
@@ -172,7 +166,6 @@ impl Spectra {
         self.output.len()
     }
 
-    /// The share of the output's power that the input explains, from 0 to 1.
     pub(super) fn coherence(&self, place: usize) -> f64 {
         let (re, im) = self.cross[place];
         let product = self.input[place] * self.output[place];
@@ -209,7 +202,6 @@ fn bridge(values: &mut [f64]) {
     }
 }
 
-/// The first samples of the windows of a length, overlapping by half, in which nothing is missing.
 fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
     let (mut begins, mut begin) = (Vec::new(), 0);
     for (k, value) in values.iter().enumerate() {
@@ -237,7 +229,6 @@ const READINGS: usize = 8;
 
 const FEWEST: usize = 30;
 
-/// The median of the size of a standard normal number.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// The standard deviation of the noise in some readings, by divided differences over their times; `None` if there are too few.

@@ -45,7 +45,6 @@ pub struct Suggest {
     searches: Vec<Search>,
     between: Option<Between>,
     course: Option<(Course, Option<String>)>,
-    /// Each share with its log likelihood and the sizes of its innovations.
     likelihoods: Vec<(f64, f64, Vec<f64>)>,
     /// The suggestion before R was that of the innovations, with its share and log likelihood.
     quieter: Option<(Suggestion, f64, f64)>,
@@ -57,17 +56,12 @@ pub struct Suggest {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Noise, guess and spread are read from the spectra.
     Data,
     /// A filter with these fills the gaps, and they are read again.
     Gaps,
-    /// The likelihood from other start values of an equation's parameters.
     Search,
-    /// The likelihood with other courses of the input between samples.
     Between,
-    /// The likelihood with one of the shares.
     Likelihood(usize),
-    /// The likelihood with a white force, where there is no input.
     WhiteForce,
     FreeRun,
     /// The free run of the model with larger R and no Q.
@@ -80,7 +74,7 @@ impl Suggest {
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let (longest, plucked) = Plucked::of(&record).unzip();
         Self {
-            suggestion: Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true },
+            suggestion: Suggestion::new(scenario.clone()),
             record: longest.unwrap_or(record),
             plucked,
             stage: Stage::Data,
@@ -115,7 +109,10 @@ impl Suggest {
         let decay = self.suggestion.motion(&mut self.record, steps);
         self.suggestion.substeps(self.record.dt() / steps as f64, None);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
-            Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
+            Ambient::new(
+                Suggestion { reasons: before.reasons, replaceable: before.replaceable, ..self.suggestion.clone() },
+                &mut self.record,
+            )
         });
         if let Some(record) = as_it_is {
             self.record = record;
@@ -195,7 +192,7 @@ impl Suggest {
             return Stage::Likelihood(0);
         }
         let before = self.quieter.take();
-        let is_open = self.suggestion.is_guessed && !has_no_input(&self.record);
+        let is_open = self.suggestion.problem.is_none() && !has_no_input(&self.record);
         match (before.filter(|(.., before)| likelihood < before + BETTER), best) {
             (Some((suggestion, share, _)), _) => {
                 self.suggestion = suggestion;
@@ -247,14 +244,14 @@ impl Task for Suggest {
     }
 
     fn finish(mut self) -> Suggestion {
-        self.suggestion.reasons.extend(self.course.and_then(|(_, sentence)| sentence));
+        let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
+        self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
         self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
         self.suggestion
     }
 }
 
 impl Suggest {
-    /// Follows the stage, and returns the next one. `None` while a trial is under way.
     fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Stage> {
         Some(match self.stage {
             Stage::Data => {
@@ -269,7 +266,7 @@ impl Suggest {
                     self.between = Between::of(&record, &given.scenario);
                 }
                 // Without a guess, no filter can know the motion in a gap.
-                let can_fill = self.suggestion.is_guessed && self.suggestion.has_frequency();
+                let can_fill = self.suggestion.problem.is_none() && self.suggestion.has_frequency();
                 self.lost = Lost::of(&record).filter(|_| can_fill);
                 self.given = Some((record, given));
                 match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
@@ -338,7 +335,7 @@ impl Suggest {
                     }
                 }
                 // The errors of a default guess are no noise.
-                self.errors = errors.filter(|_| self.suggestion.is_guessed).unwrap_or_default();
+                self.errors = errors.filter(|_| self.suggestion.problem.is_none()).unwrap_or_default();
                 if self.errors.is_empty() { Stage::Done } else { Stage::ModelError }
             }
             Stage::ModelError => {

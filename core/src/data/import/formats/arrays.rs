@@ -10,7 +10,6 @@ use super::super::{Column, ImportError, Mapping, Table};
 use super::binary::{Form, Room, whole};
 use super::unpack::{entries, list};
 
-/// The arrays of a file.
 #[derive(Default)]
 pub(super) struct Arrays {
     all: Vec<Vec<Column>>,

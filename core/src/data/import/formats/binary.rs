@@ -52,7 +52,6 @@ impl Form {
         }
     }
 
-    /// Numbers one behind the other, or the reason why there are none.
     pub(super) fn numbers(self, bytes: &[u8], room: &mut Room) -> Result<Vec<f64>, String> {
         match (self.kind, self.size) {
             ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) => {}

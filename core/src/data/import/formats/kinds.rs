@@ -27,7 +27,7 @@ const SEISMOGRAM: Way =
 /// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
 type Kind = (&'static str, fn(&[u8]) -> bool, Way);
 
-const KINDS: [Kind; 49] = [
+const KINDS: [Kind; 53] = [
     ("a sound", |b| b.starts_with(b"RIFF") && has(b, 8, b"WAVE"), Read(|b, _| sound::table(b))),
     ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
     ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
@@ -52,6 +52,10 @@ const KINDS: [Kind; 49] = [
     ("a Parquet file", |b| b.starts_with(b"PAR1"), FRAME),
     ("a Feather or Arrow file", |b| b.starts_with(b"ARROW1\0\0") || b.starts_with(b"FEA1"), FRAME),
     ("a pickle of Python", |b| b[0] == 0x80 && b.len() > 3 && (2..6).contains(&b[1]) && b.ends_with(b"."), FRAME),
+    ("an Avro file", |b| b.starts_with(b"Obj\x01"), FRAME),
+    ("a file of Stata", |b| b.starts_with(b"<stata_dta>") || has(b, 1, b"\x02\x01\0") && b[0] > 0x70, FRAME),
+    ("JSON", |b| [&b"{\""[..], b"[{", b"[["].iter().any(|mark| b.trim_ascii_start().starts_with(mark)), FRAME),
+    ("a GSE seismogram in packed form", |b| b[..b.len().min(800)].windows(5).any(|w| w == b" CM6 "), SEISMOGRAM),
     ("an SQLite database", |b| b.starts_with(b"SQLite format 3\0"), Refuse("write its table as CSV (sqlite3 -csv)")),
     ("a bag of ROS", |b| b.starts_with(b"#ROSBAG V"), TOPICS),
     ("an MCAP file", |b| b.starts_with(b"\x89MCAP0\r\n"), TOPICS),
@@ -140,7 +144,8 @@ fn is_seed(bytes: &[u8]) -> bool {
 
 /// A card of 3200 letters, in EBCDIC or ASCII, and the number of the sample format behind it.
 fn is_segy(bytes: &[u8]) -> bool {
-    let is_card = bytes.starts_with(b"\xC3\x40\xF1") || bytes.starts_with(b"C 1") || bytes.starts_with(b"C01");
+    let is_empty = bytes.len() > 3600 && bytes[..3200].iter().all(|byte| *byte == bytes[0]);
+    let is_card = is_empty || [&b"\xC3\x40\xF1"[..], b"C 1", b"C01"].iter().any(|mark| bytes.starts_with(mark));
     is_card && [false, true].iter().any(|big| whole(bytes, 3224, 2, *big).is_some_and(|k| (1..=16).contains(&k)))
 }
 

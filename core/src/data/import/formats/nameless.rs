@@ -2,9 +2,11 @@
 
 use super::super::Dialect;
 use super::super::error::MOST_COLUMNS;
+use super::super::guess::channel_code;
 use super::super::header::Facts;
 use super::super::table::Rows;
 use super::super::unit::{Dimension, unit};
+use crate::Quantity;
 use crate::mathematics::lists::{mapped, numbers};
 
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
@@ -13,7 +15,8 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let cells = |line: &&str| -> Vec<f64> {
         dialect.delimiter.cells(line).map(|cell| dialect.decimal.number(cell).unwrap_or(f64::NAN)).collect()
     };
-    let body: Vec<Vec<f64>> = body.iter().filter(|line| !line.trim().is_empty()).take(1000).map(cells).collect();
+    let rows_of = body.iter().filter(|line| !line.trim().is_empty()).take_while(|line| !is_title_of_next(line));
+    let body: Vec<Vec<f64>> = rows_of.take(1000).map(cells).collect();
     let name = dialect.names.checked_sub(1).and_then(|place| header.get(place)).map(|line| line.trim());
     // A line of words with a number among them, or a key and its value, names no columns.
     let is_title = |line: &str| {
@@ -50,6 +53,11 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
             .into_iter()
             .find(|kind| header.iter().any(|line| line.to_lowercase().contains(&kind[..5]))),
     };
+    // Seismic Handler writes the letters of a channel's code apart.
+    let letter = |key: &str| header.iter().find_map(|line| line.strip_prefix(key)).map(str::trim);
+    let apart_code: String = ["CHAN1:", "CHAN2:", "COMP:"].into_iter().filter_map(letter).collect();
+    let codes = || header.iter().flat_map(|line| line.split_whitespace()).chain([apart_code.as_str()]);
+    let kind = kind.or_else(|| codes().find_map(channel_code).map(Quantity::key));
     let said = [
         facts.step.map(|step| format!("a step of {step} s")),
         facts.unit.as_ref().map(|unit| format!("the unit {unit}")),

@@ -32,7 +32,6 @@ pub(super) fn has_entry(bytes: &[u8], is: fn(&str) -> bool) -> bool {
 
 pub(super) struct Entry<'a> {
     pub(super) name: String,
-    /// Its part of the directory.
     head: &'a [u8],
     packed: &'a [u8],
 }
@@ -113,7 +112,6 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
     Ok(table)
 }
 
-/// Some words in one line, and the number of those that would be too many.
 pub(super) fn list(words: &[String]) -> String {
     const MOST: usize = 8;
     let more = words.len().saturating_sub(MOST);

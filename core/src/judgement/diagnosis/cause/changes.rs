@@ -90,7 +90,6 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-/// The tried random walks over the record, relative to the parameters.
 const WALKS: [f64; 2] = [0.05, 0.3];
 
 const SINGLY: usize = 4;
@@ -134,7 +133,6 @@ fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> O
 
 const WIDER: f64 = 5.0;
 
-/// σ of a guess that was taken for certain, relative to it.
 const OPEN: f64 = 0.3;
 
 /// A guess is far off where it differs by more than this share from the measured frequency, which is spread by that share.

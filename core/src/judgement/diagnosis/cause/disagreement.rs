@@ -231,7 +231,6 @@ struct Agreement {
     /// The factor of the change on the integral: 1 if both are right.
     factor: f64,
     std: f64,
-    /// The time by which the rate is late, in samples.
     late: f64,
     late_std: f64,
 }
@@ -304,7 +303,6 @@ fn roughness(readings: &[f64]) -> f64 {
     if count > 0.0 { (sum / (6.0 * count)).sqrt() } else { f64::INFINITY }
 }
 
-/// The integral of a rate up to each sample; its missing readings count as those before them.
 fn integral(rates: &[f64], dt: f64) -> Vec<f64> {
     let mut last = rates.iter().copied().find(|rate| !rate.is_nan()).unwrap_or(0.0);
     let mut sum = 0.0;

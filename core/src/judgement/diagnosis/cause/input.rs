@@ -8,7 +8,6 @@ use crate::data::setting::Edit;
 use crate::judgement::words::short;
 use crate::{Channel, Hold, Quantity};
 
-/// Limits the tried delays, in samples.
 const MOST: i32 = 3;
 
 pub(super) static INPUT_DELAY: Cause = Cause {

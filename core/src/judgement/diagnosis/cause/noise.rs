@@ -10,7 +10,6 @@ use crate::judgement::words::short;
 use crate::mathematics::lists::{mapped, numbers, places};
 use crate::{Channel, FilterSettings, Quantity, VerdictKind};
 
-/// Smaller factors on a variance are not worth a trial.
 const TOLERANCE: f64 = 1.15;
 
 /// Limits the factors on a variance that may come first: a larger one silences the sensor.
@@ -225,7 +224,6 @@ fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
     }
 }
 
-/// The edits that make the process noise of the velocity that of a white force. `None` if it is one, or there is none.
 fn with_white_force(bad: &BadFilter<'_>) -> Option<Vec<Edit>> {
     let (velocity, white) = (Channel::VELOCITY, Channel::WHITE_FORCE);
     let std = bad.filter.process_std[velocity];
@@ -344,7 +342,6 @@ fn wind_up(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCau
     found.push(LikelyCause { certain: weight > 0.0, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
 }
 
-/// The least effective sample size of a sound sample.
 const FEW: f64 = 3.0;
 
 const MOST_PARTICLES: usize = 20_000;

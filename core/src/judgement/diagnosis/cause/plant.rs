@@ -131,9 +131,7 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
 }
 
 struct Oscillator {
-    /// ωₙ of the initial mean \[rad/s\].
     frequency: f64,
-    /// The root mean square of the displacement \[m\].
     size: f64,
 }
 
@@ -177,9 +175,7 @@ struct Term {
     /// The term, with `@` for the speed below which friction is less than whole.
     term: &'static str,
     key: &'static str,
-    /// The parameter's name, unit and sign.
     parameter: [&'static str; 3],
-    /// Its initial mean, over its initial standard deviation.
     mean: f64,
     /// The standard deviation, from ωₙ and the root mean square of the displacement.
     std: fn(f64, f64) -> f64,
@@ -292,29 +288,73 @@ pub(super) static PERIODIC_FORCE: Cause = Cause {
     likely_causes: periodic_force,
 };
 
+pub(super) static SWINGING_STIFFNESS: Cause = Cause {
+    key: "swinging_stiffness",
+    name: "a stiffness that swings with time",
+    hint: "A rope whose tension swings, a pivot that moves up and down, a gear: the spring is stiffer and softer in turn, whatever the \
+           mass does. Take an equation in which a second oscillator without damping is that swing: its frequency is estimated too.",
+    likely_causes: swinging_stiffness,
+};
+
 /// A line that is so much above the mean power is worth a trial.
 const LINE: f64 = 8.0;
 
+/// The components of a swing in time by `u' = s; s' = -w² u`: its size at first, its frequency \[rad/s\] and a share of it.
+fn swing(bad: &BadFilter<'_>, size: f64, [frequency, share]: [f64; 2], name: &'static str) -> [Component; 3] {
+    let seconds = bad.case.len() as f64 * bad.case.record.dt();
+    let width = (TAU / seconds).max(share * frequency);
+    [
+        Component { key: "u", parameter: None, mean: 0.0, std: size },
+        Component { key: "s", parameter: None, mean: 0.0, std: size * frequency },
+        Component { key: "w", parameter: Some([name, "rad/s", "positive"]), mean: frequency, std: width },
+    ]
+}
+
 fn periodic_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some(oscillator) = Oscillator::of(bad) else { return };
-    let case = bad.case;
-    let Some((height, line)) = bad.line() else { return };
-    if height < LINE || line <= 0.0 {
-        return;
-    }
+    let Some((_, line)) = bad.line().filter(|(height, line)| *height >= LINE && *line > 0.0) else { return };
     let weight = 0.6 * bad.effect_of_lines();
     let Oscillator { frequency, size } = oscillator;
     // The force that moves the oscillator as far as it goes at that frequency.
     let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
-    let seconds = case.len() as f64 * case.record.dt();
-    let width = (TAU / seconds).max(0.01 * line);
-    let unit = Some(["frequency of the force", "rad/s", "positive"]);
-    let components = [
-        Component { key: "u", parameter: None, mean: 0.0, std: force },
-        Component { key: "s", parameter: None, mean: 0.0, std: force * line },
-        Component { key: "w", parameter: unit, mean: line, std: width },
-    ];
+    let components = swing(bad, force, [line, 0.01], "frequency of the force");
     let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);
     let sentence = format!("a periodic force acts that the record lacks, at {} rad/s", short(line));
     found.push(LikelyCause::new(cause, weight, 3.0, edits, sentence));
+}
+
+/// A swing of the stiffness at w makes lines at w - ωₙ and w + ωₙ.
+fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let (Some(oscillator), Some((_, line))) = (Oscillator::of(bad), bad.line()) else { return };
+    let estimates = bad.case.estimates;
+    let place = estimates.place(Channel::NATURAL_FREQUENCY);
+    let own = place.map_or(oscillator.frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
+    for frequency in [line + own, (line - own).abs()].into_iter().filter(|frequency| *frequency > 0.1 * own) {
+        let components = swing(bad, 0.3, [frequency, 0.04], "frequency of the swing");
+        let equation = "x'' + 2 ζ ωₙ x' + ωₙ² (1 + u) x = f; u' = s; s' = -w² u";
+        let edits = oscillator.edits(bad, equation, &components);
+        let sentence = format!("the stiffness swings with time, at about {} rad/s", short(frequency));
+        found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 3.0, edits, sentence));
+    }
+}
+
+pub(super) static CREEP: Cause = Cause {
+    key: "creep",
+    name: "a damper or a spring that creeps",
+    hint: "Rubber, oil in a gap, a coil that feeds back: a part of the force follows the motion late. Take an equation in which that force \
+           has a time constant.",
+    likely_causes: creep,
+};
+
+fn creep(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let Oscillator { frequency, size } = oscillator;
+    let components = [
+        Component { key: "z", parameter: None, mean: 0.0, std: frequency * size },
+        Component { key: "b", parameter: Some(["late damping", "1/s", "any"]), mean: 0.0, std: 0.3 * frequency },
+        Component { key: "a", parameter: Some(["corner", "rad/s", "positive"]), mean: frequency, std: 0.5 * frequency },
+    ];
+    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + b z = f; z' = a (x' - z)", &components);
+    let sentence = "a part of the damping follows the motion late".to_owned();
+    found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 2.0, edits, sentence));
 }

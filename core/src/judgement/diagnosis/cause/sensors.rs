@@ -99,7 +99,6 @@ fn coarse(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     found.push(LikelyCause { certain: true, ..likely });
 }
 
-/// The rules that are tried, by their keys.
 const RULES: [&str; 2] = ["student_t", "gate"];
 
 pub(super) static OUTLIERS: Cause = Cause {
@@ -345,7 +344,6 @@ impl Readings {
         (jumps >= LEAST_TURNS).then(|| (jumps, sum / jumps as f64))
     }
 
-    /// The step of a coarse sensor: all its readings are multiples of one number.
     fn step(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let count = values.len();
@@ -417,7 +415,6 @@ const SPELLS: usize = 3;
 /// Limits the different values of a coarse sensor, as a share of its readings.
 const MOST_LEVELS: f64 = 0.3;
 
-/// The median of the absolute value of a standard normal number.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// An innovation beyond so many usual ones is far: chance makes 6 of ten million so.

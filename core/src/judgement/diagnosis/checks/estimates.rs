@@ -229,7 +229,6 @@ fn bound(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits σ of a parameter, relative to the initial one, if it still grows or is as large as the parameter.
 const GROWN: f64 = 3.0;
 
-/// Limits the growth of σ over the last third of the record.
 const GROWS: f64 = 1.2;
 
 /// Limits σ of an identified parameter, relative to the initial one.
