@@ -268,7 +268,7 @@ mod tests {
             (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),
             (
                 format!("{HEAD}{STEP}{STEP}change = {{ label = \"x\", set = {{ \"plant.x\" = 1 }} }}"),
-                "step 2: the scenario has no setting `plant.x`",
+                "step 2: `plant.x`: unknown field `x`, expected `kind`, `equation`",
             ),
             (check("measure = \"rmse\", below = 1"), "step 2: the check of `rmse` lacks a `channel`"),
             (check("measure = \"nis\""), "step 2: the check of `nis` needs `above` or `below`"),
