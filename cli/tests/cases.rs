@@ -78,7 +78,7 @@ const CASES: &[(&str, &[&str], Wanted)] = &[
     ("ticks-of-windows.csv", &[], FoundAndSaid(12.0, 0.05, &["ticks of 100 ns since 1601"])),
     ("week-of-gps.csv", &[], FoundAndSaid(12.0, 0.05, &["turns over at 604800"])),
     ("keys-above-names.csv", &[], FoundAndSaid(12.0, 0.05, &["the file says 50 samples a second"])),
-    ("names-again.csv", &[], FoundAndSaid(12.0, 0.05, &["line 502 has words only"])),
+    ("names-again.csv", &[], FoundAndSaid(12.0, 0.05, &["line 502 has words in place of numbers"])),
     ("times-behind.csv", &[], FoundAndSaid(12.0, 0.05, &["clocks of their own, `t_force` and `t_disp`"])),
     ("clocks-apart.csv", &[], Refused(&["fewer than 2 samples in common"])),
     ("channel-a-row.csv", &[], Refused(&["give each channel a column of its own"])),

@@ -89,6 +89,98 @@ fn formats_with_a_header_need_no_argument_either() {
     }
 }
 
+/// Files as instruments write them, and what is said of them or written for them.
+#[test]
+fn forms_of_instruments_need_no_argument_and_others_are_named() {
+    let folder = Folder::new();
+    let signed = |x: f64| if x < 0.0 { format!("- {:.4}", -x) } else { format!("+ {x:.4}") };
+    let comma = |x: f64| format!("{x:.5}").replace('.', ",");
+    let over_lines = |count: u32, many: u32, cell: fn(u32) -> String| {
+        (0..count).map(|k| cell(k) + if k % many == many - 1 { "\n" } else { " " }).collect::<String>()
+    };
+    let whole = |k: u32| format!("{:.0}", 1e4 * decay(k));
+    let force = |k: u32| noise(k) * 10.0;
+    let three = |count| rows(count, |k, t| format!("{t:.2},{:.3},{:.5}", force(k), decay(k)));
+    for (name, text, expected) in [
+        (
+            "signs.csv",
+            "No.,Time,disp[mm]\n".to_owned() + &rows(1500, |k, t| format!("{},{t:.2},{}", k + 1, signed(decay(k)))),
+            &["column `disp`: displacement"][..],
+        ),
+        (
+            "keys.asc",
+            "export\nKanal;Kraft;Beschl\nEinheit;N;m/s^2\nAbtastzeit;0,01;0,01\nAnzahl;1500;1500\n".to_owned()
+                + &rows(1500, |k, _| format!(";{};{}", comma(force(k)), comma(decay(k)))),
+            &["column `Kraft`: the input", "column `Beschl`: acceleration", "the file says 100 samples a second"],
+        ),
+        (
+            "rate.csv",
+            "\"Header Size\",3\n\"TraceName\",\"Disp\",\"\"\n\"SampleRate\",1.0E+02,1.0E+02\n".to_owned()
+                + &rows(1500, |k, _| format!("{:.5E},{:.5E},", force(k), decay(k))),
+            &["the file says 100 samples a second"],
+        ),
+        (
+            "whole.gse",
+            "WID2 2024/03/05 00:00:00.000 TOWR  HHE      INT      1500  100.000000   1.00e+00   1.000 NONE    -1.0 -0.0\n\
+             DAT2\n"
+                .to_owned()
+                + &over_lines(1500, 9, whole)
+                + "\nCHK2    26294\n\nSTOP\n",
+            &["one series that runs on", "a step of 0.01 s", "column `velocity`: velocity"],
+        ),
+        (
+            "apart.asc",
+            "DELTA: 1.000000e-02\nLENGTH: 1500\nCOMP: E\nCHAN1: H\nCHAN2: N\nSTATION: TOWR\n".to_owned()
+                + &over_lines(1500, 4, |k| format!("{:.6e}", decay(k))),
+            &["one series that runs on", "column `acceleration`: acceleration"],
+        ),
+        (
+            "below.asc",
+            "Messung 12\nTime  1\tMX_2 Weg\ns\tmm\ndt=0.01 s\tdt=0.01 s\nT0\t05.03.2024\n".to_owned()
+                + &rows(1500, |k, t| format!("{}\t{}", comma(t), comma(decay(k)))),
+            &["column `MX_2 Weg`: displacement", "unit = \"mm\""],
+        ),
+        (
+            "sum.txt",
+            "Zeit [s]\tWeg [mm]\n".to_owned()
+                + &rows(1500, |k, t| format!("{t:.2}\t{:.5}", decay(k)))
+                + "Maximum:\t0.97\n",
+            &["line 1502 has words in place of numbers"],
+        ),
+        (
+            "wind.csv",
+            "Time,Wind force [N],Sway [cm]\n".to_owned() + &three(1500),
+            &["column `Wind force`: the input", "column `Sway`: displacement"],
+        ),
+        (
+            "sol.csv",
+            "Temps (s),Accélération du sol (m/s²),Déplacement (mm)\n".to_owned() + &three(1500),
+            &["column `Accélération du sol`: the input"],
+        ),
+        (
+            "base.csv",
+            "t [s],Base displacement [mm],Mass displacement [mm]\n".to_owned() + &three(1500),
+            &["column `Base displacement`: left out: the ground moves", "column `Mass displacement`: displacement"],
+        ),
+    ] {
+        let (toml, said) = imported(&folder, name, &text);
+        let all = toml + &said;
+        assert!(expected.iter().all(|part| all.contains(part)), "{name}: {said}");
+    }
+    let card = " ".repeat(3120) + "C40 END" + &" ".repeat(73) + &"\0".repeat(25) + "\u{5}" + &"\0".repeat(500);
+    for (text, kind) in [
+        ("Obj\u{1}\u{4}", "an Avro file"),
+        ("<stata_dta><header>", "a file of Stata"),
+        ("[{\"t\": 0.0, \"x\": 1.0}, {\"t\": 0.1, \"x\": 2.0}]", "JSON"),
+        ("WID2 1970/01/01 00:00:00.000 A     HNZ      CM6     6000 1000.000000\nDAT2\nybPjoQ\n", "a GSE seismogram"),
+        (card.as_str(), "a SEG-Y file"),
+    ] {
+        folder.file("other", text);
+        let (_, _, said) = folder.call(&["import", "other"]);
+        assert!(said.contains(&format!("this is {kind}")), "{kind}: {said}");
+    }
+}
+
 #[test]
 fn numbers_for_missing_readings_are_said_and_chosen() {
     let folder = Folder::new();

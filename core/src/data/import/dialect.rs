@@ -302,7 +302,7 @@ impl Form {
             let keyed = |words: &[&str]| {
                 let is = |place: &usize| {
                     let cells = header_cells(self.delimiter, lines[*place], columns);
-                    let key = cells[0].to_lowercase();
+                    let key = cells.first().map(|key| key.to_lowercase()).unwrap_or_default();
                     cells.len() == columns && words.iter().any(|word| key.contains(word))
                 };
                 (0..data).find(is).map_or(0, |place| place + 1)

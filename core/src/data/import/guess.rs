@@ -68,6 +68,10 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     if column.unit.as_deref().filter(of).is_some_and(|text| !is_letter(text)) {
         return Some(UNIT);
     }
+    let is_acceleration = |text: &str| unit(text).is_none_or(|(of, _)| of == Dimension::Acceleration);
+    if role == Some(Role::Input(InputKind::GroundAcceleration)) && !column.unit.as_deref().is_none_or(is_acceleration) {
+        return Some("the ground moves the oscillator by its acceleration, and this is another motion of it");
+    }
     let is_other = has_word(name, OTHERS) || has_word(name, "wind") && role != Some(Role::Input(InputKind::Force));
     (Quantity::from_key(name).is_none() && is_other).then_some("its name says that it is something else")
 }
@@ -329,7 +333,7 @@ enum Role {
 
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
-/// Words in names, in the order in which they are looked for. Those of one or two letters, and those behind a sign, must be whole.
+/// Words in names, in the order in which they are looked for. Words of one or two letters, and those behind `=`, must be whole.
 const WORDS: [(&str, Role); 8] = [
     ("ground_acceleration ground base boden suelo =sol =table", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
@@ -380,7 +384,7 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
-/// What a seismograph's channel reads, by the second letter of its code such as `HHZ`.
+/// The quantity of a seismograph's channel: the second letter of a code such as `HHZ` names the instrument.
 ///
 /// Source: FDSN, SEED reference manual 2.4, appendix A.
 pub(super) fn channel_code(name: &str) -> Option<Quantity> {

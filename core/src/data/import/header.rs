@@ -125,7 +125,7 @@ fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
         let number = number_after(&rest[begin..], "").or_else(|| number_after(&rest[digit..], ""))?;
         let end =
             rest[digit..].find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(rest.len() - digit);
-        // A long number of a date behind another word is none.
+        // A long number of a date behind another word is none. The number may be in the next cell.
         (begin <= BETWEEN && (!rest[..begin].contains(';') || begin == 1) && number > 0.0)
             .then(|| (number, format!("{} {}", &rest[..begin], &rest[digit + end..])))
     })

@@ -379,7 +379,7 @@ impl RowsReader {
         });
         let remarks = [
             short.remark("fewer cells than the others; what is missing counts as empty"),
-            words.remark("words only, and is no row"),
+            words.remark("words in place of numbers: no row"),
             long.remark("more cells than the others; those at the end are left out"),
             end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
             late,

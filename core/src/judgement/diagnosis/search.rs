@@ -120,8 +120,10 @@ impl Search {
         if let Some(first) = remedies.first_mut().filter(|remedy| remedy.changes_plant()) {
             let key = first.first.cause.key;
             let plants = self.alone.iter().map(|ranked| &ranked.remedy).filter(|one| one.changes_plant());
-            for other in plants.filter(|one| one.first.cause.key != key).take(2) {
-                first.first.sentence += &format!("; or {} (a gain of {:.0})", other.first.sentence, other.gain);
+            let of = |one: &Remedy| format!("{} (log likelihood {:+.0})", one.first.sentence, one.gain);
+            let others: Vec<String> = plants.filter(|one| one.first.cause.key != key).take(2).map(of).collect();
+            if !others.is_empty() {
+                first.first.sentence += &format!("; other plants that were tried: {}", others.join(", "));
             }
         }
         remedies

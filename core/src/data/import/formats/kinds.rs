@@ -55,7 +55,7 @@ const KINDS: [Kind; 53] = [
     ("an Avro file", |b| b.starts_with(b"Obj\x01"), FRAME),
     ("a file of Stata", |b| b.starts_with(b"<stata_dta>") || has(b, 1, b"\x02\x01\0") && b[0] > 0x70, FRAME),
     ("JSON", |b| [&b"{\""[..], b"[{", b"[["].iter().any(|mark| b.trim_ascii_start().starts_with(mark)), FRAME),
-    ("a GSE seismogram in packed form", |b| b[..b.len().min(800)].windows(5).any(|w| w == b" CM6 "), SEISMOGRAM),
+    ("a GSE seismogram in packed form", is_packed_gse, SEISMOGRAM),
     ("an SQLite database", |b| b.starts_with(b"SQLite format 3\0"), Refuse("write its table as CSV (sqlite3 -csv)")),
     ("a bag of ROS", |b| b.starts_with(b"#ROSBAG V"), TOPICS),
     ("an MCAP file", |b| b.starts_with(b"\x89MCAP0\r\n"), TOPICS),
@@ -136,6 +136,12 @@ fn is_sac(bytes: &[u8]) -> bool {
     bytes.len() >= 632 && [false, true].into_iter().any(version)
 }
 
+fn is_packed_gse(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(800)];
+    let has_word = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
+    has_word(b"WID2 ") && has_word(b" CM6 ")
+}
+
 fn is_seed(bytes: &[u8]) -> bool {
     let is_number = |b: &[u8]| b.iter().all(|c| c.is_ascii_digit() || *c == b' ');
     let is_second = bytes.len() > 47 && is_number(&bytes[..6]) && b"DRQMV".contains(&bytes[6]) && bytes[7] == b' ';
@@ -144,8 +150,8 @@ fn is_seed(bytes: &[u8]) -> bool {
 
 /// A card of 3200 letters, in EBCDIC or ASCII, and the number of the sample format behind it.
 fn is_segy(bytes: &[u8]) -> bool {
-    let is_empty = bytes.len() > 3600 && bytes[..3200].iter().all(|byte| *byte == bytes[0]);
-    let is_card = is_empty || [&b"\xC3\x40\xF1"[..], b"C 1", b"C01"].iter().any(|mark| bytes.starts_with(mark));
+    let is_card = [&b"\xC3\x40\xF1"[..], b"C 1", b"C01"].iter().any(|mark| bytes.starts_with(mark))
+        || [&b"\xC3\xF4\xF0"[..], b"C40"].iter().any(|mark| has(bytes, 3120, mark));
     is_card && [false, true].iter().any(|big| whole(bytes, 3224, 2, *big).is_some_and(|k| (1..=16).contains(&k)))
 }
 

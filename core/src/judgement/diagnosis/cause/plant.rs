@@ -325,7 +325,8 @@ fn periodic_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Li
 
 /// A swing of the stiffness at w makes lines at w - ωₙ and w + ωₙ.
 fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let (Some(oscillator), Some((_, line))) = (Oscillator::of(bad), bad.line()) else { return };
+    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let Some((_, line)) = bad.line().filter(|(height, _)| *height >= LINE) else { return };
     let estimates = bad.case.estimates;
     let place = estimates.place(Channel::NATURAL_FREQUENCY);
     let own = place.map_or(oscillator.frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
