@@ -64,6 +64,8 @@ struct Outcome {
     /// The keys of the causes, the likeliest first.
     causes: Vec<&'static str>,
     said: Vec<f64>,
+    /// A model that is likelier than a filter with a good verdict, without the truth.
+    likelier: Option<&'static str>,
 }
 
 impl Outcome {
@@ -72,7 +74,7 @@ impl Outcome {
         let fault = situation.faults[0];
         let record = situation.record().expect("the situation is valid");
         let mut verdicts = [None; 2];
-        let (mut causes, mut said) = (Vec::new(), Vec::new());
+        let (mut causes, mut said, mut likelier) = (Vec::new(), Vec::new(), None);
         let mut run = Run::on_record(&situation.told, record.clone()).expect("the situation is valid");
         run.finish();
         let off = largest_error(&run.estimates()[0], &record);
@@ -82,13 +84,17 @@ impl Outcome {
             let diagnostics = Diagnostics::new(estimates, record);
             let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
             verdicts[place] = diagnosis.verdict.as_ref().map(|verdict| verdict.kind);
-            if with_trials && verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty() {
+            let is_good = verdicts[place].is_some_and(VerdictKind::is_good);
+            let wants_causes = verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty();
+            if with_trials && (wants_causes || is_good && !known) {
                 let search = diagnosis.search(&situation.told, 0, &diagnostics, estimates, record);
-                let mut search = search.expect("the situation is valid");
-                while !search.advance(&mut || true) {}
-                let remedies = search.finish();
-                causes.extend(remedies.iter().map(|remedy| remedy.first.cause.key));
-                said = Remedy::probabilities(&remedies);
+                let remedies = search.expect("the situation is valid").run();
+                if is_good {
+                    likelier = remedies.first().map(|remedy| remedy.first.cause.key);
+                } else {
+                    causes.extend(remedies.iter().map(|remedy| remedy.first.cause.key));
+                    said = Remedy::probabilities(&remedies);
+                }
                 if verbose {
                     for remedy in &remedies {
                         let after = remedy.after.as_ref().map_or("", |verdict| verdict.kind.name());
@@ -101,7 +107,7 @@ impl Outcome {
             }
             if verbose {
                 let verdict = diagnosis.verdict.map_or(String::new(), |verdict| verdict.to_string());
-                println!("{seed} {fault:?} [{}] {known}: {verdict}", situation.note);
+                println!("{seed} {fault:?} [{}] {known}, {off:.1}σ: {verdict}", situation.note);
                 for e in &diagnosis.evidence {
                     println!(
                         "#{seed},{fault:?},{known},{},{},{},{},{},{:?}",
@@ -110,7 +116,7 @@ impl Outcome {
                 }
             }
         }
-        Self { seed, fault, verdicts, off, causes, said }
+        Self { seed, fault, verdicts, off, causes, said, likelier }
     }
 }
 
@@ -178,14 +184,11 @@ fn print_mistakes(outcomes: &[Outcome]) {
     let count = |is: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
     let tuned = |o: &Outcome| o.fault == Fault::WellTuned;
     let has = |o: &Outcome, is: fn(VerdictKind) -> bool| o.verdicts.iter().flatten().any(|verdict| is(*verdict));
-    // That σ of a parameter is as large as at first is true also of a filter that is well tuned.
-    let untold = |kind| kind == VerdictKind::NotIdentifiable;
     let alarms =
         count(&|o| tuned(o) && has(o, |kind| !matches!(kind, VerdictKind::Consistent | VerdictKind::NotIdentifiable)));
-    let untold = count(&|o| tuned(o) && has(o, untold));
+    // That σ of a parameter is as large as at first is true also of a filter that is well tuned.
+    let untold = count(&|o| tuned(o) && has(o, |kind| kind == VerdictKind::NotIdentifiable));
     let contrary = count(&|o| o.verdicts.iter().flatten().any(|v| o.fault.contrary().contains(v)));
-    let far = count(&|o| o.off > 5.0);
-    let passed = count(&|o| o.off > 5.0 && o.verdicts[0].is_some_and(VerdictKind::is_good));
     println!(
         "\nfalse alarms: {alarms} of {} well-tuned runs (besides, {untold} in which the record does not tell a parameter); \
          contrary verdicts: {contrary}",
@@ -201,7 +204,17 @@ fn print_mistakes(outcomes: &[Outcome]) {
         count(&|o| sampled(o) && o.off > 20.0),
         count(&|o| sampled(o) && o.off > 20.0 && collapsed(o)),
     );
+    let good = |o: &Outcome| o.verdicts[1].is_some_and(VerdictKind::is_good);
+    let silent = |o: &Outcome| good(o) && o.likelier.is_none();
     println!(
-        "called consistent or recovered, truth known, of {far} that are more than 5σ off in the last fifth: {passed}"
+        "called consistent or recovered, truth unknown, of {} with a parameter more than 3σ off in the last fifth: {}; without a likelier \
+         model: {}, with 3σ {}, 5σ {}; with one, of {} that are well tuned: {}",
+        count(&|o| o.off > 3.0),
+        count(&|o| good(o) && o.off > 3.0),
+        count(&silent),
+        count(&|o| silent(o) && o.off > 3.0),
+        count(&|o| silent(o) && o.off > 5.0),
+        count(&|o| tuned(o) && good(o)),
+        count(&|o| tuned(o) && o.likelier.is_some()),
     );
 }

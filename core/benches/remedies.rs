@@ -6,8 +6,8 @@
 //!
 //! Prints for each situation, over NUMBER seeds from FROM on: the filters that were not to be believed, and of these how many the
 //! first remedy makes good, in how many it makes the worse parameter's error larger by more than a fifth (and in how many a filter
-//! without the fault has such an error, as chance will have it), how many are within 3σ before and after it, and how often the
-//! first cause is right. Limits of causes and of the search may be set on seeds below
+//! without the fault has such an error, as chance will have it), in how many that error is beyond the 2σ that are drawn, how many are within
+//! 3σ before and after it, and how often the first cause is right. Limits of causes and of the search may be set on seeds below
 //! 1,000,000 of the situations of the first part; those of the second part are only reported. Nothing knows the truth but the
 //! errors.
 
@@ -91,6 +91,9 @@ const NUMBER: u64 = 12;
 /// Limits the error of a parameter that is believed, in standard deviations.
 const WITHIN: f64 = 3.0;
 
+/// The standard deviations of a band that is drawn.
+const BAND: f64 = 2.0;
+
 /// Limits an error that a remedy may leave, relative to the one before.
 const GROWS: f64 = 1.2;
 
@@ -105,7 +108,7 @@ fn main() {
     println!("first remedies, of filters that are not to be believed, seeds {first} to {}", first + number - 1);
     let mut all = Vec::new();
     for (name, situations) in parts {
-        println!("\n{name:24}   bad  good  grows (perfect)  within 3σ   cause");
+        println!("\n{name:24}   bad  good  grows (perfect)  misleads  within 3σ   cause");
         let jobs: Vec<(&[Fault], u64)> =
             situations.iter().flat_map(|faults| (first..first + number).map(move |seed| (*faults, seed))).collect();
         let outcomes = outcomes(&jobs, verbose);
@@ -159,6 +162,12 @@ impl Errors {
         self.relative[0].max(self.relative[1])
     }
 
+    /// Whether the worse error is larger than before, and beyond the band.
+    fn mislead(self, before: Self) -> bool {
+        let place = usize::from(self.relative[1] > self.relative[0]);
+        self.worse() > GROWS * before.worse() && self.in_std[place] > BAND
+    }
+
     fn are_within(self) -> bool {
         self.in_std.iter().all(|error| *error <= WITHIN)
     }
@@ -186,14 +195,15 @@ impl Outcome {
         let sound = of(false);
         let (_, perfect, _) = judged(&sound.0, &sound.1, &sound.2, false);
         if verbose {
-            let kind = verdict.map_or("none", VerdictKind::name);
-            println!("{seed} {faults:?} {} {kind} {before:.4?}", told.filters[0].name);
+            let (name, kind) = (&told.filters[0].name, verdict.map_or("none", VerdictKind::name));
+            let mut lines = vec![format!("{seed} {faults:?} {name} {kind} {before:.4?}")];
             for one in remedies.iter().take(3) {
-                let told: Vec<_> = one.causes().map(|likely| likely.sentence.as_str()).collect();
+                let causes: Vec<_> = one.causes().map(|likely| likely.sentence.as_str()).collect();
                 let after = one.after.as_ref().map_or("none", |verdict| verdict.kind.name());
-                println!("    {:+.0} {} -> {after}", one.gain, told.join("; "));
+                lines.push(format!("    {:+.0} {} -> {after}", one.gain, causes.join("; ")));
             }
-            println!("    {after:.4?}");
+            lines.push(format!("    {after:.4?}, without the fault {perfect:.4?}"));
+            println!("{}", lines.join("\n"));
         }
         Self { faults, is_bad, before, after, perfect, causes }
     }
@@ -241,13 +251,14 @@ fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
     let good = count(&|one| one.after.is_some_and(|(_, good)| good));
     let grows = count(&|one| one.after.is_some_and(|(after, _)| after.worse() > GROWS * one.before.worse()));
     let perfect = count(&|one| one.perfect.worse() > GROWS * one.before.worse());
+    let misleads = count(&|one| one.after.is_some_and(|(after, _)| after.mislead(one.before)));
     let before = count(&|one| one.before.are_within());
     let after = count(&|one| one.after.map_or(one.before, |(after, _)| after).are_within());
     let right =
         |one: &Outcome| one.faults.iter().any(|fault| fault.causes().contains(one.causes.first().unwrap_or(&"")));
     let named = bad.iter().filter(|one| one.faults.iter().any(|fault| !fault.causes().is_empty())).count();
     let mut text = format!(
-        "{title:24} {:5} {good:5} {grows:6} {perfect:9}  {before:4} → {after:<4} {:3} of {named}",
+        "{title:24} {:5} {good:5} {grows:6} {perfect:9} {misleads:9}  {before:4} → {after:<4} {:3} of {named}",
         bad.len(),
         count(&right)
     );
@@ -264,10 +275,11 @@ fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
     } else {
         let share = |count: usize| 100.0 * count as f64 / bad.len().max(1) as f64;
         text += &format!(
-            "   good {:.0} %, grows {:.0} % ({:.0} %), within 3σ {:.0} %",
+            "   good {:.0} %, grows {:.0} % ({:.0} %), misleads {:.1} %, within 3σ {:.0} %",
             share(good),
             share(grows),
             share(perfect),
+            share(misleads),
             share(after)
         );
     }

@@ -5,7 +5,7 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 };
 use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario, simulate};
+use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Task as _, simulate};
 
 use crate::run::{finished, finished_on};
 
@@ -207,13 +207,13 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_remedy_helps() {
     let (estimates, record) = (&run.estimates()[0], run.record());
     let diagnostics = Diagnostics::new(estimates, record);
     let diagnosis = diagnosis(estimates, record);
-    let mut trials = diagnosis.trials(&scenario, 0, &diagnostics, estimates, record).unwrap();
+    let mut search = diagnosis.search(&scenario, 0, &diagnostics, estimates, record).unwrap();
     let mut slices = 0;
-    while !trials.advance(&mut || false) {
+    while !search.advance(&mut || false) {
         slices += 1;
     }
     assert!(slices > 100, "{slices}");
-    let remedies = trials.remedies();
+    let remedies = search.finish();
     assert_eq!(remedies[0].first.cause.key, "felt_disturbance", "{remedies:?}");
     assert_eq!(remedies[0].after.as_ref().unwrap().kind, Consistent);
     // A white force tells what the accelerometer reads of it, which a larger R forgets: it is the better remedy.

@@ -88,17 +88,18 @@ impl Fault {
 
     pub(crate) fn causes(self) -> &'static [&'static str] {
         match self {
-            Self::WellTuned | Self::LargeSample | Self::Clipped | Self::Coloured | Self::Hum | Self::Scale => &[],
-            Self::SensorNoiseTooLarge
-            | Self::SensorNoiseTooSmall
-            | Self::SensorNoiseContrary
-            | Self::Quantised
-            | Self::Outliers => &["sensor_noise"],
+            Self::WellTuned | Self::LargeSample | Self::Hum => &[],
+            Self::SensorNoiseTooLarge | Self::SensorNoiseTooSmall | Self::SensorNoiseContrary => &["sensor_noise"],
+            Self::Quantised => &["coarse"],
+            Self::Clipped => &["clipped"],
+            Self::Outliers => &["outliers"],
+            Self::Coloured => &["coloured_noise"],
+            Self::Scale => &["sensor_scale"],
             Self::ProcessNoiseTooSmall
             | Self::ProcessNoiseTooLarge
             | Self::ProcessNoiseTenth
-            | Self::ProcessNoiseTenfold
-            | Self::NoisyInput => &["process_noise"],
+            | Self::ProcessNoiseTenfold => &["process_noise"],
+            Self::NoisyInput => &["process_noise", "white_force"],
             Self::HardeningSpring | Self::YieldingSpring => &["spring"],
             Self::MissingMode => &["missing_mode"],
             Self::WindUp => &["wind_up"],
@@ -113,7 +114,10 @@ impl Fault {
             Self::FeltDisturbance => &["felt_disturbance"],
             Self::NoExcitation => &["no_excitation"],
             Self::CollapsedSample => &["collapsed_sample"],
-            Self::UnknownForce | Self::UnknownWave | Self::DryFriction | Self::Drag => &["unknown_force"],
+            // One in three of these forces is a wave.
+            Self::UnknownForce | Self::UnknownWave => &["unknown_force", "periodic_force"],
+            Self::DryFriction => &["dry_friction"],
+            Self::Drag => &["drag"],
             Self::NoisierLater | Self::NoiseSwings => &["changing_noise"],
             Self::DeadInput => &["still_input"],
         }

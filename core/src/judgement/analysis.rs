@@ -242,14 +242,12 @@ impl Analysis {
                 begun[place] = true;
                 diagnoses[place] = (None, 0);
             }
-            loop {
+            let mut follow = || {
                 diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
-                if diagnostics.len() == estimates.len() {
-                    break;
-                }
-                if !while_time() {
-                    return false;
-                }
+                diagnostics.len() == estimates.len()
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
             }
             let (diagnosis, of) = &mut diagnoses[place];
             let done = estimates.forgotten() + estimates.len();
@@ -267,14 +265,12 @@ impl Analysis {
         self.evidences.resize_with(bank.estimates.len(), Evidence::default);
         for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
             let evidence = &mut self.evidences[place];
-            loop {
+            let mut follow = || {
                 evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
-                if evidence.len() >= estimates.len() {
-                    break;
-                }
-                if !while_time() {
-                    return false;
-                }
+                evidence.len() >= estimates.len()
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
             }
         }
         true
@@ -290,14 +286,12 @@ impl Analysis {
         }
         let samples = subject.done - record.forgotten();
         for Bound { bound, .. } in &mut self.bounds {
-            loop {
+            let mut follow = || {
                 let end = (bound.len() + BOUND_CHUNK).min(samples);
-                if bound.follow_to(end, record) || end == samples {
-                    break;
-                }
-                if !while_time() {
-                    return false;
-                }
+                bound.follow_to(end, record) || end == samples
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
             }
         }
         true
@@ -321,6 +315,16 @@ impl Analysis {
         }
         (so_far, all)
     }
+}
+
+/// Does pieces of work until one is the last, or `while_time` is false between two. Returns whether all is done.
+fn in_time(work: &mut dyn FnMut() -> bool, while_time: &mut dyn FnMut() -> bool) -> bool {
+    while !work() {
+        if !while_time() {
+            return false;
+        }
+    }
+    true
 }
 
 fn is_known(known: &[Option<usize>], place: usize) -> bool {

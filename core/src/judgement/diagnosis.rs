@@ -32,6 +32,7 @@ use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError,
 
 use case::Case;
 use cause::{ALTERNATIVES, BadFilter};
+use trial::Trials;
 
 pub use cause::{CAUSES, Cause, LikelyCause};
 pub use checks::TESTS;
@@ -41,7 +42,6 @@ pub use parts::PARTS;
 pub use remedy::{Remedy, in_percent};
 pub use search::Search;
 pub use summary::{Final, Score, Summary};
-pub use trial::Trials;
 pub use verdict::Verdict;
 pub use verdict_kind::VerdictKind;
 
@@ -120,28 +120,11 @@ impl Diagnosis {
         likely_causes
     }
 
-    /// The trials of all likely causes of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
-    pub fn trials(
-        &self,
-        scenario: &Scenario,
-        place: usize,
-        diagnostics: &Diagnostics,
-        estimates: &Estimates,
-        record: &Record,
-    ) -> Result<Trials, RunError> {
-        let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
-        let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
-        Trials::new(scenario, place, estimates, record, likely_causes)
-    }
-
     /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
     /// [`Self::new`].
     ///
     /// # Errors
-    /// As [`Self::trials`].
+    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
     pub fn search(
         &self,
         scenario: &Scenario,
@@ -150,6 +133,8 @@ impl Diagnosis {
         estimates: &Estimates,
         record: &Record,
     ) -> Result<Search, RunError> {
-        Ok(Search::new(self.trials(scenario, place, diagnostics, estimates, record)?))
+        let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
+        Ok(Search::new(Trials::new(scenario, place, estimates, record, likely_causes)?))
     }
 }

@@ -109,13 +109,14 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
-    /// [`Self::history`] over a record, whose readings may have times of their own: its remarks say so where the filter does not follow
+    /// [`Self::history`] with memory for a whole record, whose readings may have times of their own: its remarks say so where the filter does not follow
     /// them, and a sensor that measures seldom is not taken for a silent one.
     ///
     /// # Errors
     /// Those of [`Self::history`].
     pub fn history_over(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
-        let history = Self::history(scenario, place)?;
+        let mut history = Self::history(scenario, place)?;
+        history.recycle(None, record.len());
         let apart = apart(record, history.sensors());
         Ok(history.over(apart.as_deref(), record.dt(), counts_in_samples(&scenario.filters[place])))
     }

@@ -6,7 +6,9 @@ use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::{Builder, Mapping, Table, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Hold, Record, Run, Scenario};
+use kalmanscope_core::{
+    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Hold, Record, Run, Scenario, Task as _,
+};
 
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");
@@ -52,9 +54,8 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
     let estimates = &run.estimates()[filter];
     let diagnostics = Diagnostics::new(estimates, record);
     let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge");
-    let mut trials = diagnosis.trials(run.scenario(), filter, &diagnostics, estimates, record).expect("it can be run");
-    while !trials.advance(&mut || true) {}
-    trials.remedies()
+    let search = diagnosis.search(run.scenario(), filter, &diagnostics, estimates, record);
+    search.expect("it can be run").run()
 }
 
 /// The last ωₙ and ζ of the first filter that an importer sets up for a table, each with its σ, and the run.

@@ -62,8 +62,17 @@ pub static CAUSES: &[&Cause] = &[
     &plant::CREEP,
 ];
 
-/// What is tried on a filter with a good verdict: other models of as many numbers, whose innovations may be white too.
-pub(super) static ALTERNATIVES: &[&Cause] = &[&claims::COARSE_PROPAGATION, &input::INPUT_HOLD, &noise::WHITE_FORCE];
+/// What is tried on a filter with a good verdict: other models, whose innovations may be white too.
+pub(super) static ALTERNATIVES: &[&Cause] = &[
+    &claims::COARSE_PROPAGATION,
+    &input::INPUT_HOLD,
+    &noise::WHITE_FORCE,
+    &plant::SPRING,
+    &plant::DRY_FRICTION,
+    &plant::DRAG,
+    &changes::SLOW_DRIFT,
+    &noise::COLLAPSED_SAMPLE,
+];
 
 /// A possible cause of a bad verdict.
 #[derive(Debug)]
@@ -99,7 +108,7 @@ pub struct LikelyCause {
     pub samples: Option<Range<usize>>,
     /// The parameter that the trial estimates; its sign chooses the sentence.
     pub(crate) sign: Option<Sign>,
-    /// Whether a hardening spring, once found, rules it out.
+    /// Whether a hardening spring, or a slow force that fits as well, rules it out.
     pub(crate) softens: bool,
     pub(crate) renews_guess: bool,
     /// Whether the record itself shows it, without a model: it comes before every other cause.

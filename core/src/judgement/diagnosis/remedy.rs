@@ -84,6 +84,11 @@ const SIGNIFICANT: f64 = 4.0;
 /// A cause explains a record better than noise if its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
 
+pub(super) const UNKNOWN_FORCE: &str = "unknown_force";
+
+/// By so much in log likelihood a spring that yields explains a record better than a slow force: 36 of 37 such springs did, of 28 forces one.
+const AHEAD: f64 = 60.0;
+
 fn is_noise(likely: &LikelyCause) -> bool {
     matches!(likely.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
 }
@@ -97,13 +102,10 @@ pub(super) struct Ranked {
 
 impl Trials {
     /// The causes found so far, each once: first those whose remedy ends in a good verdict, then the likeliest.
-    pub fn remedies(&self) -> Vec<Remedy> {
-        self.ranked().into_iter().map(|ranked| ranked.remedy).collect()
-    }
-
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();
+        let is_good = before.is_good() && self.own.is_none();
         let tried = || self.tried();
         // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
         // noise, with the size of all noise fitted in both.
@@ -121,10 +123,18 @@ impl Trials {
                     && (outcome.is_good() || !softening.is_good())
             })
         };
+        // What yields or creeps may rest anywhere: it fits a slow force too, though hardly better than the force does.
+        let is_of_force = |softening: &LikelyCause, outcome: &Outcome| {
+            tried().filter(|(likely, _)| likely.cause.key == UNKNOWN_FORCE).any(|(likely, force)| {
+                let lead = outcome.achieved - force.achieved - penalty * (softening.fitted - likely.fitted);
+                lead < if force.is_good() { AHEAD } else { 0.0 }
+            })
+        };
         // Another plant begins with another guess: where that alone is enough, the plant was right.
         let is_of_guess = tried().any(|(likely, outcome)| likely.cause.key == "initial_guess" && outcome.is_good());
         let is_explained = |likely: &LikelyCause, outcome: &Outcome| {
-            (likely.softens && hardens(outcome)) || (likely.renews_guess && is_of_guess)
+            (likely.softens && (hardens(outcome) || is_of_force(likely, outcome)))
+                || (likely.renews_guess && is_of_guess)
         };
         let mut all: Vec<Ranked> = Vec::new();
         for (likely, outcome) in tried().filter(|(likely, outcome)| !is_explained(likely, outcome)) {
@@ -132,7 +142,7 @@ impl Trials {
             if let Some(own) = self.own.filter(|_| likely.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;
             }
-            let is_worth = likely.certain || gain > WORTH;
+            let is_worth = likely.certain || gain > WORTH && (outcome.is_good() || !is_good);
             if !is_worth {
                 continue;
             }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::cause::LikelyCause;
 use super::law::{ForceInHindsight, Law};
-use super::remedy::{Ranked, Remedy, WORTH, compare};
+use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
 use crate::data::setting::Edit;
@@ -25,8 +25,6 @@ const STEPS: usize = 4;
 const FILTERS: usize = 6;
 
 const NEARLY: f64 = 0.99;
-
-const UNKNOWN_FORCE: &str = "unknown_force";
 
 /// A search in progress, which can be cut into slices of time.
 pub struct Search {
@@ -79,14 +77,11 @@ impl Search {
     /// first, then the likeliest. No two begin with the same cause, or have the same causes.
     pub fn remedies(&self) -> Vec<Remedy> {
         if matches!(self.stage, Stage::Causes(None)) {
-            return self.trials.remedies();
+            return self.trials.ranked().into_iter().map(|ranked| ranked.remedy).collect();
         }
         let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { self.priced(rank) } else { rank };
-        let alone = self
-            .alone
-            .iter()
-            .map(|Ranked { remedy, rank, achieved }| (remedy.clone(), price(remedy.first.cause.key, *rank), *achieved));
-        let mut all: Vec<(Remedy, f64, f64)> = alone.collect();
+        let with_price = |one: &Ranked| (one.remedy.clone(), price(one.remedy.first.cause.key, one.rank), one.achieved);
+        let mut all: Vec<(Remedy, f64, f64)> = mapped(&self.alone, &with_price);
         for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
             if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
                 continue;
@@ -310,7 +305,9 @@ impl Search {
             .map(|path| path.gain)
             .fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
-        let order = |path: &Path| (is_first(path), self.rank(path));
+        // What the record itself shows stands first in any case.
+        let is_seen = |path: &Path| path.steps.len() == 1 && path.steps[0].likely.certain;
+        let order = |path: &Path| (is_seen(path), is_first(path), self.rank(path));
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
         let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
         match best.filter(|_| self.filters < limit) {

@@ -17,8 +17,8 @@ const CHUNK: usize = 100;
 
 const USUAL: usize = 30;
 
-/// The trials of all likely causes of one filter, which can be cut into slices of time.
-pub struct Trials {
+/// The trials of all likely causes of one filter.
+pub(super) struct Trials {
     pub(super) record: Arc<Record>,
     /// The record's steps in place of one of its file.
     pub(super) steps: usize,
@@ -64,12 +64,8 @@ impl Outcome {
 }
 
 impl Trials {
-    /// The trials of the likely causes of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
-    /// in for a sampled filter.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
-    pub fn new(
+    /// A UKF stands in for a sampled filter.
+    pub(super) fn new(
         scenario: &Scenario,
         place: usize,
         estimates: &Estimates,
@@ -127,8 +123,7 @@ impl Trials {
         }
     }
 
-    /// Continues while `while_time`, called after each small piece of work, is true. Returns whether all is done.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+    pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates, record)) = self.current.take().or_else(|| self.begin()) else {
                 self.outcomes.push(Outcome::NOTHING);
@@ -147,20 +142,17 @@ impl Trials {
         self.is_done()
     }
 
-    /// Whether there is nothing left to try.
-    pub fn is_done(&self) -> bool {
+    pub(super) fn is_done(&self) -> bool {
         self.before.is_some() && self.likely_causes.as_ref().is_none_or(|all| self.outcomes.len() == all.len())
     }
 
-    /// The share that is done, from 0 to 1.
-    pub fn progress(&self) -> f64 {
+    pub(super) fn progress(&self) -> f64 {
         let done = usize::from(self.before.is_some()) + self.outcomes.len();
         let all = self.likely_causes.as_ref().map_or(USUAL, Vec::len);
         (done as f64 / (1 + all) as f64).min(1.0)
     }
 
-    /// The verdict on the unchanged filter over the window, once it is known.
-    pub fn before(&self) -> Option<&Verdict> {
+    pub(super) fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()?.verdict.as_ref()
     }
 

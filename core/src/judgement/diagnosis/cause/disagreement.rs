@@ -105,9 +105,11 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
     sensors.iter().enumerate().filter_map(of).collect()
 }
 
-fn is_off(Agreement { factor, std, .. }: &Agreement) -> bool {
-    let off = (factor.abs() - 1.0).abs();
-    off > SCALE && off > SURE * std
+/// Whether the factor is none with the noise that is told, and none without: the true one is between.
+fn is_off(Agreement { factor, attenuated, std, .. }: &Agreement) -> bool {
+    let [off, attenuated_off] = [factor, attenuated].map(|factor| factor.abs() - 1.0);
+    let least = off.abs().min(attenuated_off.abs());
+    off * attenuated_off > 0.0 && least > SCALE && least > SURE * std
 }
 
 /// The factor by which sensors change more than their rates say, if two pairs or more share it: then the times are wrong.
@@ -230,6 +232,8 @@ fn without_ends(values: &[f64]) -> Vec<f64> {
 struct Agreement {
     /// The factor of the change on the integral: 1 if both are right.
     factor: f64,
+    /// The same with the attenuation.
+    attenuated: f64,
     std: f64,
     late: f64,
     late_std: f64,
@@ -290,7 +294,7 @@ impl Agreement {
         let scatter = ((1.0 - r * r) / independent).sqrt();
         let late_std =
             if curvature < 0.0 { (scatter * (1.0 - r * r).sqrt() / -curvature).sqrt() } else { f64::INFINITY };
-        Some(Self { factor, std, late: best as f64 + peak, late_std })
+        Some(Self { factor, attenuated: sums.slope(), std, late: best as f64 + peak, late_std })
     }
 }
 
@@ -401,7 +405,7 @@ mod tests {
     #[test]
     fn right_sensors_agree() {
         for seed in 0..20 {
-            let Agreement { factor, std, late, late_std } = agreement(|t| [x(t), v(t)], seed);
+            let Agreement { factor, std, late, late_std, .. } = agreement(|t| [x(t), v(t)], seed);
             assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{factor} ± {std}");
             assert!(late.abs() < 4.0 * late_std + 0.3, "{late} ± {late_std}");
         }

@@ -175,14 +175,11 @@ fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &Change) -> String {
     let (from, to) = change.parts;
     let time = |part: usize| short(bad.case.record.time(bad.case.part(part).start));
     let (name, rest, there) = (sensor.key(), short(change.levels.0), short(change.levels.1));
-    let (when, levels) = match to {
-        PARTS => {
-            (format!("from {} s on", time(from)), format!("{rest} times what is expected before and {there} after"))
-        }
-        _ => {
-            let levels = format!("{there} times what is expected there and {rest} elsewhere");
-            (format!("from {} to {} s", time(from), time(to)), levels)
-        }
+    let (when, levels) = if to == PARTS {
+        (format!("from {} s on", time(from)), format!("{rest} times what is expected before and {there} after"))
+    } else {
+        let when = format!("from {} to {} s", time(from), time(to));
+        (when, format!("{there} times what is expected there and {rest} elsewhere"))
     };
     format!("R of the {name} changes, {when}: innovations² are {levels}")
 }

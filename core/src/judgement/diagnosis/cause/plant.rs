@@ -357,5 +357,6 @@ fn creep(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     ];
     let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + b z = f; z' = a (x' - z)", &components);
     let sentence = "a part of the damping follows the motion late".to_owned();
-    found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 2.0, edits, sentence));
+    let likely = LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 2.0, edits, sentence);
+    found.push(LikelyCause { softens: true, ..likely });
 }
