@@ -91,9 +91,6 @@ const NUMBER: u64 = 12;
 /// Limits the error of a parameter that is believed, in standard deviations.
 const WITHIN: f64 = 3.0;
 
-/// The standard deviations of a band that is drawn.
-const BAND: f64 = 2.0;
-
 /// Limits an error that a remedy may leave, relative to the one before.
 const GROWS: f64 = 1.2;
 
@@ -162,10 +159,10 @@ impl Errors {
         self.relative[0].max(self.relative[1])
     }
 
-    /// Whether the worse error is larger than before, and beyond the band.
+    /// Whether the worse error is larger than before, and beyond the ±2σ that are drawn.
     fn mislead(self, before: Self) -> bool {
         let place = usize::from(self.relative[1] > self.relative[0]);
-        self.worse() > GROWS * before.worse() && self.in_std[place] > BAND
+        self.worse() > GROWS * before.worse() && self.in_std[place] > 2.0
     }
 
     fn are_within(self) -> bool {

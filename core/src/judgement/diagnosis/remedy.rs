@@ -35,10 +35,6 @@ impl Remedy {
         self.first.edits.iter().any(|edit| edit.inner() == "plant")
     }
 
-    pub(super) fn causes_mut(&mut self) -> impl Iterator<Item = &mut LikelyCause> {
-        std::iter::once(&mut self.first).chain(&mut self.then)
-    }
-
     /// Whether nothing is left to explain. Either the filter with the edits made has a good verdict, or its only
     /// fault is a parameter that is not identifiable; or the cause is certain and has no edit, or is a fault of the record.
     pub fn explains(&self) -> bool {

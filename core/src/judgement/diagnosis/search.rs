@@ -108,7 +108,7 @@ impl Search {
             is_new
         });
         if let Some(law) = &self.law {
-            let causes = remedies.iter_mut().flat_map(Remedy::causes_mut);
+            let causes = remedies.iter_mut().flat_map(|one| std::iter::once(&mut one.first).chain(&mut one.then));
             let forces = causes.filter(|likely| likely.cause.key == UNKNOWN_FORCE);
             forces.for_each(|likely| likely.sentence = format!("{}; {}", likely.sentence, law.text));
         }
@@ -281,7 +281,7 @@ impl Search {
             self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
         };
         // A free force ends in a good verdict whatever the cause is: other paths not far behind are tried too.
-        let well = best_of(&|path| !self.is_any_force(path));
+        let well = best_of(&|path| self.has_own_law() || !path.has(UNKNOWN_FORCE));
         let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
         let is_open = |path: &Path| {
@@ -310,7 +310,7 @@ impl Search {
         let order = |path: &Path| (is_seen(path), is_first(path), self.rank(path));
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
         let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
-        match best.filter(|_| self.filters < limit) {
+        match best.filter(|_| self.filters < limit).or_else(|| self.first_untried()) {
             Some(place) => {
                 self.filters += 1;
                 self.paths[place].is_tried = true;
@@ -322,19 +322,24 @@ impl Search {
         }
     }
 
+    /// The first remedy, which ends well but may leave a fault that a good verdict does not see.
+    fn first_untried(&self) -> Option<usize> {
+        let is_open = |place: &usize| !self.paths[*place].is_tried && self.paths[*place].steps.len() < STEPS;
+        self.place_of(self.remedies().first()?).filter(is_open).filter(|_| self.filters < FILTERS)
+    }
+
     fn rank(&self, path: &Path) -> f64 {
         if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
     }
 
-    /// The gain with an unknown force, less the price of one that follows no law of its own.
-    fn priced(&self, rank: f64) -> f64 {
-        let is_own = self.law.as_ref().is_some_and(|law| law.is_own);
-        let share = if is_own { 1.0 + PRICE } else { 1.0 - PRICE };
-        if rank > 0.0 { share * rank } else { rank }
+    fn has_own_law(&self) -> bool {
+        self.law.as_ref().is_some_and(|law| law.is_own)
     }
 
-    fn is_any_force(&self, path: &Path) -> bool {
-        path.has(UNKNOWN_FORCE) && !self.law.as_ref().is_some_and(|law| law.is_own)
+    /// The gain with an unknown force, less the price of one that follows no law of its own.
+    fn priced(&self, rank: f64) -> f64 {
+        let share = if self.has_own_law() { 1.0 + PRICE } else { 1.0 - PRICE };
+        if rank > 0.0 { share * rank } else { rank }
     }
 }
 
