@@ -112,8 +112,13 @@ impl Diagnosis {
         let case = live::case(diagnostics, estimates, record, None, self.samples.clone());
         let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut likely_causes = Vec::new();
-        let is_good = self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good());
-        for cause in if is_good { ALTERNATIVES } else { CAUSES } {
+        let causes = match self.verdict.as_ref().map(|verdict| verdict.kind) {
+            Some(VerdictKind::Consistent) => ALTERNATIVES,
+            // After any change another plant or a drift fits better for a while.
+            Some(VerdictKind::Recovered) => &ALTERNATIVES[..3],
+            _ => CAUSES,
+        };
+        for cause in causes {
             (cause.likely_causes)(&bad, cause, &mut likely_causes);
         }
         sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));

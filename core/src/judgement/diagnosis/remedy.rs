@@ -101,8 +101,7 @@ impl Trials {
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();
-        let is_good = before.is_good() && self.own.is_none();
-        let tried = || self.tried();
+        let (is_good, tried) = (before.is_good() && self.own.is_none(), || self.tried());
         // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
         // noise, with the size of all noise fitted in both.
         let open = |likely: &LikelyCause, outcome: &Outcome| {
@@ -185,8 +184,6 @@ const WEIGHTS: [f64; 8] = [-4.7, 2.6, 0.5, 4.3, -0.4, 5.3, -1.5, -3.3];
 /// The gain in log likelihood over which the scale of leads is logarithmic.
 const SCALE: f64 = 8.0;
 
-const MOST: f64 = 1e6;
-
 /// A probability as it is read: never quite none or all.
 pub fn in_percent(probability: f64) -> String {
     match 100.0 * probability {
@@ -204,7 +201,7 @@ impl Remedy {
     /// p = o / (1 + Σ o),  o = exp(Σ w x)
     /// ```
     pub fn probabilities(remedies: &[Self]) -> Vec<f64> {
-        let gain = |remedy: &Self| if remedy.gain.is_nan() { 0.0 } else { remedy.gain.clamp(-MOST, MOST) };
+        let gain = |remedy: &Self| if remedy.gain.is_nan() { 0.0 } else { remedy.gain.clamp(-1e6, 1e6) };
         let of = |(place, remedy): (usize, &Self)| {
             let others = || remedies.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
             let lead = gain(remedy) - others().map(gain).fold(0.0, f64::max);

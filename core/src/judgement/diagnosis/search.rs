@@ -16,6 +16,7 @@ use super::law::{ForceInHindsight, Law};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
+use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
 use crate::{Channel, Scenario, Task};
 
@@ -99,7 +100,9 @@ impl Search {
         }
         sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
-        let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
+        // Of a filter to be believed, the likeliest model alone.
+        let most = if self.before().is_some_and(|before| before.kind.is_good()) { 1 } else { usize::MAX };
+        let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).take(most).collect();
         remedies.retain(|remedy| {
             let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
             sort_items(&mut keys, Ord::cmp);
@@ -147,7 +150,6 @@ impl Search {
                     self.before = self.trials.before().cloned();
                     self.likelihood = self.trials.before.as_ref().map_or(f64::NAN, |before| before.log_likelihood);
                     self.alone = ranked;
-                    // A good filter is not searched further.
                     if self.before.as_ref().is_some_and(|before| before.kind.is_good()) {
                         return;
                     }
@@ -190,8 +192,7 @@ impl Search {
     }
 
     fn place_of(&self, remedy: &Remedy) -> Option<usize> {
-        let is_it = |path: &Path| path.remedy().is_some_and(|other| other.edits == remedy.edits);
-        self.paths.iter().position(is_it)
+        self.paths.iter().position(|path| path.remedy().is_some_and(|other| other.edits == remedy.edits))
     }
 
     fn look_at_force(&mut self, is_last: bool) {
@@ -322,10 +323,12 @@ impl Search {
         }
     }
 
-    /// The first remedy, which ends well but may leave a fault that a good verdict does not see.
+    /// The first remedy if it ends in a consistent filter, which may have a fault that the verdict does not see.
     fn first_untried(&self) -> Option<usize> {
-        let is_open = |place: &usize| !self.paths[*place].is_tried && self.paths[*place].steps.len() < STEPS;
-        self.place_of(self.remedies().first()?).filter(is_open).filter(|_| self.filters < FILTERS)
+        let place = self.place_of(self.remedies().first()?)?;
+        let Path { is_tried, steps, after, .. } = &self.paths[place];
+        let is_open = after.as_ref()?.kind == VerdictKind::Consistent && !is_tried && steps.len() < STEPS;
+        (is_open && self.filters < FILTERS).then_some(place)
     }
 
     fn rank(&self, path: &Path) -> f64 {

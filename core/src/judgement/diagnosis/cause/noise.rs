@@ -339,10 +339,6 @@ fn wind_up(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCau
     found.push(LikelyCause { certain: weight > 0.0, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
 }
 
-const FEW: f64 = 3.0;
-
-const MOST_PARTICLES: usize = 20_000;
-
 pub(super) static COLLAPSED_SAMPLE: Cause = Cause {
     key: "collapsed_sample",
     name: "a collapsed sample",
@@ -358,9 +354,9 @@ fn collapsed_sample(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
     }
     let collapsed = bad.effect_of(|one| one.speaks_for == VerdictKind::Collapsed);
     let particles = bad.filter.ensemble_size;
-    let more = (10 * particles).min(MOST_PARTICLES);
+    let more = (10 * particles).min(20_000);
     let edits = vec![bad.edit("ensemble_size", more as i64)];
     let sentence = format!("of {particles} particles as few as {} have had all the weight", short(least));
-    let weight = if collapsed > 0.0 || least < FEW { 0.9 } else { 0.3 };
+    let weight = if collapsed > 0.0 || least < 3.0 { 0.9 } else { 0.3 };
     found.push(LikelyCause { certain: weight > 0.5, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
 }
