@@ -101,7 +101,7 @@ impl Trials {
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();
-        let (is_good, tried) = (before.is_good() && self.own.is_none(), || self.tried());
+        let tried = || self.tried();
         // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
         // noise, with the size of all noise fitted in both.
         let open = |likely: &LikelyCause, outcome: &Outcome| {
@@ -137,7 +137,7 @@ impl Trials {
             if let Some(own) = self.own.filter(|_| likely.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;
             }
-            let is_worth = likely.certain || gain > WORTH && (outcome.is_good() || !is_good);
+            let is_worth = likely.certain || gain > WORTH;
             if !is_worth {
                 continue;
             }
