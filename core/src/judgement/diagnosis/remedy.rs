@@ -120,9 +120,9 @@ impl Trials {
         };
         // What yields or creeps may rest anywhere: it fits a slow force too, though hardly better than the force does.
         let is_of_force = |softening: &LikelyCause, outcome: &Outcome| {
-            tried().filter(|(likely, _)| likely.cause.key == UNKNOWN_FORCE).any(|(likely, force)| {
+            tried().any(|(likely, force)| {
                 let lead = outcome.achieved - force.achieved - penalty * (softening.fitted - likely.fitted);
-                lead < if force.is_good() { AHEAD } else { 0.0 }
+                likely.cause.key == UNKNOWN_FORCE && lead < if force.is_good() { AHEAD } else { 0.0 }
             })
         };
         // Another plant begins with another guess: where that alone is enough, the plant was right.

@@ -102,7 +102,8 @@ impl Search {
         let mut told: Vec<Vec<&str>> = Vec::new();
         // Of a filter to be believed, the likeliest model alone.
         let most = if self.before().is_some_and(|before| before.kind.is_good()) { 1 } else { usize::MAX };
-        let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).take(most).collect();
+        all.truncate(most);
+        let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
             let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
             sort_items(&mut keys, Ord::cmp);

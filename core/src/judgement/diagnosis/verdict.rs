@@ -137,7 +137,7 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
             let (word, known, open) =
                 if both[0] < both[1] { ("product", both[0], both[1]) } else { ("ratio", both[1], both[0]) };
             if known < RIDGE * open {
-                let [one, other] = [channels[i].name(), channels[j].name()];
+                let (one, other) = (channels[i].name(), channels[j].name());
                 text += &format!(
                     "; of the {one} and the {other} only the {word} is known, to {}",
                     percent(known.max(0.0).sqrt())

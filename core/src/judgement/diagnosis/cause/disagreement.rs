@@ -107,9 +107,8 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
 
 /// Whether the factor is none with the noise that is told, and none without: the true one is between.
 fn is_off(Agreement { factor, attenuated, std, .. }: &Agreement) -> bool {
-    let [off, attenuated_off] = [factor, attenuated].map(|factor| factor.abs() - 1.0);
-    let least = off.abs().min(attenuated_off.abs());
-    off * attenuated_off > 0.0 && least > SCALE && least > SURE * std
+    let (off, other) = (factor.abs() - 1.0, attenuated.abs() - 1.0);
+    off * other > 0.0 && off.abs().min(other.abs()) > SCALE.max(SURE * std)
 }
 
 /// The factor by which sensors change more than their rates say, if two pairs or more share it: then the times are wrong.
@@ -193,7 +192,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
 
 fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> Option<(f64, String)> {
     let Agreement { factor, late, late_std, .. } = pair.agreement;
-    let [name, rate_name] = sensors.map(Quantity::name);
+    let (name, rate_name) = (sensors[0].name(), sensors[1].name());
     let off = (factor.abs() - 1.0).abs();
     let (is_so, size, sentence) = match fault {
         Fault::Sign => (factor < 0.0, 1.0, format!("the {name} falls where the {rate_name} says that it rises")),
@@ -279,7 +278,7 @@ impl Agreement {
             return None;
         }
         // The peak of the parabola through three likenesses.
-        let [before, here, after] = [best - 1, best, best + 1].map(|late| likeness(&at(span, late)));
+        let (before, here, after) = (likeness(&at(span, best - 1)), r.abs(), likeness(&at(span, best + 1)));
         let curvature = before - 2.0 * here + after;
         let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
         let independent = (count as f64 / (order * span) as f64).max(3.0);

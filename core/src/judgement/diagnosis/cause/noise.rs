@@ -252,7 +252,7 @@ fn common_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         if r.abs() < COMMON || !is_alone || !pair.places.iter().all(|&place| is_white(place)) {
             continue;
         }
-        let [one, other] = pair.places.map(|place| case.sensors[place].sensor.key());
+        let (one, other) = (case.sensors[pair.places[0]].sensor.key(), case.sensors[pair.places[1]].sensor.key());
         let sentence = format!(
             "the {one} and the {other} have noise in common: their innovations, each white, are correlated by {r:.2} within a sample, and \
              no setting mends that"
