@@ -186,7 +186,7 @@ fn print_mistakes(outcomes: &[Outcome]) {
     let has = |o: &Outcome, is: fn(VerdictKind) -> bool| o.verdicts.iter().flatten().any(|verdict| is(*verdict));
     let alarms =
         count(&|o| tuned(o) && has(o, |kind| !matches!(kind, VerdictKind::Consistent | VerdictKind::NotIdentifiable)));
-    // That σ of a parameter is as large as at first is true also of a filter that is well tuned.
+    // A well-tuned filter may also learn nothing about a parameter.
     let untold = count(&|o| tuned(o) && has(o, |kind| kind == VerdictKind::NotIdentifiable));
     let contrary = count(&|o| o.verdicts.iter().flatten().any(|v| o.fault.contrary().contains(v)));
     println!(

@@ -109,8 +109,8 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
-    /// [`Self::history`] with memory for a whole record, whose readings may have times of their own: its remarks say so where the filter does not follow
-    /// them, and a sensor that measures seldom is not taken for a silent one.
+    /// [`Self::history`] with memory for a whole record, whose readings may have times of their own: its remarks say so where the
+    /// filter does not follow them, and a sensor that measures seldom is not taken for a silent one.
     ///
     /// # Errors
     /// Those of [`Self::history`].

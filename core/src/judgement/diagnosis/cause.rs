@@ -62,7 +62,7 @@ pub static CAUSES: &[&Cause] = &[
     &plant::CREEP,
 ];
 
-/// What is tried on a filter with a good verdict: other models, whose innovations may be white too.
+/// The causes that are tried on a consistent filter, since a wrong model can have white innovations too; after a recovery the first three.
 pub(super) static ALTERNATIVES: &[&Cause] = &[
     &claims::COARSE_PROPAGATION,
     &input::INPUT_HOLD,

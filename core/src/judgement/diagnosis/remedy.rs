@@ -118,7 +118,7 @@ impl Trials {
                     && (outcome.is_good() || !softening.is_good())
             })
         };
-        // What yields or creeps may rest anywhere: it fits a slow force too, though hardly better than the force does.
+        // A spring that yields, or a damper that creeps, has no place of rest, so it follows a slow force nearly as well as the force does.
         let is_of_force = |softening: &LikelyCause, outcome: &Outcome| {
             tried().any(|(likely, force)| {
                 let lead = outcome.achieved - force.achieved - penalty * (softening.fitted - likely.fitted);

@@ -100,9 +100,6 @@ impl Search {
         }
         sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
-        // Of a filter to be believed, the likeliest model alone.
-        let most = if self.before().is_some_and(|before| before.kind.is_good()) { 1 } else { usize::MAX };
-        all.truncate(most);
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
             let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
@@ -151,7 +148,9 @@ impl Search {
                     self.before = self.trials.before().cloned();
                     self.likelihood = self.trials.before.as_ref().map_or(f64::NAN, |before| before.log_likelihood);
                     self.alone = ranked;
+                    // A filter to be believed is not searched further: it gets the likeliest model alone.
                     if self.before.as_ref().is_some_and(|before| before.kind.is_good()) {
+                        self.alone.truncate(1);
                         return;
                     }
                     return self.look_at_force(false);
@@ -307,7 +306,7 @@ impl Search {
             .map(|path| path.gain)
             .fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
-        // What the record itself shows stands first in any case.
+        // A cause that the record shows without a model is listed first, so its remedy must be complete.
         let is_seen = |path: &Path| path.steps.len() == 1 && path.steps[0].likely.certain;
         let order = |path: &Path| (is_seen(path), is_first(path), self.rank(path));
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
