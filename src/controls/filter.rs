@@ -1,15 +1,17 @@
 //! One filter: its initial belief, its noise, its memory and its colour.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{ComboBox, Grid, Popup, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
+use egui::{ComboBox, Grid, Popup, PopupCloseBehavior, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Length;
-use kalmanscope_core::setting::{Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo};
+use kalmanscope_core::setting::{
+    Allowed, CHANGES, Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
+};
 use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
 
 use super::lit::lit;
 use super::number::{Named, REMARK, field, std_field, tell_hertz};
 use super::options::options_ui;
-use super::row::filter_row_ui;
+use super::row::{filter_row_ui, list_ui};
 use crate::text::significant;
 use crate::theme;
 use crate::theme::Palette;
@@ -46,6 +48,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                     half_life_ui(ui, filter.fading, *dt);
                 }
             }
+            changes_ui(ui, filter, plant.kind);
             belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
             options_ui(ui, filter, plant.kind, sensors, length);
@@ -80,6 +83,41 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
         let filter = &mut scenario.filters[place];
         filter.sensor_std = sensor_std;
         filter.process_std = process_std;
+    }
+}
+
+fn off(row: &SettingInfo<FilterSettings>) -> f64 {
+    (row.get)(&FilterSettings::default())
+}
+
+/// How the parameters change that the filter estimates: not at all, or in one of the other ways.
+fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+    let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != off(row));
+    let mut still = filter.clone();
+    CHANGES.iter().for_each(|(row, ..)| (row.set)(&mut still, off(row)));
+    let mut chosen = now;
+    let summary = now.map_or("still", |at| CHANGES[at].1);
+    let (hint, name) = ("How the parameters change of which nothing is known", format!("{} parameters", filter.name));
+    let mut list = |ui: &mut Ui| {
+        list_ui(ui, ("parameters", hint), summary, &name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
+            ui.selectable_value(&mut chosen, None, "still").on_hover_text("They stay as they are");
+            for (at, (row, answer, _)) in CHANGES.iter().enumerate() {
+                let serves = (row.serves)(&still, truth);
+                let answer = ui.add_enabled_ui(serves, |ui| ui.selectable_value(&mut chosen, Some(at), *answer));
+                answer.inner.on_hover_text(row.hint);
+            }
+        });
+    };
+    let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
+    lit(ui, &walk, |ui| lit(ui, &jump, |ui| lit(ui, &scales, |ui| list(ui))));
+    if chosen != now {
+        *filter = still;
+        if let Some((row, _, value)) = chosen.and_then(|at| CHANGES.get(at)) {
+            (row.set)(filter, *value);
+        }
+    }
+    if let Some((row, ..)) = chosen.and_then(|at| CHANGES.get(at)).filter(|(row, ..)| row.allowed != Allowed::Flag) {
+        filter_row_ui(ui, row, filter, truth);
     }
 }
 

@@ -4,11 +4,9 @@ use egui::{Checkbox, DragValue, PopupCloseBehavior, Ui};
 use kalmanscope_core::Length;
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::scenario::Between;
-use kalmanscope_core::setting::{
-    CHOICES_OF_FILTER, CORRELATION_TIME, Entry, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SENSOR_DELAY, SMOOTHER,
-    TableInfo,
-};
-use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
+use kalmanscope_core::scenario::option::{BOUNDED, CONSIDERED, PLUCKED};
+use kalmanscope_core::setting::{CHOICES_OF_FILTER, CORRELATION_TIME, Entry, OPTIONS, SENSOR_DELAY, TableInfo};
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Sensor};
 
 use super::lit::lit;
 use super::row::{choice_row_ui, filter_row_ui, list_ui};
@@ -42,16 +40,10 @@ pub(super) fn options_ui(
                 lit(ui, &filter.address(info.key), |ui| choice_row_ui(ui, info, filter, &name));
             }
         }
-        if !(ROBUST.serves)(filter) {
-            filter.robust = Robust::NONE;
-        }
-        if !(GUESSES.serves)(filter, truth) {
+        filter.turn_off_excluded();
+        if !filter.has_frequency(truth) {
             filter.guesses = 1;
         }
-        if !(PROCESS_SCALES.serves)(filter, truth) {
-            filter.process_scales = 1;
-        }
-        filter.smoother &= (SMOOTHER.serves)(filter, truth);
         for info in OPTIONS {
             if (info.serves)(filter, truth) {
                 filter_row_ui(ui, info, filter, truth);
@@ -73,7 +65,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
 }
 
 fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
-    let offered: Vec<Channel> = if filter.can_consider() { filter.considerable(truth).collect() } else { Vec::new() };
+    let offered: Vec<Channel> = if filter.can(&CONSIDERED) { filter.considerable(truth).collect() } else { Vec::new() };
     let FilterSettings { name, consider, .. } = filter;
     // A filter that cannot consider a channel, or no longer has it, estimates it again or leaves it out.
     consider.retain(|channel| offered.contains(channel));
@@ -126,7 +118,7 @@ fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
 const FAR: f64 = 4.0;
 
 fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length: Length) {
-    let offered: Vec<Channel> = if filter.can_be_bounded() { filter.considerable(truth).collect() } else { Vec::new() };
+    let offered: Vec<Channel> = if filter.can(&BOUNDED) { filter.considerable(truth).collect() } else { Vec::new() };
     // A filter that can have no bounds, or no longer has the channel, loses them.
     filter.bounds.retain(|channel| offered.contains(&channel));
     if offered.is_empty() {
@@ -236,8 +228,7 @@ const LATER: f64 = 10.0;
 
 /// A number for each pluck. The times are in order.
 fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
-    if !filter.can_be_plucked() {
-        filter.plucks.clear();
+    if !filter.can(&PLUCKED) {
         return;
     }
     let (name, address) = (filter.name.clone(), filter.address("plucks"));

@@ -303,7 +303,18 @@ fn a_filter_is_plucked_and_has_scales_of_q() {
     set(&mut screen, "EKF pluck 2", 12.5);
     click(&mut screen, "EKF without pluck 1");
     assert_eq!(scenario(&screen).filters[0].plucks, [12.5]);
+    click(&mut screen, "EKF without pluck 1");
     press(&mut screen, Key::Escape);
+    for (answer, expected) in [
+        ("walk", (0.1, false, 1)),
+        ("jump", (0.0, true, 1)),
+        ("still", (0.0, false, 1)),
+        ("Q of unknown size", (0.0, false, 17)),
+    ] {
+        choose(&mut screen, "EKF parameters", answer);
+        let filter = &scenario(&screen).filters[0];
+        assert_eq!((filter.walk, filter.jump, filter.process_scales), expected, "{answer}");
+    }
     set(&mut screen, "EKF scales of Q", 5.0);
     screen.run_steps(30);
     assert_eq!(scenario(&screen).filters[0].process_scales, 5);

@@ -1,6 +1,6 @@
 //! Scenarios to try: built-in ones and new ones, with hostile numbers.
 
-use kalmanscope_core::scenario::{Between, Motion};
+use kalmanscope_core::scenario::{Between, Motion, option};
 use kalmanscope_core::setting::{GUESSES, JUMP, PROCESS_SCALES, WALK};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
@@ -138,7 +138,7 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
 
 /// What not every filter may have.
 fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
-    if filter.can_weigh() && dice.one_in(3) {
+    if filter.can(&option::WEIGHED) && dice.one_in(3) {
         filter.robust = dice.pick(&Robust::ALL);
     }
     filter.jump = dice.one_in(5) && (JUMP.serves)(filter, truth);
@@ -148,7 +148,7 @@ fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
     if dice.one_in(5) && (GUESSES.serves)(filter, truth) {
         filter.guesses = 2 + dice.below(4);
     }
-    if dice.one_in(5) && filter.can_be_plucked() {
+    if dice.one_in(5) && filter.can(&option::PLUCKED) {
         filter.plucks = dice.pick(&[&[0.05][..], &[-1.0, 0.2, 0.201], &[0.3, 1e9]]).to_vec();
     }
     if dice.one_in(6) && (PROCESS_SCALES.serves)(filter, truth) {
@@ -156,7 +156,7 @@ fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
     }
     filter.look_ahead = if filter.smoother { dice.pick(&[0.0, 0.0, 1e-9, 0.3, 1e6]) } else { 0.0 };
     let channels: Vec<Channel> = filter.considerable(truth).collect();
-    let (considers, is_bounded) = (filter.can_consider(), filter.can_be_bounded());
+    let (considers, is_bounded) = (filter.can(&option::CONSIDERED), filter.can(&option::BOUNDED));
     for channel in channels {
         if considers && dice.one_in(6) {
             filter.consider.push(channel);

@@ -6,6 +6,7 @@ mod document;
 pub(crate) mod fault;
 mod filter;
 mod identity;
+pub mod option;
 mod plant;
 mod population;
 mod true_noise;

@@ -20,7 +20,8 @@ pub use change::Change;
 pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
 pub use filter::{
-    ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES, SMOOTHER, WALK,
+    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES,
+    SMOOTHER, WALK,
 };
 pub use info::{Allowed, SettingInfo};
 pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};

@@ -110,7 +110,7 @@ impl Estimates {
             effective_samples: Vec::new(),
             considered: settings.consider.clone(),
             sensor_delay: settings.sensor_delay.clone(),
-            weighs: settings.robust.is_on() && settings.can_weigh(),
+            weighs: settings.robust.is_on(),
             weights: Vec::new(),
             learns: settings.adaptation.sensor_noise,
             learnt: Vec::new(),

@@ -198,45 +198,17 @@ impl FilterSettings {
         self.guesses == 1 && self.walk == 0.0 && self.process_scales == 1
     }
 
-    /// Whether the filter can consider channels without estimating them: its belief is mean and covariance alone.
-    pub fn can_consider(&self) -> bool {
-        self.is_one() && self.kind.is_gaussian() && !self.adaptation.is_on() && !self.jump && !self.smoother
-    }
-
-    /// Whether what the filter tells can have bounds. A random sample is no normal belief, and logarithms have a bound of their own.
-    pub fn can_be_bounded(&self) -> bool {
-        self.kind.is_gaussian() && !self.log_parameters
-    }
-
     /// The channels of a filter of this truth that it can consider, or that can have bounds.
     pub fn considerable(&self, truth: PlantKind) -> impl Iterator<Item = Channel> {
         let of_plant = self.plant.unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));
         of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
     }
 
-    /// Whether the motion can begin anew: a random sample has no belief that could be widened, and the models of a bank are mixed.
-    pub fn can_be_plucked(&self) -> bool {
-        self.kind.is_gaussian() && self.walk == 0.0
-    }
-
-    /// Whether measurements can be weighed.
-    pub fn can_weigh(&self) -> bool {
-        self.kind.is_gaussian() && !self.adaptation.sensor_noise
-    }
-
-    /// Whether the filter can be one of two that mix: nothing but mean and covariance follows from its innovations.
-    pub fn can_mix(&self) -> bool {
-        !self.adaptation.is_on() && self.process_scales == 1 && self.plucks.is_empty() && self.has_gaussian_belief()
-    }
-
-    /// Whether filters with smaller and larger Q can run side by side. R may be learnt by each of them.
-    pub fn can_scale(&self) -> bool {
-        !self.adaptation.process_noise && self.guesses == 1 && self.walk == 0.0 && self.has_gaussian_belief()
-    }
-
-    fn has_gaussian_belief(&self) -> bool {
-        let is_plain = !self.jump && !self.robust.is_on() && self.consider.is_empty();
-        self.kind.is_gaussian() && is_plain && !self.smoother
+    /// Whether the filter estimates a natural frequency, from above 0 on.
+    pub fn has_frequency(&self, truth: PlantKind) -> bool {
+        let frequency = Channel::NATURAL_FREQUENCY;
+        let channels = self.plant.unwrap_or(truth).channels();
+        channels.contains(&frequency) && !self.knows(frequency) && self.initial_mean[frequency] > 0.0
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

@@ -3,9 +3,10 @@
 use std::fmt::{Arguments, Display};
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::data::document::{self, Document};
 use crate::data::record::Delays;
 use crate::data::scenario::cost::largest_ensemble;
-use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, PROCESS_SCALES, SettingInfo, TABLES, WALK, of_scenario};
+use crate::data::setting::{Allowed, OF_FILTER, SettingInfo, TABLES, of_scenario};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Channel, InputKind, PlantKind, Signal};
@@ -26,7 +27,7 @@ impl Scenario {
         if let Some(record) = record {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
-        require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
+        i64::try_from(*seed).map_err(|_| impossible("seed", seed, "a whole number from 0 to 2⁶³ - 1"))?;
         for info in of_scenario().filter(|info| (info.serves)(self, plant.kind)) {
             check(format_args!(""), info, self)?;
         }
@@ -37,12 +38,7 @@ impl Scenario {
             format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
         )?;
         plant.validate()?;
-        require(
-            sensors.len() <= MAX_SENSORS,
-            "sensors",
-            format_args!("a list of {}", sensors.len()),
-            format_args!("at most {MAX_SENSORS}"),
-        )?;
+        length(sensors.len() <= MAX_SENSORS, "sensors", sensors.len(), format_args!("at most {MAX_SENSORS}"))?;
         for (i, sensor) in sensors.iter().enumerate() {
             require(
                 plant.kind.has(sensor.measures),
@@ -65,19 +61,15 @@ impl Scenario {
                 "a quantity that no other sensor measures",
             )?;
         }
-        require(
-            filters.len() <= MAX_FILTERS,
-            "filters",
-            format_args!("a list of {}", filters.len()),
-            format_args!("at most {MAX_FILTERS}"),
-        )?;
+        length(filters.len() <= MAX_FILTERS, "filters", filters.len(), format_args!("at most {MAX_FILTERS}"))?;
         for (i, filter) in filters.iter().enumerate() {
             filter.validate(format_args!("filters[{i}]"), sensors.len(), *dt, plant.kind)?;
         }
         for (key, law) in draw {
             if let Some(allowed) = law.problem() {
                 let [a, b] = law.numbers();
-                require(false, format_args!("draw.\"{key}\".{}", law.info().key), format_args!("[{a}, {b}]"), allowed)?;
+                let key = format_args!("draw.\"{key}\".{}", law.info().key);
+                return Err(impossible(key, format_args!("[{a}, {b}]"), allowed));
             }
         }
         Ok(())
@@ -85,7 +77,8 @@ impl Scenario {
 }
 
 fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
-    require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
+    let error = || impossible(path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has");
+    if is_impostor { Err(error()) } else { Ok(()) }
 }
 
 impl Plant {
@@ -93,25 +86,14 @@ impl Plant {
         own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
         for (channel, parameter) in own.chain(self.signals()) {
-            let minimum = parameter.minimum();
-            let key = format_args!("plant.{}", channel.key());
+            let (minimum, key) = (parameter.minimum(), format_args!("plant.{}", channel.key()));
             validate_signal(key, &parameter)?;
-            let low = format_args!("{minimum} at its lowest");
-            require(
-                channel != Channel::WHITE_FORCE,
-                key,
-                "set",
-                "left out: the truth's white force is its disturbance_std",
-            )?;
-            match channel.role() {
-                Role::Parameter(Sign::Positive) => {
-                    require(minimum > 0.0, key, low, "above 0 at all times")?;
-                }
-                Role::Parameter(Sign::NotNegative) => {
-                    require(minimum >= 0.0, key, low, "at least 0 at all times")?;
-                }
-                Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => {}
-            }
+            let (holds, allowed) = match channel.role() {
+                Role::Parameter(Sign::Positive) => (minimum > 0.0, "above 0 at all times"),
+                Role::Parameter(Sign::NotNegative) => (minimum >= 0.0, "at least 0 at all times"),
+                _ => (channel != Channel::WHITE_FORCE, "left out: the truth's white force is its disturbance_std"),
+            };
+            require(holds, key, format_args!("{minimum} at its lowest"), allowed)?;
         }
         Ok(())
     }
@@ -130,12 +112,7 @@ impl FilterSettings {
             log_parameters,
             substeps,
             guesses,
-            process_scales,
             ensemble_size,
-            jump,
-            walk,
-            robust,
-            smoother,
             sensor_std,
             sensor_delay,
             plucks,
@@ -150,88 +127,44 @@ impl FilterSettings {
             check(format_args!("{path}."), info, self)?;
         }
         require(
-            *guesses == 1 || (GUESSES.serves)(self, truth),
+            *guesses == 1 || self.has_frequency(truth),
             format_args!("{path}.guesses"),
             guesses,
-            "1 for a filter with a smoother, or scales of Q, or without a natural frequency above 0 to estimate",
+            "1 for a filter without a natural frequency above 0 to estimate",
         )?;
-        require(
-            *process_scales == 1 || (PROCESS_SCALES.serves)(self, truth),
-            format_args!("{path}.process_scales"),
-            process_scales,
-            "1 for a filter that samples its belief, jumps, weighs readings, learns Q, considers channels, has a smoother, several guesses \
-             or a walk",
-        )?;
+        if let Some((other, first, reason)) = self.excluded() {
+            let value = document::of(self).map_or(Document::Null, |own| own[other.key].clone());
+            let allowed = format_args!("left out for a filter that {}: {reason}", first.words);
+            return Err(impossible(format_args!("{path}.{}", other.key), value, allowed));
+        }
         if kind.is_sampled() {
             let components = self.model(truth, InputKind::default()).size();
             let most = largest_ensemble(components, (*substeps).max(1));
-            require(
-                *ensemble_size <= most.max(2),
-                format_args!("{path}.ensemble_size"),
-                ensemble_size,
-                format_args!(
-                    "at most {most} for {components} components that move by {} step(s) a sample",
-                    (*substeps).max(1)
-                ),
-            )?;
+            if *ensemble_size > most.max(2) {
+                let steps = (*substeps).max(1);
+                let allowed =
+                    format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
+                return Err(impossible(format_args!("{path}.ensemble_size"), ensemble_size, allowed));
+            }
         }
-        require(
-            !*jump || (JUMP.serves)(self, truth),
-            format_args!("{path}.jump"),
-            jump,
-            "false for a KF, which takes its parameters for known and has none to widen",
+        let is_considerable = |channel: Channel| self.considerable(truth).any(|known| known == channel);
+        each_once(
+            format_args!("{path}.augment"),
+            augment,
+            &Channel::is_augmentation,
+            "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ or sensor_gain_ and a sensor",
         )?;
-        require(
-            *walk == 0.0 || (WALK.serves)(self, truth),
-            format_args!("{path}.walk"),
-            walk,
-            "0 for a filter that samples its belief, jumps, weighs readings, learns noise, has a smoother, or has no parameter to estimate",
-        )?;
-        require(
-            !robust.is_on() || self.can_weigh(),
-            format_args!("{path}.robust"),
-            format_args!("\"{}\"", robust.info().key),
-            "\"none\" for a filter that samples its belief or learns R",
-        )?;
-        require(
-            !*smoother || kind.is_gaussian(),
-            format_args!("{path}.smoother"),
-            smoother,
-            format_args!("false for a {}, which has no smoother here", kind.name()),
-        )?;
-        for (i, channel) in augment.iter().enumerate() {
-            require(
-                channel.is_augmentation() && !augment[..i].contains(channel),
-                format_args!("{path}.augment[{i}]"),
-                format_args!("\"{}\"", channel.key()),
-                "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ or sensor_gain_ and a sensor",
-            )?;
-        }
-        require(
-            consider.is_empty() || self.can_consider(),
+        each_once(
             format_args!("{path}.consider"),
-            format_args!("a list of {}", consider.len()),
-            "[] for a filter that samples its belief, jumps, learns noise, has a smoother, several guesses or a walk",
-        )?;
-        for (i, channel) in consider.iter().enumerate() {
-            require(
-                self.considerable(truth).any(|known| known == *channel) && !consider[..i].contains(channel),
-                format_args!("{path}.consider[{i}]"),
-                format_args!("\"{}\"", channel.key()),
-                "a parameter that the filter does not know, or one of its augmentations but the white force, each once",
-            )?;
-        }
-        require(
-            bounds.is_empty() || self.can_be_bounded(),
-            format_args!("{path}.bounds"),
-            "set",
-            "left out for a filter that samples its belief or has logarithms",
+            consider,
+            &is_considerable,
+            "a parameter that the filter does not know, or one of its augmentations but the white force, each once",
         )?;
         for (channel, between) in bounds.iter() {
             let key = format_args!("{path}.bounds.{}", channel.key());
             let [least, most] = between.ends();
             require(
-                self.considerable(truth).any(|known| known == channel),
+                is_considerable(channel),
                 key,
                 "set",
                 "left out: it is no parameter that the filter does not know, and none of its augmentations but the white force",
@@ -243,12 +176,8 @@ impl FilterSettings {
                 format_args!("from {least} to {most}"),
                 "from a number to a larger one",
             )?;
-            require(
-                (least..=most).contains(&initial_mean[channel]),
-                format_args!("{path}.initial_mean.{}", channel.key()),
-                initial_mean[channel],
-                format_args!("between its bounds, {least} and {most}"),
-            )?;
+            let key = format_args!("{path}.initial_mean.{}", channel.key());
+            number(key, initial_mean[channel], Allowed::Within(least, most))?;
         }
         if *log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
@@ -256,38 +185,16 @@ impl FilterSettings {
                 number(key, initial_mean[channel], Allowed::Above(0.0))?;
             }
         }
-        require(
-            sensor_std.len() == sensors,
-            format_args!("{path}.sensor_std"),
-            format_args!("a list of {}", sensor_std.len()),
-            format_args!("a list of {sensors}, one for each sensor"),
-        )?;
-        require(
-            sensor_delay.is_empty() || sensor_delay.len() == sensors,
-            format_args!("{path}.sensor_delay"),
-            format_args!("a list of {}", sensor_delay.len()),
-            format_args!("[], or a list of {sensors}, one for each sensor"),
-        )?;
-        require(
-            plucks.is_empty() || self.can_be_plucked(),
-            format_args!("{path}.plucks"),
-            format_args!("a list of {}", plucks.len()),
-            "[] for a filter that samples its belief, or has a walk",
-        )?;
+        let words = format_args!("a list of {sensors}, one for each sensor");
+        length(sensor_std.len() == sensors, format_args!("{path}.sensor_std"), sensor_std.len(), words)?;
+        let (is_full, key) = (sensor_delay.len() == sensors, format_args!("{path}.sensor_delay"));
+        length(is_full || sensor_delay.is_empty(), key, sensor_delay.len(), format_args!("[], or {words}"))?;
         let is_rising = plucks.windows(2).all(|pair| pair[0] < pair[1]) && plucks.iter().all(|time| time.is_finite());
-        require(
-            is_rising && plucks.len() <= MOST_PLUCKS,
-            format_args!("{path}.plucks"),
-            format_args!("a list of {}", plucks.len()),
-            format_args!("at most {MOST_PLUCKS} finite times, each after the one before"),
-        )?;
-        if let Some(place) = sensor_delay.iter().position(|late| late.abs() > Delays::MOST * dt) {
-            require(
-                false,
-                format_args!("{path}.sensor_delay[{place}]"),
-                sensor_delay[place],
-                format_args!("within {} steps of {dt} s", Delays::MOST),
-            )?;
+        let words = format_args!("at most {MOST_PLUCKS} finite times, each after the one before");
+        length(is_rising && plucks.len() <= MOST_PLUCKS, format_args!("{path}.plucks"), plucks.len(), words)?;
+        for (place, late) in sensor_delay.iter().enumerate() {
+            let allowed = format_args!("within {} steps of {dt} s", Delays::MOST);
+            require(late.abs() <= Delays::MOST * dt, format_args!("{path}.sensor_delay[{place}]"), late, allowed)?;
         }
         for (channel, time) in self.correlation_time.iter() {
             require(
@@ -314,7 +221,24 @@ fn check<T>(path: Arguments<'_>, info: &SettingInfo<T>, of: &T) -> Result<(), Sc
     }
     let unit = if allowed.is_whole() && !unit.is_empty() { format!(" {unit}") } else { String::new() };
     let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
-    require(false, format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
+    Err(impossible(format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}")))
+}
+
+fn length(holds: bool, key: impl Display, count: usize, allowed: impl Display) -> Result<(), ScenarioError> {
+    require(holds, key, format_args!("a list of {count}"), allowed)
+}
+
+fn each_once(
+    path: Arguments<'_>,
+    channels: &[Channel],
+    is_one: &dyn Fn(Channel) -> bool,
+    allowed: &str,
+) -> Result<(), ScenarioError> {
+    for (i, &channel) in channels.iter().enumerate() {
+        let holds = is_one(channel) && !channels[..i].contains(&channel);
+        require(holds, format_args!("{path}[{i}]"), format_args!("\"{}\"", channel.key()), allowed)?;
+    }
+    Ok(())
 }
 
 fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
@@ -338,8 +262,9 @@ fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioE
 }
 
 fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {
-    if holds {
-        return Ok(());
-    }
-    Err(ScenarioError::Value { key: key.to_string(), value: value.to_string(), allowed: allowed.to_string() })
+    if holds { Ok(()) } else { Err(impossible(key, value, allowed)) }
+}
+
+fn impossible(key: impl Display, value: impl Display, allowed: impl Display) -> ScenarioError {
+    ScenarioError::Value { key: key.to_string(), value: value.to_string(), allowed: allowed.to_string() }
 }

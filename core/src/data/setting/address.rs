@@ -372,7 +372,7 @@ mod tests {
             let unknown = Address::parse(&Scenario::default(), key).unwrap_err();
             let instead = match key.strip_prefix("filters.") {
                 Some(rest) if rest.starts_with("KF.") => "; its filters are `EKF` and `UKF`",
-                Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `jump`, `eta`, ",
+                Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `eta`, `jump`, ",
                 Some(_) => "",
                 None if key.starts_with("plant") => {
                     "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "

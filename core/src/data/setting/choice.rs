@@ -6,7 +6,7 @@ use toml::Value;
 
 use super::Edit;
 use crate::data::force::Force;
-use crate::data::scenario::{FilterSettings, Scenario};
+use crate::data::scenario::{FilterSettings, Scenario, option};
 use crate::mathematics::filter::Robust;
 use crate::{Hold, InputKind, Propagation};
 
@@ -141,7 +141,7 @@ pub static ROBUST: ChoiceInfo<FilterSettings> = ChoiceInfo {
         Robust::ALL.map(option).into()
     },
     value: |at| word(&Robust::ALL.map(|rule| rule.info().key), at),
-    serves: FilterSettings::can_weigh,
+    serves: |filter| filter.can(&option::WEIGHED),
     get: |filter| Robust::ALL.iter().position(|rule| *rule == filter.robust).unwrap_or(0),
     set: |filter, at| filter.robust = Robust::ALL.get(at).copied().unwrap_or(Robust::NONE),
 };

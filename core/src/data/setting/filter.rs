@@ -2,8 +2,7 @@
 
 use super::Allowed;
 use super::info::{Field, SettingInfo, row};
-use crate::data::scenario::FilterSettings;
-use crate::mathematics::channel::Channel;
+use crate::data::scenario::{FilterSettings, option};
 use crate::mathematics::filter::FilterKind;
 
 type Row = SettingInfo<FilterSettings>;
@@ -29,7 +28,7 @@ pub static JUMP: Row = row! { "jump", jump,
     allowed: Allowed::Flag,
     hint: "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
            forget nothing. A remark says when",
-    serves: |filter, _| filter.kind != FilterKind::KF || !filter.augment.is_empty(),
+    serves: |filter, _| filter.can(&option::JUMPING),
 };
 
 /// w: how far the parameters walk in the second model of a bank.
@@ -43,7 +42,7 @@ pub static WALK: Row = row! { "walk", walk,
     slider: (0.0, 2.0),
     hint: "Two filters that mix by the likelihood of their readings: parameters are still in one, and walk in the other, by so many \
            initial σ in a second; 0 for one filter (IMM: Blom and Bar-Shalom 1988)",
-    serves: |filter, truth| (JUMP.serves)(filter, truth) && filter.can_mix(),
+    serves: |filter, _| filter.can(&option::WALKING),
     is_varied: true,
 };
 
@@ -67,12 +66,7 @@ pub static GUESSES: Row = row! { "guesses", guesses,
     slider: (1.0, 8.0),
     hint: "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
            is shown",
-    serves: |filter, truth| {
-        let frequency = Channel::NATURAL_FREQUENCY;
-        let has_one = filter.plant.unwrap_or(truth).channels().contains(&frequency);
-        let is_one = filter.process_scales == 1 && !filter.smoother;
-        has_one && !filter.knows(frequency) && filter.initial_mean[frequency] > 0.0 && is_one
-    },
+    serves: |filter, truth| filter.has_frequency(truth) && filter.can(&option::GUESSED),
 };
 
 /// The scales of Q with which filters run side by side.
@@ -83,7 +77,7 @@ pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
     slider: (1.0, 25.0),
     hint: "Filters side by side with so many scales of Q, √Q from 1/30 to 30 times: the likelihood of their readings tells how large Q is, \
            with ±2σ, and what is shown is their mixture; 17 do well (Magill 1965)",
-    serves: |filter, _| filter.can_scale(),
+    serves: |filter, _| filter.can(&option::SCALED),
 };
 
 static SUBSTEPS: Row = row! { "substeps", substeps,
@@ -125,7 +119,7 @@ pub static SMOOTHER: Row = row! { "smoother", smoother,
     allowed: Allowed::Flag,
     hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
            Rauch, Tung and Striebel (1965)",
-    serves: |filter, _| filter.kind.is_gaussian() && filter.guesses == 1 && filter.process_scales == 1,
+    serves: |filter, _| filter.can(&option::SMOOTHED),
 };
 
 static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
@@ -176,11 +170,17 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 };
 
 /// The settings that are shown first: how long the filter remembers.
-pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
+pub static MEMORY: [&Row; 2] = [&FADING, &ETA];
+
+/// The ways in which parameters may change that stay as they are otherwise, one of which a filter has: in words, and the value that
+/// turns it on.
+pub static CHANGES: [(&Row, &str, f64); 3] =
+    [(&WALK, "walk", 0.1), (&JUMP, "jump", 1.0), (&PROCESS_SCALES, "Q of unknown size", 17.0)];
+
+static OF_CHANGES: [&Row; 3] = [&JUMP, &WALK, &PROCESS_SCALES];
 
 /// The less common settings.
-pub static OPTIONS: [&Row; 12] = [
-    &WALK,
+pub static OPTIONS: [&Row; 10] = [
     &GUESSES,
     &SUBSTEPS,
     &ITERATIONS,
@@ -190,11 +190,10 @@ pub static OPTIONS: [&Row; 12] = [
     &LOOK_AHEAD,
     &LEARNS_R,
     &LEARNS_Q,
-    &PROCESS_SCALES,
     &TRAINING,
 ];
 
 static OF_FILES: [&Row; 2] = [&INPUT_DELAY, &FORGETTING];
 
 /// All settings of a filter that are one number each, or a yes or no.
-pub static OF_FILTER: [&[&Row]; 3] = [&MEMORY, &OPTIONS, &OF_FILES];
+pub static OF_FILTER: [&[&Row]; 4] = [&MEMORY, &OF_CHANGES, &OPTIONS, &OF_FILES];

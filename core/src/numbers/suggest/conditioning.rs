@@ -7,6 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
+use crate::data::scenario::option::PLUCKED;
 use crate::mathematics::lists::{mapped, places, sort_items};
 use crate::{Channel, Hold, Record, Run, Scenario};
 
@@ -179,7 +180,7 @@ impl Plucked {
     }
 
     pub(super) fn tell(&self, suggestion: &mut Suggestion) {
-        for filter in suggestion.filters().filter(|filter| filter.can_be_plucked()) {
+        for filter in suggestion.filters().filter(|filter| filter.can(&PLUCKED)) {
             filter.plucks.clone_from(&self.times);
             filter.initial_mean[Channel::DISPLACEMENT] = 0.0;
             for channel in [Channel::DISPLACEMENT, Channel::VELOCITY] {

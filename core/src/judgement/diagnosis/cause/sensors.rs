@@ -2,6 +2,7 @@
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::data::length::Length;
+use crate::data::scenario::option::WEIGHED;
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::words::{percent, short};
 use crate::mathematics::lists::{mapped, sort_numbers};
@@ -52,7 +53,7 @@ fn marked(
             LikelyCause { certain: true, of_record: true, ..likely }
         };
         found.push(with(Vec::new()));
-        if !bad.filter.robust.is_on() && bad.filter.can_weigh() && bad.filter.walk == 0.0 {
+        if !bad.filter.robust.is_on() && bad.filter.can(&WEIGHED) && bad.filter.walk == 0.0 {
             found.push(with(vec![bad.edit("robust", "gate")]));
         }
     }
@@ -110,7 +111,7 @@ pub(super) static OUTLIERS: Cause = Cause {
 };
 
 fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.robust.is_on() || !bad.filter.can_weigh() || bad.filter.walk > 0.0 {
+    if bad.filter.robust.is_on() || !bad.filter.can(&WEIGHED) || bad.filter.walk > 0.0 {
         return;
     }
     let (mut sentences, mut most) = (Vec::new(), f64::NAN);
