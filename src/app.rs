@@ -11,6 +11,7 @@ pub mod state;
 mod window;
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use egui::util::undoer::Undoer;
 use egui::{Context, ThemePreference, Ui};
@@ -239,6 +240,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         theme::fit_targets(ctx);
+        let shown = Arc::clone(self.session.shared_scenario());
         // Behind the window of an import keys have no effect.
         if self.importing.is_none() {
             keys::keys(ctx, &self.session, &mut self.requests);
@@ -248,7 +250,7 @@ impl eframe::App for App {
         link::pasted(ctx, &mut self.requests);
         self.follow_export(ctx);
         for request in std::mem::take(&mut self.requests) {
-            self.apply(request, ctx);
+            self.apply(request, &shown, ctx);
         }
         self.notice.take_if(|notice| notice.is_over(ctx));
         self.visible.forget_filters_but(&self.session.scenario().filters);

@@ -94,7 +94,7 @@ impl Finder {
             }
             Some(Choice::Edit(edit)) => {
                 let edited = edit.apply(session.scenario()).ok();
-                requests.extend(edited.and_then(|edited| Request::edit(session.scenario(), &edited)));
+                requests.extend(edited.and_then(|edited| Request::edit(session.scenario(), edited)));
             }
             Some(Choice::Request(request)) => requests.push((**request).clone()),
         }
@@ -138,7 +138,7 @@ impl Change {
         let Some(value) = value.filter(|_| is_entered) else { return true };
         let mut edited = scenario.clone();
         address.set(&mut edited, value);
-        requests.extend(Request::edit(scenario, &edited));
+        requests.extend(Request::edit(scenario, edited));
         false
     }
 }

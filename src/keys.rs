@@ -1,7 +1,6 @@
 //! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
 use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
-use kalmanscope_core::setting::Change;
 use kalmanscope_core::{Channel, Hold, Scenario};
 
 use crate::request::{LegendEntry, Request};
@@ -149,7 +148,7 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
 
 fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
     let before = session.scenario();
-    Request::Edit(Change::between(before, &edited(before)))
+    Request::Edit(Box::new(edited(before)))
 }
 
 pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {

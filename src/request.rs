@@ -6,7 +6,6 @@ use std::fmt;
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
-use kalmanscope_core::setting::Change;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
 use crate::laboratory::{Choice, SeedChoice, TuneChoice};
@@ -39,7 +38,8 @@ pub enum Request {
     OpenAddress(String),
     CopyLink,
     OpenOutside,
-    Edit(Change),
+    /// Take over the scenario of the frame with some changes.
+    Edit(Box<Scenario>),
     Undo,
     Redo,
     SwapSettings,
@@ -92,8 +92,8 @@ pub enum Request {
 }
 
 impl Request {
-    pub(crate) fn edit(before: &Scenario, now: &Scenario) -> Option<Self> {
-        (before != now).then(|| Self::Edit(Change::between(before, now)))
+    pub(crate) fn edit(before: &Scenario, now: Scenario) -> Option<Self> {
+        (*before != now).then(|| Self::Edit(Box::new(now)))
     }
 }
 

@@ -53,7 +53,7 @@ pub enum Mode {
 /// Live, a record may be of any length: at most [`Self::KEPT`] samples are kept, chosen by the position of the run.
 /// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
-    scenario: Scenario,
+    scenario: Arc<Scenario>,
     study: Study,
     job: Option<Job>,
     team: Rc<dyn Team>,
@@ -75,7 +75,7 @@ pub struct Session {
     judged: Judged,
     before: Option<Before>,
     setting: Setting,
-    other: Option<Scenario>,
+    other: Option<Arc<Scenario>>,
     /// Real time since the last edit \[s\].
     since_edit: f64,
     hand: Hand,
@@ -126,7 +126,7 @@ impl Session {
             is_opened: false,
             complete: false,
             budget,
-            scenario,
+            scenario: Arc::new(scenario),
             wanted: Wanted::default(),
             wanted_mode: Mode::Live,
             playing: true,
@@ -161,6 +161,10 @@ impl Session {
 
     /// The scenario of the controls: that of the run, unless an edit of it is being computed or is impossible.
     pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    pub(crate) fn shared_scenario(&self) -> &Arc<Scenario> {
         &self.scenario
     }
 
@@ -293,7 +297,7 @@ impl Session {
     pub fn set_scenario(&mut self, mut scenario: Scenario) {
         scenario.number_filters();
         scenario.keep_draws();
-        self.scenario = scenario;
+        self.scenario = Arc::new(scenario);
         self.edited();
         self.want_of_study();
         self.compute();

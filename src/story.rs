@@ -137,7 +137,7 @@ fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette,
             if let Some(value) = number_ui(ui, &setting, &name, palette) {
                 let mut scenario = session.scenario().clone();
                 address.set(&mut scenario, value);
-                requests.extend(Request::edit(session.scenario(), &scenario));
+                requests.extend(Request::edit(session.scenario(), scenario));
             }
         }
         other => _ = ui.label(other.to_string()),

@@ -153,6 +153,8 @@ const FAULTS: &[(&str, &[&str], bool, &str)] = &[
     ("euler.toml", &[], true, "likelier model 1: steps of the propagation that are too coarse"),
     ("q-on-velocity.toml", &[], true, "likelier model 1: a white force in place of Q"),
     ("hardens-a-little.toml", &[], true, "likelier model 1: a spring that hardens"),
+    ("coarse-and-late-change.toml", &[], true, "cause 1: the coarse steps of a sensor"),
+    ("scale-and-large-r.toml", &[], true, "cause 1: the scale of a sensor"),
     ("bias-estimated-without-q.toml", &[], false, "cause 1: a sensor's bias or drift"),
     ("coloured-noise.toml", &[], false, "cause 1: coloured noise of a sensor"),
     ("r-as-variance.toml", &[], false, "cause 1: R of a sensor: R of the displacement is 10000 times too small"),

@@ -1,6 +1,10 @@
 //! Applies requests.
 
+use std::sync::Arc;
+
 use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Change;
+use kalmanscope_lessons::BuiltIn;
 
 use super::window::NARROW;
 use super::{App, LARGE};
@@ -18,7 +22,15 @@ use crate::theme;
 use crate::tutor::Tutor;
 
 impl App {
-    pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
+    pub(super) fn open_built_in(&mut self, built_in: BuiltIn, ctx: &egui::Context) {
+        match built_in.scenario() {
+            Ok(scenario) => self.open(scenario, ctx),
+            Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title).into()),
+        }
+    }
+
+    /// Applies a request of a frame that showed a scenario.
+    pub(super) fn apply(&mut self, request: Request, shown: &Arc<Scenario>, ctx: &egui::Context) {
         let Self { session, axis, visible, layout, laboratory, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
@@ -34,10 +46,7 @@ impl App {
                 *axis = TimeAxis::default();
             }
             Request::SetSpeed(speed) => session.set_speed(speed),
-            Request::Open(built_in) => match built_in.scenario() {
-                Ok(scenario) => self.open(scenario, ctx),
-                Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title).into()),
-            },
+            Request::Open(built_in) => self.open_built_in(built_in, ctx),
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
             Request::ChooseFile => self.choose_file(ctx),
             Request::ImportFile(file) => self.import(*file),
@@ -51,7 +60,9 @@ impl App {
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),
             Request::CopyLink => self.copy_link(ctx),
             Request::OpenOutside => self.open_outside(ctx),
-            Request::Edit(change) => match change.apply(session.scenario()) {
+            Request::Edit(edited) if Arc::ptr_eq(shown, session.shared_scenario()) => session.edit(*edited),
+            // Another request of the frame has changed the scenario meanwhile.
+            Request::Edit(edited) => match Change::between(shown, &edited).apply(session.scenario()) {
                 Ok(scenario) => session.edit(scenario),
                 Err(error) => self.notice = Some(format!("This cannot be changed: {error}.").into()),
             },

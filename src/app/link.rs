@@ -36,7 +36,7 @@ impl App {
         match address::target(address) {
             Ok(None) => {}
             Ok(Some(Target::Picture(picture))) => self.show_picture(*picture, ctx),
-            Ok(Some(Target::Scenario(built_in))) => self.apply(Request::Open(built_in), ctx),
+            Ok(Some(Target::Scenario(built_in))) => self.open_built_in(built_in, ctx),
             Ok(Some(Target::Lesson(place, step))) => {
                 self.start_lesson(place, ctx);
                 self.go_to_step(step);

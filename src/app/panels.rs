@@ -35,12 +35,12 @@ impl App {
             let mut scenario = session.scenario().clone();
             if is_short {
                 let all = few_controls_ui(ui, &mut scenario, story);
-                requests.extend(Request::edit(session.scenario(), &scenario));
+                requests.extend(Request::edit(session.scenario(), scenario));
                 requests.extend(all.then_some(Request::ShowAllSettings(true)));
                 return;
             }
             let asked = controls_ui(ui, &mut scenario, session.library(), palette, lit);
-            requests.extend(Request::edit(session.scenario(), &scenario));
+            requests.extend(Request::edit(session.scenario(), scenario));
             requests.extend(asked.into_iter().map(|asked| match asked {
                 Asked::Columns => Request::ChangeColumns,
                 Asked::Equation => Request::EditEquation,

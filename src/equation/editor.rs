@@ -160,7 +160,7 @@ impl Editor {
         match changed.set_equation(&kept) {
             Ok(()) => {
                 (self.taken, self.fault) = (Some(kept), None);
-                requests.extend(Request::edit(scenario, &changed));
+                requests.extend(Request::edit(scenario, changed));
             }
             Err(error) => self.fault = Some(error.to_string()),
         }

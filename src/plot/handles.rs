@@ -63,7 +63,7 @@ pub(super) fn handles_ui(
             let before = input.session.scenario();
             let mut scenario = before.clone();
             (handle.set)(&mut scenario, to.x, to.y);
-            requests.extend(Request::edit(before, &scenario));
+            requests.extend(Request::edit(before, scenario));
         }
         if response.drag_stopped() && ui.data_mut(|data| data.remove_temp::<bool>(id)).is_some() {
             requests.push(Request::Follow);

@@ -16,7 +16,7 @@ const ONE_CHANGE: f64 = 0.8;
 const MOST: usize = 20_000;
 
 pub struct Before {
-    scenario: Scenario,
+    scenario: Arc<Scenario>,
     study: Study,
     pub words: String,
     is_of_filters: bool,
@@ -56,7 +56,7 @@ impl Session {
     pub fn edit(&mut self, scenario: Scenario) {
         let goes_on = self.since_edit < ONE_CHANGE && self.before.is_some();
         self.since_edit = 0.0;
-        let was = self.scenario.clone();
+        let was = Arc::clone(&self.scenario);
         self.set_scenario(scenario);
         match (&self.before, &self.other) {
             (_, Some(other)) => self.remember(other.clone()),
@@ -94,12 +94,12 @@ impl Session {
     }
 
     pub fn swap_settings(&mut self) {
-        let now = self.scenario.clone();
+        let now = Arc::clone(&self.scenario);
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
         self.setting = self.setting.other();
         self.since_edit = f64::INFINITY;
         if next != now {
-            self.set_scenario(next);
+            self.set_scenario((*next).clone());
         }
         self.remember(now);
     }
@@ -117,7 +117,7 @@ impl Session {
         self.before.as_ref().is_some_and(|before| !before.is_complete)
     }
 
-    fn remember(&mut self, was: Scenario) {
+    fn remember(&mut self, was: Arc<Scenario>) {
         let change = Change::between(&was, &self.scenario);
         let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
         let filters = was.filters.iter().filter(|filter| is_kept(filter.id) && change.concerns(filter.id));
@@ -141,7 +141,7 @@ impl Session {
         if samples > MOST {
             return;
         }
-        let shown = Scenario { filters, ..was.clone() };
+        let shown = Scenario { filters, ..(*was).clone() };
         // An impossible scenario has no picture.
         if let Ok(study) = Study::new(&shown, source, MOST + 1) {
             self.before = Some(Before { scenario: was, study, words, is_of_filters, is_complete: false });
@@ -178,7 +178,7 @@ impl Session {
 
 const NAMED: usize = 2;
 
-pub(super) fn difference(change: &Change) -> Option<String> {
+pub(super) fn difference(change: &Change<'_>) -> Option<String> {
     let all = change.what_was(|number| significant(number, 4));
     let more = if all.len() > NAMED { ", …" } else { "" };
     (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)

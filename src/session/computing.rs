@@ -34,7 +34,7 @@ impl Session {
         self.give_up_job();
         self.is_opened = false;
         let run = self.study.run();
-        self.scenario = run.scenario().clone();
+        self.scenario = std::sync::Arc::new(run.scenario().clone());
         self.can_be_whole = run.samples() <= Self::LONGEST_WHOLE + 1;
         self.problem = None;
         if self.wanted_mode == Mode::Whole && (run.done() < run.samples() || run.record().forgotten() > 0) {

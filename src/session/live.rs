@@ -38,7 +38,7 @@ impl Session {
         let record = Some(Mapping { file: name.to_owned(), hash: file.hash.clone(), ..mapping });
         self.library.insert(Arc::new(file));
         self.pause();
-        self.set_scenario(Scenario { record, ..self.scenario.clone() });
+        self.set_scenario(Scenario { record, ..(*self.scenario).clone() });
         Some(bytes)
     }
 

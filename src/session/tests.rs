@@ -272,7 +272,7 @@ fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
     let mut session = session();
     session.set_mode(Mode::Whole);
     let long = Scenario { duration: 3000.0, ..session.scenario().clone() };
-    let short = std::mem::take(&mut session.scenario);
+    let short = session.scenario().clone();
     session.seek(3.0);
     session.set_scenario(long);
     assert!(!session.can_be_whole());

@@ -49,7 +49,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
             }
         });
     });
-    requests.extend(Request::edit(context.session.scenario(), &scenario));
+    requests.extend(Request::edit(context.session.scenario(), scenario));
     None
 }
 

@@ -141,7 +141,7 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
         ui.label("These values are in use.");
     } else if let Some(applied) = result.applied(scenario) {
         if ui.button("Use these values").clicked() {
-            requests.extend(Request::edit(scenario, &applied));
+            requests.extend(Request::edit(scenario, applied));
         }
     } else {
         ui.weak("The settings have changed since: tune again.");

@@ -199,7 +199,7 @@ impl Analysis {
             }
         }
         let smoothed = std::mem::take(&mut old.smoothing);
-        self.smoothing.take_over(smoothed, &ids, changed, &mut self.waste);
+        self.smoothing.take_over(smoothed, &run.scenario().filters, changed, &mut self.waste);
         (self.evidences, self.all_evident) = (Vec::new(), false);
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);

@@ -130,6 +130,12 @@ impl Estimates {
         self.id
     }
 
+    /// Takes over the name and the colour of a filter.
+    pub(crate) fn call(&mut self, settings: &FilterSettings) {
+        self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
+        self.color = settings.color;
+    }
+
     /// Whether these are smoothed estimates.
     pub fn is_smoothed(&self) -> bool {
         self.smoothed

@@ -146,6 +146,6 @@ fn edits_ui(
     if button.clicked()
         && let Ok(turned) = Edit::apply_all(edits, scenario)
     {
-        requests.extend(Request::edit(scenario, &turned));
+        requests.extend(Request::edit(scenario, turned));
     }
 }

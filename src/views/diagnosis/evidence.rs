@@ -133,7 +133,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
             if number.changed() {
                 let mut edited = scenario.clone();
                 address.set(&mut edited, value);
-                requests.extend(Request::edit(scenario, &edited));
+                requests.extend(Request::edit(scenario, edited));
             }
         }
     });

@@ -139,7 +139,7 @@ pub(super) fn dot_ui(
         }
     }
     let edited = moved.and_then(|values| survey.with(scenario, values));
-    requests.extend(edited.and_then(|edited| Request::edit(context.session.scenario(), &edited)));
+    requests.extend(edited.and_then(|edited| Request::edit(context.session.scenario(), edited)));
 }
 
 fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palette) {

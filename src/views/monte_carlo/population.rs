@@ -50,7 +50,7 @@ pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &m
     let button = button.on_hover_text(hint);
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Drawn numbers"));
     let edited = edited.filter(|next| next.validate().is_ok());
-    requests.extend(edited.and_then(|next| Request::edit(scenario, &next)));
+    requests.extend(edited.and_then(|next| Request::edit(scenario, next)));
 }
 
 pub(super) fn name(key: &str, scenario: &Scenario) -> String {

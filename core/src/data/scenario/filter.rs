@@ -211,6 +211,11 @@ impl FilterSettings {
         channels.contains(&frequency) && !self.knows(frequency) && self.initial_mean[frequency] > 0.0
     }
 
+    /// Whether the estimates are the same: all but name and colour is.
+    pub(crate) fn computes_as(&self, other: &Self) -> bool {
+        *self == Self { name: self.name.clone(), color: self.color, ..other.clone() }
+    }
+
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the
     /// parameters of its plant.
     pub fn knows(&self, channel: Channel) -> bool {

@@ -26,9 +26,9 @@ use crate::mathematics::quantity::Quantity;
 /// assert_eq!(change.apply(&before).unwrap(), now);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
-    before: Box<Scenario>,
-    now: Box<Scenario>,
+pub struct Change<'a> {
+    before: &'a Scenario,
+    now: &'a Scenario,
     settings: Vec<Difference>,
     added: Vec<usize>,
     removed: Vec<usize>,
@@ -42,12 +42,11 @@ struct Difference {
     now: Document,
 }
 
-impl Change {
+impl<'a> Change<'a> {
     /// The change from `before` to `now`. An id tells which filter is which.
-    pub fn between(before: &Scenario, now: &Scenario) -> Self {
+    pub fn between(before: &'a Scenario, now: &'a Scenario) -> Self {
         let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
-        let mut change =
-            Self { before: Box::new(before.clone()), now: Box::new(now.clone()), settings, added, removed };
+        let mut change = Self { before, now, settings, added, removed };
         let find = |scenario: &Scenario, id: u32| scenario.filters.iter().position(|filter| filter.id == id);
         let ids = |one: &Scenario, other: &Scenario| -> Vec<u32> {
             one.filters.iter().map(|filter| filter.id).filter(|&id| find(other, id).is_some()).collect()
@@ -65,7 +64,12 @@ impl Change {
         }
         let added = now.filters.iter().enumerate().filter(|(_, filter)| !stay.contains(&filter.id));
         change.added = added.map(|(place, _)| place).collect();
-        let [before, now] = [before, now].map(|all| document(&Scenario { filters: Vec::new(), ..all.clone() }));
+        let of_scenario = |scenario: &Scenario| {
+            let mut all = document(scenario);
+            all["filters"] = Document::Null;
+            all
+        };
+        let [before, now] = [of_scenario(before), of_scenario(now)];
         change.compare(&before, &now, "");
         change
     }
@@ -124,8 +128,8 @@ impl Change {
     /// # Errors
     /// [`ScenarioError`] where the scenario has no place for a setting.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
-        if *scenario == *self.before {
-            return Ok((*self.now).clone());
+        if scenario == self.before {
+            return Ok(self.now.clone());
         }
         let mut document = document::of(scenario)?;
         for Difference { key, now, .. } in &self.settings {
@@ -415,7 +419,8 @@ mod tests {
         let concerned = |step: Step| {
             let mut changed = scenario();
             step(&mut changed);
-            let change = Change::between(&scenario(), &changed);
+            let before = scenario();
+            let change = Change::between(&before, &changed);
             (change.is_of_filters(), [1, 2].map(|id| change.concerns(id)))
         };
         assert_eq!(concerned(|scenario| scenario.filters[0].fading = 1.5), (true, [true, false]));

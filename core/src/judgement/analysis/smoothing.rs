@@ -82,13 +82,18 @@ impl Smoothing {
     }
 
     /// Adds the estimates of another run's filters that have these ids and are not changed, in the order of the ids.
-    pub(super) fn take_over(&mut self, mut old: Self, ids: &[u32], changed: &[u32], waste: &mut Waste) {
-        old.keep(waste, |of| ids.contains(&of.id()) && !changed.contains(&of.id()));
+    pub(super) fn take_over(&mut self, mut old: Self, filters: &[FilterSettings], changed: &[u32], waste: &mut Waste) {
+        let place = |of: &Estimates| filters.iter().position(|filter| filter.id == of.id());
+        old.keep(waste, |of| place(of).is_some() && !changed.contains(&of.id()));
         let all = self.estimates.drain(..).zip(self.smoothers.drain(..));
         let mut all: Vec<_> = all.chain(old.estimates.into_iter().zip(old.smoothers)).collect();
-        let place = |of: &Estimates| ids.iter().position(|&id| id == of.id());
         sort_items(&mut all, |(one, _), (other, _)| place(one).cmp(&place(other)));
         (self.estimates, self.smoothers) = all.into_iter().unzip();
+        for estimates in &mut self.estimates {
+            if let Some(place) = place(estimates) {
+                estimates.call(&filters[place]);
+            }
+        }
         self.is_complete = false;
     }
 

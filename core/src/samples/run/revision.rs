@@ -46,7 +46,8 @@ impl Revision {
         let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
         let mut bank = Bank::new(scenario, current.record())?;
         let before = &run.scenario().filters;
-        let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
+        let place_of =
+            |filter: &FilterSettings| before.iter().position(|b| b.computes_as(filter)).filter(|_| same_filters);
         let kept: Vec<Option<usize>> = mapped(&bank.scenario.filters, &place_of);
         for kept in &kept {
             if kept.is_some() {
@@ -149,6 +150,7 @@ impl Revision {
             if let Some(before) = before {
                 std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[before]);
                 std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[before]);
+                bank.estimates[place].call(&bank.scenario.filters[place]);
             }
         }
         sort_items(&mut order, Ord::cmp);
@@ -173,12 +175,15 @@ impl Revision {
 }
 
 fn same_filters(run: &Run, scenario: &Scenario) -> bool {
-    let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
+    // Laws are for populations, and no run reads them.
+    let same_truth = |one: &Scenario, other: &Scenario| {
+        *one == Scenario { filters: one.filters.clone(), draw: one.draw.clone(), ..other.clone() }
+    };
     let before = run.scenario();
     match run.source() {
         Source::Simulated => {
             let reaches = run.recording.len() >= (run.done() + lookahead(scenario, run.record().dt())).min(run.samples);
-            run.record().forgotten() == 0 && reaches && without_filters(before) == without_filters(scenario)
+            run.record().forgotten() == 0 && reaches && same_truth(before, scenario)
         }
         Source::Measured(_) | Source::Live(_) => {
             let read = |s: &Scenario| {
@@ -187,5 +192,24 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
             };
             read(before) == read(scenario)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{FilterColor, Run, Scenario, Update};
+
+    #[test]
+    fn a_name_a_colour_and_laws_compute_nothing() {
+        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        let before = run.checksum();
+        (scenario.filters[0].name, scenario.filters[0].color) = ("other".to_owned(), Some(FilterColor::Sky));
+        scenario.draw.insert("seed".to_owned(), crate::scenario::Law::Uniform([1.0, 2.0]));
+        assert!(matches!(run.update(&scenario), Ok(Update::Filters(changed)) if changed.is_empty()));
+        let estimates = &run.estimates()[0];
+        assert_eq!((estimates.name(), estimates.color()), ("other", FilterColor::Sky));
+        assert_eq!((run.scenario(), run.checksum()), (&scenario, before));
     }
 }
