@@ -72,13 +72,8 @@ impl Force {
                 let cycle = |t: f64| libm::floor((t + 0.5 * dt) / period);
                 if k == 0 || cycle(t) > cycle(t - dt) { impulse / dt } else { 0.0 }
             }
-            Self::Step { amplitude, at } => {
-                if t < at {
-                    0.0
-                } else {
-                    amplitude
-                }
-            }
+            Self::Step { at, .. } if t < at => 0.0,
+            Self::Step { amplitude, .. } => amplitude,
         }
     }
 }

@@ -4,20 +4,22 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// A value over time. In a scenario file a bare number is a constant; other shapes are tables with the shape's name: `{
 /// step = { from = 6.0, to = 4.8, at = 30.0 } }`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Signal {
-    /// A constant value.
-    Constant(f64),
     /// One sudden change.
     Step(Step),
     /// A change at a constant rate.
     Ramp(Ramp),
     /// A periodic change.
     Sine(Sine),
+    /// A constant value.
+    #[serde(untagged)]
+    Constant(f64),
 }
 
 /// `from` before the time `at`, `to` from then on.
@@ -58,14 +60,6 @@ pub struct Sine {
     pub period: f64,
 }
 
-#[derive(Serialize)]
-#[serde(rename_all = "snake_case")]
-enum Shape {
-    Step(Step),
-    Ramp(Ramp),
-    Sine(Sine),
-}
-
 #[derive(Deserialize)]
 #[serde(field_identifier, rename_all = "snake_case")]
 enum ShapeKey {
@@ -79,22 +73,11 @@ impl Signal {
     pub fn at(&self, t: f64) -> f64 {
         match *self {
             Self::Constant(value) => value,
-            Self::Step(Step { from, to, at }) => {
-                if t < at {
-                    from
-                } else {
-                    to
-                }
-            }
-            Self::Ramp(Ramp { from, to, start, end }) => {
-                if t < start {
-                    from
-                } else if t >= end {
-                    to
-                } else {
-                    from + (to - from) * (t - start) / (end - start)
-                }
-            }
+            Self::Step(Step { from, at, .. }) if t < at => from,
+            Self::Ramp(Ramp { from, start, .. }) if t < start => from,
+            Self::Step(Step { to, .. }) => to,
+            Self::Ramp(Ramp { to, end, .. }) if t >= end => to,
+            Self::Ramp(Ramp { from, to, start, end }) => from + (to - from) * (t - start) / (end - start),
             Self::Sine(Sine { mean, amplitude, period }) => mean + amplitude * libm::sin(TAU * t / period),
         }
     }
@@ -130,17 +113,6 @@ impl Signal {
 impl From<f64> for Signal {
     fn from(value: f64) -> Self {
         Self::Constant(value)
-    }
-}
-
-impl Serialize for Signal {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match *self {
-            Self::Constant(value) => serializer.serialize_f64(value),
-            Self::Step(shape) => Shape::Step(shape).serialize(serializer),
-            Self::Ramp(shape) => Shape::Ramp(shape).serialize(serializer),
-            Self::Sine(shape) => Shape::Sine(shape).serialize(serializer),
-        }
     }
 }
 

@@ -2,7 +2,6 @@
 
 pub(crate) mod accuracy;
 pub mod chi_squared;
-pub(crate) mod nees;
 mod totals;
 mod whiteness;
 
@@ -11,8 +10,7 @@ use std::ops::Range;
 use crate::samples::waste::Piecewise;
 use crate::{Channel, Estimates, Record, Stop};
 
-use accuracy::Accuracy;
-use nees::Nees;
+use accuracy::{Accuracy, Nees};
 use totals::{Likelihood, Totals};
 
 pub use accuracy::ErrorSums;

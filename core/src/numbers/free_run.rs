@@ -1,6 +1,5 @@
 //! Free runs: an identified model over a record, without using its measurements.
 
-mod beginning;
 mod running;
 
 use std::ops::Range;

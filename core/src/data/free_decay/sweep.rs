@@ -2,9 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Mode;
-use super::decay::{Along, in_order};
 use super::modes::highest;
+use super::{Along, Mode, in_order};
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::mathematics::lists::{mapped, median, numbers};
 

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::cell::Found;
-use super::{Decimal, Delimiter, unit};
+use super::{Decimal, Delimiter, header};
 use crate::data::document::is_default;
 
 /// The form of a text file with columns of numbers. [`Loading`](super::Loading) finds it by looking at the first lines.
@@ -163,10 +163,10 @@ impl Dialect {
         let one = |place: usize| {
             let header = names.get(place).filter(|name| !name.is_empty());
             let (name, own) = match header {
-                Some(header) => unit::name_and_unit(header),
+                Some(header) => header::name_and_unit(header),
                 None => (format!("column {}", place + 1), None),
             };
-            let below = units.get(place).map(|text| unit::in_words(text)).filter(|text| !text.is_empty());
+            let below = units.get(place).map(|text| header::in_words(text)).filter(|text| !text.is_empty());
             (name, below.map(str::to_owned).or(own))
         };
         (0..columns).map(one).collect()
@@ -289,8 +289,8 @@ impl Form {
         let filled: Vec<&(usize, Vec<String>)> = near.iter().filter(is_filled).collect();
         let are_units = |cells: &[String]| {
             // A single letter may name a channel.
-            let is_unit = |cell: &&String| match unit::unit(unit::in_words(cell)) {
-                Some((unit::Dimension::Other, _)) => cell.chars().count() > 1,
+            let is_unit = |cell: &&String| match header::unit(header::in_words(cell)) {
+                Some((header::Dimension::Other, _)) => cell.chars().count() > 1,
                 found => found.is_some(),
             };
             let known = cells.iter().filter(is_unit).count();

@@ -1,10 +1,9 @@
 //! Reads a file of a record, a slice after the other: its columns and its hash.
 
-use super::error::LONGEST_LINE;
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
 use super::table::RowsReader;
-use super::{Dialect, Encoding, Hash, ImportError, Table};
+use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Table};
 use crate::data::task::Task;
 
 const LOOK: usize = 65_536;

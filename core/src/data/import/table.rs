@@ -6,10 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::Found;
 use super::dialect::REMARKS;
-use super::error::MOST_COLUMNS;
-use super::header::stated_rate;
-use super::unit::name_and_unit;
-use super::{Decimal, Dialect, ImportError};
+use super::header::{Facts, name_and_unit};
+use super::{Decimal, Dialect, ImportError, MOST_COLUMNS};
 use crate::mathematics::lists::{mapped, numbers};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
@@ -329,7 +327,7 @@ impl RowsReader {
             && (is_sum || dialect.delimiter.cells(row).all(is_word))
         {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
-            *rate = rate.or(stated_rate(&[trimmed]));
+            *rate = rate.or_else(|| Facts::of(&[trimmed]).step.map(|step| 1.0 / step));
             // Their axes are in g.
             if trimmed.contains("overflows") {
                 let axes = columns.iter_mut().filter(|column| ["X", "Y", "Z"].contains(&column.name.as_str()));

@@ -3,10 +3,9 @@
 use crate::mathematics::lists::{mapped, median, sort_items};
 use std::borrow::Cow;
 
-use super::error::{FEWEST, MOST};
-use super::unit::{Dimension, unit};
-use super::{Column, ImportError, Table};
-use crate::data::even_steps::Steps;
+use super::header::{Dimension, unit};
+use super::{Column, FEWEST, ImportError, MOST, Table};
+use crate::data::resample::Steps;
 
 pub(super) const DAY: f64 = 86_400.0;
 

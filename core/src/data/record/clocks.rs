@@ -28,22 +28,12 @@ pub struct Clocks {
 /// Times that a record cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ClocksError {
-    /// There must be a series for each sensor.
-    #[error("{found} series of readings, but the record has {expected} sensor(s)")]
-    Sensors {
-        /// The series.
-        found: usize,
-        /// The sensors.
-        expected: usize,
-    },
-    /// There must be a value for each time.
-    #[error("{times} times, but {values} values")]
-    Length {
-        /// The times.
-        times: usize,
-        /// The values.
-        values: usize,
-    },
+    /// There must be a series for each sensor: their numbers.
+    #[error("{0} series of readings, but the record has {1} sensor(s)")]
+    Sensors(usize, usize),
+    /// There must be a value for each time: their numbers.
+    #[error("{0} times, but {1} values")]
+    Length(usize, usize),
     /// Times must rise, and all numbers be finite.
     #[error("value {0}: the times must rise, and all numbers be finite")]
     Number(usize),
@@ -56,7 +46,7 @@ impl Timed {
     fn check(&self) -> Result<(), ClocksError> {
         let Self { times, values } = self;
         if times.len() != values.len() {
-            return Err(ClocksError::Length { times: times.len(), values: values.len() });
+            return Err(ClocksError::Length(times.len(), values.len()));
         }
         let is_bad =
             |k: &usize| !(times[*k].is_finite() && values[*k].is_finite()) || (*k > 0 && times[*k] <= times[*k - 1]);
@@ -221,7 +211,7 @@ impl Clocks {
     pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
         let Self { input, readings } = &mut self;
         if readings.len() != sensors {
-            return Err(ClocksError::Sensors { found: readings.len(), expected: sensors });
+            return Err(ClocksError::Sensors(readings.len(), sensors));
         }
         if input.as_ref().is_some_and(|input| input.times.is_empty()) {
             return Err(ClocksError::NoInput);

@@ -4,8 +4,7 @@ use std::ops::{Range, RangeInclusive};
 
 use super::chi_squared;
 use crate::FilterKind;
-use crate::mathematics::gaussian_likelihood::LogSum;
-use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};
 
 /// A sum of normalised squares over some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -151,41 +150,38 @@ impl Totals {
     }
 }
 
+/// The log likelihood of Gaussian beliefs, for which it needs the sum of the NIS as well; a particle filter reports its own.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Likelihood {
-    /// Of Gaussian beliefs: the value needs the sum of the NIS as well.
-    Gaussian { ln_determinants: LogSum },
-    /// Of a particle filter, which reports its own log likelihood.
-    Particles { sum: f64 },
+pub(super) struct Likelihood {
+    ln_determinants: LogSum,
+    own: Option<f64>,
 }
 
 impl Default for Likelihood {
     fn default() -> Self {
-        Self::Gaussian { ln_determinants: LogSum::ZERO }
+        Self { ln_determinants: LogSum::ZERO, own: None }
     }
 }
 
 impl Likelihood {
-    pub(crate) fn new(kind: FilterKind) -> Self {
-        if kind.has_own_likelihood() { Self::Particles { sum: 0.0 } } else { Self::default() }
+    pub(super) fn new(kind: FilterKind) -> Self {
+        Self { own: kind.has_own_likelihood().then_some(0.0), ..Self::default() }
     }
 
     /// Takes in a sample: det S, NaN where nothing was measured, with its logarithm, and the log likelihood of particles.
     #[inline]
-    pub(crate) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
-        match self {
+    pub(super) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
+        match &mut self.own {
             _ if determinant.is_nan() => {}
-            Self::Gaussian { ln_determinants } => ln_determinants.add(determinant, ln),
-            Self::Particles { sum } => *sum += own(),
+            Some(sum) => *sum += own(),
+            None => self.ln_determinants.add(determinant, ln),
         }
     }
 
-    pub(crate) fn value(self, nis: Total) -> f64 {
-        match self {
-            Self::Gaussian { .. } if nis.degrees == 0 => 0.0,
-            Self::Gaussian { ln_determinants } => log_likelihood(nis.sum, ln_determinants.value(), nis.degrees),
-            Self::Particles { sum } => sum,
-        }
+    pub(super) fn value(self, nis: Total) -> f64 {
+        let of_gaussian =
+            || if nis.degrees == 0 { 0.0 } else { log_likelihood(nis.sum, self.ln_determinants.value(), nis.degrees) };
+        self.own.unwrap_or_else(of_gaussian)
     }
 }
 

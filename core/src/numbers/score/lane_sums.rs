@@ -3,8 +3,7 @@
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
-use crate::mathematics::gaussian_likelihood::LogSum;
-use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};
 use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::{ChannelSums, Look, Outcome};

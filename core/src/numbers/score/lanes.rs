@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use crate::data::record::Parts;
-use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::belief::convert;
+use crate::mathematics::engine::belief::{Belief, convert};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};

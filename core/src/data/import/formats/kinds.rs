@@ -1,9 +1,8 @@
 //! The kinds of files that are no text, by their first bytes.
 
 use super::super::{Dialect, ImportError, Table, sound};
-use super::binary::whole;
-use super::unpack::{gzip, has_entry, is_zip, zip};
-use super::{arrays, mat, series};
+use super::unpack::{gzip, has_entry, is_zip, whole, zip};
+use super::{arrays, series};
 
 enum Way {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
@@ -32,7 +31,7 @@ const KINDS: [Kind; 53] = [
     ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
     ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
     ("a NumPy archive", |b| is_zip(b) && has_entry(b, |name| name.ends_with(".npy")), Read(|b, _| arrays::npz(b))),
-    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| mat::mat(b))),
+    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| arrays::mat(b))),
     ("a universal file with data set 58b", series::has_58b, Read(|b, _| series::uff58b(b))),
     ("a spreadsheet (.xlsx)", |b| is_zip(b) && has_entry(b, |name| name.starts_with("xl/")), SHEET),
     ("a spreadsheet or document (.ods, .odt)", |b| is_zip(b) && has_entry(b, |name| name == "content.xml"), SHEET),
@@ -157,7 +156,7 @@ fn is_segy(bytes: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{arrays, mat, series, unpack};
+    use super::super::{arrays, series, unpack};
     use super::*;
     use crate::data::import::read;
 
@@ -195,7 +194,8 @@ mod tests {
         let array = arrays::tests::file("'>f4'", "(3, 3)", false, &[7; 36]);
         let text = b"t,x\n0,1\n1,2\n2,1\n3,2\n";
         let (zip, npz) = (unpack::tests::zip_of(&[("a.csv", text)]), unpack::tests::zip_of(&[("a.npy", &array)]));
-        let files = [unpack::tests::gzip_of(text), zip, npz, mat::tests::file(), series::tests::file_58b(), array];
+        let files =
+            [unpack::tests::gzip_of(text), zip, npz, arrays::tests::matlab_file(), series::tests::file_58b(), array];
         for file in &files {
             assert!(read(file.as_slice(), None).is_ok());
             for place in 0..file.len() {
