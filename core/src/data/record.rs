@@ -285,15 +285,7 @@ impl Record {
 
     /// The true values of a channel, if they are known; NaN where one is missing.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
-        self.truth_place(channel).map(|i| self.truth[i].as_slice())
-    }
-
-    pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
-        channel.place_in(&self.truth_channels)
-    }
-
-    pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
-        self.truth[place][k]
+        channel.place_in(&self.truth_channels).map(|i| self.truth[i].as_slice())
     }
 }
 

@@ -125,24 +125,15 @@ struct Section {
     a: [f64; 2],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pass {
-    Low,
-    High,
-}
-
-/// The sections of a filter that passes one side of `cut`, the cut-off frequency as a share of the sample rate below ½. Source:
+/// The sections of a low-pass or a high-pass with the cut-off frequency `cut`, a share of the sample rate below ½. Source:
 /// Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2 (bilinear transform).
-fn sections(pass: Pass, cut: f64) -> [Section; ORDER / 2] {
+fn sections(is_low: bool, cut: f64) -> [Section; ORDER / 2] {
     let warped = libm::tan(PI * cut);
     std::array::from_fn(|k| {
         let damping = 2.0 * libm::sin(PI * (2 * k + 1) as f64 / (2 * ORDER) as f64);
         let (w, ww) = (damping * warped, warped * warped);
         let scale = 1.0 / (1.0 + w + ww);
-        let b = match pass {
-            Pass::Low => [ww * scale, 2.0 * ww * scale, ww * scale],
-            Pass::High => [scale, -2.0 * scale, scale],
-        };
+        let b = if is_low { [ww * scale, 2.0 * ww * scale, ww * scale] } else { [scale, -2.0 * scale, scale] };
         Section { b, a: [2.0 * (ww - 1.0) * scale, (1.0 - w + ww) * scale] }
     })
 }
@@ -169,10 +160,10 @@ impl Section {
 pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {
-        all.extend(sections(Pass::High, low.min(0.499)));
+        all.extend(sections(false, low.min(0.499)));
     }
     if high < 0.5 {
-        all.extend(sections(Pass::Low, high));
+        all.extend(sections(true, high));
     }
     let slowest = [low, high].into_iter().filter(|&cut| cut > 0.0).fold(0.5, f64::min);
     let margin = (libm::ceil(3.0 / slowest) as usize).min(values.len().saturating_sub(1));
@@ -325,7 +316,7 @@ mod tests {
     fn coefficients_are_those_of_scipy() {
         // scipy.signal.butter(4, 0.2, output="ba"), the cut-off at a tenth of the sample rate.
         let mut denominator = vec![1.0];
-        for Section { a, .. } in sections(Pass::Low, 0.1) {
+        for Section { a, .. } in sections(true, 0.1) {
             let factor = [1.0, a[0], a[1]];
             let mut product = vec![0.0; denominator.len() + 2];
             for (i, x) in denominator.iter().enumerate() {
@@ -338,7 +329,7 @@ mod tests {
         for (found, expected) in denominator.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        let gain: f64 = sections(Pass::Low, 0.1).iter().map(|section| section.b[0]).product();
+        let gain: f64 = sections(true, 0.1).iter().map(|section| section.b[0]).product();
         assert!((gain - 0.004_824_343_357_716_2).abs() < 1e-15, "{gain}");
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::Found;
+use super::cell::Content;
 use super::{Decimal, Delimiter, header};
 use crate::data::document::is_default;
 
@@ -63,18 +63,12 @@ pub enum Encoding {
     Utf16Be,
 }
 
-/// The first bytes of encodings that announce themselves.
 const MARKS: [(&[u8], Encoding); 3] =
     [(b"\xEF\xBB\xBF", Encoding::Utf8), (b"\xFF\xFE", Encoding::Utf16Le), (b"\xFE\xFF", Encoding::Utf16Be)];
 
 impl Encoding {
     const fn name(self) -> &'static str {
-        match self {
-            Self::Utf8 => "UTF-8",
-            Self::Latin1 => "Latin-1",
-            Self::Utf16Le => "UTF-16",
-            Self::Utf16Be => "UTF-16 (big-endian)",
-        }
+        ["UTF-8", "Latin-1", "UTF-16", "UTF-16 (big-endian)"][self as usize]
     }
 
     /// The encoding of a file that begins with these bytes, or `None` if it is not text.
@@ -230,14 +224,14 @@ impl Form {
             for cell in delimiter.cells(line) {
                 counts.cells += 1;
                 match decimal.read(cell, false) {
-                    Found::Number(number) if number.is_nan() => {}
-                    Found::Number(_) | Found::Clock { .. } => counts.numbers += 1,
-                    Found::Grouped(_) => {
+                    Content::Number(number) if number.is_nan() => {}
+                    Content::Number(_) | Content::Clock { .. } => counts.numbers += 1,
+                    Content::Grouped(_) => {
                         counts.numbers += 1;
                         thousands = true;
                     }
-                    Found::Missing | Found::Word => {}
-                    Found::Text => {
+                    Content::Missing | Content::Word => {}
+                    Content::Text => {
                         counts.begins |= counts.cells == 1;
                         counts.texts += 1;
                     }

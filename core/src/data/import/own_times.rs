@@ -21,7 +21,6 @@ pub(super) struct OwnTimes {
     pub(super) clocks: Clocks,
 }
 
-/// A column by its name, with the number of rows that have no number.
 #[derive(Debug)]
 struct OwnColumn {
     name: String,

@@ -184,13 +184,13 @@ impl LiveRecord {
         }
         self.complete_until(|newest, live, sample| {
             let late = (newest - sample) * live.record.dt;
-            let wait = if live.all_are_told(sample) { 0.0 } else { live.wait };
+            let wait = if live.has_all_readings(sample) { 0.0 } else { live.wait };
             newest <= sample || late < wait || (late < PATIENCE && live.input.waits_at(sample))
         });
         Ok(())
     }
 
-    fn all_are_told(&self, sample: f64) -> bool {
+    fn has_all_readings(&self, sample: f64) -> bool {
         let (input, sensors) =
             self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
         let has_input = input > f64::NEG_INFINITY;

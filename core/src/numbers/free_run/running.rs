@@ -63,22 +63,11 @@ impl Running {
         let Self { identified, part, readings, ends, beginning, course: at, predicted, done, .. } = self;
         let Some(course) = at else { return };
         let leg = ends.last().map_or(part.len(), |end| end - part.start);
-        let samples = (*done + CHUNK).min(leg);
-        let end = course.halved() + HALVED;
-        while *done < samples && course.halved() < end {
-            let k = part.start + *done;
-            let Some(state) = course.state() else {
-                // The model has run away: no prediction follows, until the motion begins anew.
-                *done = leg;
-                break;
-            };
-            for (column, reading) in
-                predicted.iter_mut().zip(readings.iter()).filter(|(column, _)| column.len() == *done)
-            {
+        course.go_on(identified, record, part.start..part.start + leg, done, &mut |k, state| {
+            for (column, reading) in predicted.iter_mut().zip(readings.iter()) {
                 column.push(identified.read(reading.as_ref(), state, record, k));
             }
-            *done += usize::from(course.advance(identified, record, k, end - course.halved()));
-        }
+        });
         if *done == leg && *done < part.len() {
             ends.pop();
             let next = part.start + leg..ends.last().copied().unwrap_or(part.end);
@@ -138,14 +127,12 @@ struct Trial {
     motion: Vec<f64>,
     course: Course,
     done: usize,
-    /// Whether the readings at the next sample are yet to be compared.
-    is_new: bool,
     errors: Vec<f64>,
 }
 
 impl Trial {
     fn new(identified: &Identified, motion: Vec<f64>) -> Self {
-        Self { course: Course::new(identified, &motion), motion, done: 0, is_new: true, errors: Vec::new() }
+        Self { course: Course::new(identified, &motion), motion, done: 0, errors: Vec::new() }
     }
 }
 
@@ -226,27 +213,15 @@ impl Beginning {
 
     /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.
     fn piece(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        let Self { part, scales, rows, trial: Trial { course, done, is_new, errors, .. }, .. } = self;
-        let samples = (*done + CHUNK).min(part.len());
-        let end = course.halved() + HALVED;
-        while *done < samples && course.halved() < end {
-            let k = part.start + *done;
-            let Some(state) = course.state() else {
-                *done = part.len();
-                break;
-            };
-            if *is_new {
-                for (sensor, reading) in
-                    readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
-                {
-                    let error =
-                        identified.measured(record, sensor, k) - identified.read(reading.as_ref(), state, record, k);
-                    errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
-                }
+        let Self { part, scales, rows, trial: Trial { course, done, errors, .. }, .. } = self;
+        course.go_on(identified, record, part.clone(), done, &mut |k, state| {
+            for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
+            {
+                let error =
+                    identified.measured(record, sensor, k) - identified.read(reading.as_ref(), state, record, k);
+                errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
             }
-            *is_new = course.advance(identified, record, k, end - course.halved());
-            *done += usize::from(*is_new);
-        }
+        });
         let is_complete = *done >= part.len();
         if is_complete {
             errors.resize(*rows, 0.0);
@@ -282,6 +257,8 @@ const CHUNK: usize = 64;
 
 struct Course {
     response: Response,
+    /// Whether it has just arrived at a sample.
+    is_new: bool,
     goes_on: bool,
 }
 
@@ -290,7 +267,7 @@ impl Course {
         let mut values = identified.values.clone();
         values[..motion.len()].copy_from_slice(motion);
         let (state, _) = identified.model.to_state(&values);
-        Self { response: Response::new(state.iter().copied()), goes_on: true }
+        Self { response: Response::new(state.iter().copied()), is_new: true, goes_on: true }
     }
 
     fn state(&self) -> Option<&[f64]> {
@@ -298,9 +275,30 @@ impl Course {
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
     }
 
-    /// The number of times that steps have been halved so far: a measure of the motion's computing time.
-    fn halved(&self) -> u64 {
-        self.response.halved
+    /// Continues behind the first `done` samples of a part, for about a millisecond: a step that is halved takes time. Hands over the state
+    /// at each sample. A model that has run away is done.
+    fn go_on(
+        &mut self,
+        identified: &Identified,
+        record: &Record,
+        part: Range<usize>,
+        done: &mut usize,
+        take: &mut dyn FnMut(usize, &[f64]),
+    ) {
+        let samples = (*done + CHUNK).min(part.len());
+        let end = self.response.halved + HALVED;
+        while *done < samples && self.response.halved < end {
+            let k = part.start + *done;
+            let Some(state) = self.state() else {
+                *done = part.len();
+                break;
+            };
+            if self.is_new {
+                take(k, state);
+            }
+            self.is_new = self.advance(identified, record, k, end - self.response.halved);
+            *done += usize::from(self.is_new);
+        }
     }
 
     /// Halves steps at most `most` times. Returns whether it has arrived at sample `k + 1`; if not, the next call continues.

@@ -296,11 +296,6 @@ impl<T: Number, L: Level> Batch<T, L> {
     }
 
     fn finish(mut self) -> Vec<Outcome> {
-        (0..self.count)
-            .map(|lane| match self.outcomes[lane].take() {
-                Some(outcome) => outcome,
-                None => self.outcome(lane, None),
-            })
-            .collect()
+        (0..self.count).map(|lane| self.outcomes[lane].take().unwrap_or_else(|| self.outcome(lane, None))).collect()
     }
 }

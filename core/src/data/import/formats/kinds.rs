@@ -4,27 +4,28 @@ use super::super::{Dialect, ImportError, Table, sound};
 use super::unpack::{gzip, has_entry, is_zip, whole, zip};
 use super::{arrays, series};
 
-enum Way {
+enum Handling {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
     /// They are not read; the words name what helps.
     Refuse(&'static str),
 }
 
-use Way::{Read, Refuse};
+use Handling::{Read, Refuse};
 
-const SHEET: Way = Refuse("save the sheet as CSV");
-const PICTURE: Way = Refuse("a record is a table of numbers: export the readings as CSV");
-const PACKED: Way = Refuse("unpack it, and open the table in it");
-const SOUND: Way = Refuse("save it as WAV");
-const FRAME: Way = Refuse("write its columns as CSV (pandas: to_csv)");
-const TOPICS: Way = Refuse("write the message with the readings as CSV (PlotJuggler, or the tool that comes with it)");
-const HDF5: Way = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
-const MATLAB: Way = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
-const SEISMOGRAM: Way =
+const SHEET: Handling = Refuse("save the sheet as CSV");
+const PICTURE: Handling = Refuse("a record is a table of numbers: export the readings as CSV");
+const PACKED: Handling = Refuse("unpack it, and open the table in it");
+const SOUND: Handling = Refuse("save it as WAV");
+const FRAME: Handling = Refuse("write its columns as CSV (pandas: to_csv)");
+const TOPICS: Handling =
+    Refuse("write the message with the readings as CSV (PlotJuggler, or the tool that comes with it)");
+const HDF5: Handling = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
+const MATLAB: Handling = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
+const SEISMOGRAM: Handling =
     Refuse("write it as text: SLIST, or SAC's alphanumeric form (ObsPy: write with format=\"SLIST\")");
 
 /// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
-type Kind = (&'static str, fn(&[u8]) -> bool, Way);
+type Kind = (&'static str, fn(&[u8]) -> bool, Handling);
 
 const KINDS: [Kind; 53] = [
     ("a sound", |b| b.starts_with(b"RIFF") && has(b, 8, b"WAVE"), Read(|b, _| sound::table(b))),
@@ -95,10 +96,10 @@ const KINDS: [Kind; 53] = [
 ];
 
 pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
-    let (name, _, way) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
-    Some(match way {
+    let (name, _, handling) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
+    Some(match handling {
         Read(read) => read(bytes, dialect),
-        Refuse(way) => Err(ImportError::OtherKind(format!("this is {name}; {way}"))),
+        Refuse(help) => Err(ImportError::OtherKind(format!("this is {name}; {help}"))),
     })
 }
 
