@@ -2,7 +2,6 @@
 
 pub(crate) mod axis;
 pub mod document;
-pub(crate) mod force;
 pub mod free_decay;
 pub(crate) mod hash;
 pub mod import;

@@ -76,7 +76,7 @@ const FASTEST: f64 = 5.0;
 /// A swing's large readings, as a share of the largest.
 const LARGE: f64 = 1.0 / 3.0;
 
-/// The parts in which decays are looked for: each takes a look at all its readings.
+/// Limits the parts in which decays are looked for: each takes all its readings.
 const MOST_PARTS: usize = 64;
 
 /// The largest reading of a swing over the noise, at least.

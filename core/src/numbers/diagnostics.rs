@@ -112,7 +112,7 @@ impl Diagnostics {
     fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) {
         let Self { depth, accuracy, nees, nis, whiteness, likelihood, .. } = self;
         let errors = match depth {
-            Depth::Consistency => accuracy.look(estimates, record, samples.clone()),
+            Depth::Consistency => accuracy.measure(estimates, record, samples.clone()),
             Depth::All => accuracy.push(estimates, record, samples.clone()),
         };
         let channels = errors.len() / samples.len();

@@ -132,14 +132,14 @@ impl Encoding {
     }
 }
 
-const LOOK: usize = 300;
+const MOST_LINES: usize = 300;
 
 /// Lines that begin with one of these are remarks.
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
-        let lines = &lines[..lines.len().min(LOOK)];
+        let lines = &lines[..lines.len().min(MOST_LINES)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| Form::new(delimiter, decimal, lines));
         // Of equal ones the first.

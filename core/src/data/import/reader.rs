@@ -6,7 +6,7 @@ use super::table::RowsReader;
 use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Table};
 use crate::data::task::Task;
 
-const LOOK: usize = 65_536;
+const HEAD: usize = 65_536;
 
 const SLICE: usize = 256;
 
@@ -40,7 +40,7 @@ impl Reader {
             let body = Body::Whole(Box::new(table?));
             return Ok(Self { bytes, place, line: 0, dialect, format: None, body, text: String::new() });
         }
-        let head = &bytes[..bytes.len().min(LOOK)];
+        let head = &bytes[..bytes.len().min(HEAD)];
         let encoding = match dialect {
             Some(dialect) => dialect.encoding,
             None => Encoding::sniff(head).ok_or(ImportError::Binary)?,

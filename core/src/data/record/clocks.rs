@@ -53,7 +53,7 @@ impl Timed {
         (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
     }
 
-    /// Clocks are told in decimals: what is next to a step is there.
+    /// Clocks have some decimals only: a time next to a step is that of the step.
     fn snap(&mut self) {
         for time in &mut self.times {
             let whole = libm::round(*time);
@@ -63,7 +63,7 @@ impl Timed {
         }
     }
 
-    /// The value at a time; before the first told one it is that, after the last one the last.
+    /// The value at a time; before the first one it is the first, after the last one the last.
     pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
         let next = times.partition_point(|other| *other <= time + SAME);
@@ -125,7 +125,7 @@ impl Readings<'_> {
         }
     }
 
-    /// The time that a reading tells of, in steps.
+    /// The time of the motion that a reading shows, in steps.
     fn time(&self, place: usize) -> f64 {
         match self.times {
             Ok(times) => times[place] - self.late,
@@ -164,7 +164,7 @@ impl Parts {
         Some([place, place + 1].map(|end| from + (to - from) * (end as f64 / self.parts.len() as f64)))
     }
 
-    /// Divides the step that ends at `end`, in steps, at the readings of so many sensors, and at the input's values if those have times.
+    /// Divides the step that ends at `end`, in steps, at the readings of this many sensors, and at the input's values if those have times.
     pub(super) fn take<'a>(
         &mut self,
         end: f64,

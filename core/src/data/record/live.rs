@@ -37,18 +37,18 @@ pub struct LiveRecord {
     record: Record,
     /// The time of the first sample \[s\].
     begin: Option<f64>,
-    /// The newest time that was told \[s\].
+    /// The newest time so far \[s\].
     newest: f64,
     tracks: Vec<Track>,
     input: InputTrack,
     /// The newest time of each sensor, then that of the input, in steps.
     latest: Vec<f64>,
-    /// Whether a sample is complete as soon as all sensors have told something later. A reading out of order ends this.
+    /// Whether a sample is complete as soon as all sensors have a later reading. A reading out of order ends this.
     prompt: bool,
     wait: f64,
     side: usize,
     repeated: usize,
-    /// The record that was told before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
+    /// The record before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
     spare: Option<Arc<Record>>,
 }
 
@@ -345,7 +345,7 @@ impl Track {
     }
 }
 
-/// The input as it is told, with times in steps.
+/// The input as it comes in, with times in steps.
 #[derive(Clone, Debug)]
 struct InputTrack {
     told: VecDeque<(f64, f64)>,
@@ -372,8 +372,8 @@ impl InputTrack {
         self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
     }
 
-    /// Hands over what was told in the step to a sample, and the value there, of a line between two values also that; it is zero before
-    /// the first one. `into` is `None` until something is told.
+    /// Hands over the values in the step to a sample, and the value there, of a line between two values also that; it is zero before
+    /// the first one. `into` is `None` until there is a value.
     fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
         let Self { told, taken, hold } = self;
         let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);

@@ -142,7 +142,7 @@ impl Accuracy {
     }
 
     /// In the filter's own form, a row for each. Channel by channel, since a channel's sums then stay in registers.
-    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
+    pub(super) fn measure(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
         let Self { known, frequency, errors, sign, .. } = self;
         let width = known.len();
         errors.clear();
@@ -164,7 +164,7 @@ impl Accuracy {
 
     /// The same, which are also added to the tallies.
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
-        self.look(estimates, record, samples.clone());
+        self.measure(estimates, record, samples.clone());
         let Self { known, first, squares, errors, .. } = self;
         let width = known.len();
         for (at, (one, squares)) in known.iter_mut().zip(squares).enumerate() {

@@ -15,7 +15,7 @@ pub struct Running {
     identified: Identified,
     part: Range<usize>,
     readings: Vec<Option<Reading>>,
-    /// The samples at which the motion begins anew, and the end of the part, in falling order.
+    /// The samples at which the motion begins again, and the end of the part, in falling order.
     ends: Vec<usize>,
     beginning: Beginning,
     fitted: Vec<Range<usize>>,

@@ -344,7 +344,7 @@ impl Task for Suggest {
     fn finish(mut self) -> Suggestion {
         let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
         self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
-        self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
+        self.plucked.iter().for_each(|plucked| plucked.apply(&mut self.suggestion));
         self.suggestion
     }
 }
