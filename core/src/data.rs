@@ -2,8 +2,6 @@
 
 pub(crate) mod axis;
 pub mod document;
-pub(crate) mod even_steps;
-pub(crate) mod force;
 pub mod free_decay;
 pub(crate) mod hash;
 pub mod import;

@@ -88,11 +88,10 @@ pub use mathematics::{channel, equation, filter, plant};
 pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
 
 pub use data::axis::{Axis, AxisError, Spacing};
-pub use data::force::Force;
 pub use data::length::Length;
 pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
-pub use data::signal::Signal;
+pub use data::signal::{Force, Signal};
 pub use data::task::Task;
 pub use judgement::analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};

@@ -136,7 +136,7 @@ fn what_is_no_free_decay_is_said() {
     assert!(error.contains("swung freely for"), "{error}");
     assert!(Decay::of(&[]).is_err() && Decay::of(&[[f64::NAN; 4]; 500]).is_err());
     let same = [[1.0, 2.0, 3.0, 4.0]; 500];
-    assert!(matches!(Decay::of(&same), Err(NoDecay::TooFew { readings: 1, .. })));
+    assert!(matches!(Decay::of(&same), Err(NoDecay::TooFew(1, ..))));
     // Numbers of any size end in a sentence, or in numbers.
     for scale in [1e-300, 1e-3, 1e150, 1e300] {
         let readings: Vec<[f64; 4]> =

@@ -208,7 +208,7 @@ fn what_is_late_finds_its_sample_as_long_as_that_waits() {
     }
     assert!(matches!(live.take(0.7, none, &[1.0, none]), Err(LiveError::TooLate { .. })));
     assert!(matches!(live.take(1e9, none, &[1.0, none]), Err(LiveError::Gap { .. })));
-    assert_eq!(live.take(2.1, none, &[1.0]), Err(LiveError::Readings { found: 1, expected: 2 }));
+    assert_eq!(live.take(2.1, none, &[1.0]), Err(LiveError::Readings(1, 2)));
     assert_eq!(live.take(2.1, none, &[f64::INFINITY, 0.0]), Err(LiveError::Infinite));
     live.take(2.4, none, &[2.4, none]).expect("what was refused has changed nothing");
 }

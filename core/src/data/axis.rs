@@ -43,14 +43,9 @@ pub enum AxisError {
     /// An end is not a number.
     #[error("the axis of `{0}` must have finite ends")]
     Infinite(String),
-    /// The number of values is not allowed.
-    #[error("the axis of `{key}` has {count} values, but may have 1 to {MAX_COUNT}")]
-    Count {
-        /// The setting's key.
-        key: String,
-        /// Its number of values.
-        count: usize,
-    },
+    /// The number of values is not allowed: the setting's key, and that number.
+    #[error("the axis of `{0}` has {1} values, but may have 1 to {MAX_COUNT}")]
+    Count(String, usize),
     /// Ratios need positive ends.
     #[error("the logarithmic axis of `{0}` must have ends above zero")]
     NotPositive(String),
@@ -99,7 +94,7 @@ impl Axis {
             return Err(AxisError::Infinite(key.clone()));
         }
         if !(1..=MAX_COUNT).contains(count) {
-            return Err(AxisError::Count { key: key.clone(), count: *count });
+            return Err(AxisError::Count(key.clone(), *count));
         }
         if *spacing == Spacing::Logarithmic && (*from <= 0.0 || *to <= 0.0) {
             return Err(AxisError::NotPositive(key.clone()));
@@ -120,18 +115,14 @@ impl Axis {
         match spacing {
             // Multiplies first: this keeps seeds whole.
             Spacing::Linear => from + place * (to - from) / last,
-            Spacing::Logarithmic => self.at(place / last, *spacing),
+            Spacing::Logarithmic => self.at_share(place / last),
         }
     }
 
     /// The value at a share of the axis, from 0 at its beginning to 1 at its end.
     pub fn at_share(&self, share: f64) -> f64 {
-        self.at(share, self.spacing)
-    }
-
-    fn at(&self, share: f64, spacing: Spacing) -> f64 {
         let (from, to) = (self.from, self.to);
-        match spacing {
+        match self.spacing {
             Spacing::Linear => from + share * (to - from),
             // A power keeps decades round, if the ratio of the ends is a normal number.
             Spacing::Logarithmic if (to / from).is_normal() => from * libm::pow(to / from, share),

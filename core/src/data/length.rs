@@ -38,12 +38,7 @@ impl Length {
 
     /// The unit with this length in place of metres; units without metres stay.
     pub fn in_place_of(self, unit: &'static str) -> &'static str {
-        let place = match self {
-            Self::Metre => return unit,
-            Self::Volt => 1,
-            Self::Radian => 2,
-        };
-        LENGTHS.iter().find(|units| units[0] == unit).map_or(unit, |units| units[place])
+        LENGTHS.iter().find(|units| units[0] == unit).map_or(unit, |units| units[self as usize])
     }
 }
 

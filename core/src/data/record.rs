@@ -147,33 +147,24 @@ impl Record {
         Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
     }
 
-    pub(crate) fn recycle(&mut self, old: Self) {
-        let new = std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth);
-        let old = std::iter::once(old.input).chain(old.measured).chain(old.truth);
-        for (new, mut old) in new.zip(old) {
+    fn columns(&self) -> impl Iterator<Item = &Vec<f64>> {
+        std::iter::once(&self.input).chain(&self.measured).chain(&self.truth)
+    }
+
+    fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth)
+    }
+
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        for (new, old) in self.columns_mut().zip(old.columns_mut()) {
             old.clear();
-            *new = old;
+            *new = std::mem::take(old);
         }
     }
 
     pub(crate) fn forget(&mut self, samples: usize) {
-        let Self {
-            dt: _,
-            start: _,
-            forgotten,
-            kind: _,
-            hold: _,
-            input,
-            sensors: _,
-            measured,
-            truth_channels: _,
-            truth,
-            clocks: _,
-        } = self;
-        *forgotten += samples;
-        for column in std::iter::once(input).chain(measured).chain(truth) {
-            column.drain(..samples);
-        }
+        self.forgotten += samples;
+        self.columns_mut().for_each(|column| drop(column.drain(..samples)));
     }
 
     pub(crate) fn push(
@@ -294,15 +285,7 @@ impl Record {
 
     /// The true values of a channel, if they are known; NaN where one is missing.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
-        self.truth_place(channel).map(|i| self.truth[i].as_slice())
-    }
-
-    pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
-        channel.place_in(&self.truth_channels)
-    }
-
-    pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
-        self.truth[place][k]
+        channel.place_in(&self.truth_channels).map(|i| self.truth[i].as_slice())
     }
 }
 
@@ -317,7 +300,7 @@ fn complete<T: Copy + PartialEq>(
             return Err(RecordError::Repeated(name(*of)));
         }
         if values.len() != expected {
-            return Err(RecordError::Length { column: name(*of), found: values.len(), expected });
+            return Err(RecordError::Length(name(*of), values.len(), expected));
         }
         check(&name(*of), values, OPTIONAL, |x| !x.is_infinite())?;
     }
@@ -332,7 +315,7 @@ fn check(
 ) -> Result<(), RecordError> {
     match values.iter().position(|&x| !is_allowed(x)) {
         None => Ok(()),
-        Some(sample) => Err(RecordError::Value { column: column.to_owned(), sample, value: values[sample], allowed }),
+        Some(sample) => Err(RecordError::Value(column.to_owned(), sample, values[sample], allowed)),
     }
 }
 
@@ -346,75 +329,32 @@ pub enum RecordError {
     /// Two columns are of the same quantity or channel.
     #[error("there are two columns `{0}`")]
     Repeated(String),
-    /// A column is not as long as the input.
-    #[error("column `{column}` has {found} values, but the input has {expected}")]
-    Length {
-        /// The column's name.
-        column: String,
-        /// The number of values.
-        found: usize,
-        /// The required number.
-        expected: usize,
-    },
-    /// A value is not finite where it must be, or infinite.
-    #[error("sample {sample}, column `{column}`: {value} is not {allowed}")]
-    Value {
-        /// The column's name.
-        column: String,
-        /// The sample, counted from 0.
-        sample: usize,
-        /// The value.
-        value: f64,
-        /// The values that are allowed.
-        allowed: &'static str,
-    },
+    /// A column is not as long as the input: its name, the number of its values, and the input's.
+    #[error("column `{0}` has {1} values, but the input has {2}")]
+    Length(String, usize, usize),
+    /// A value is not finite where it must be, or infinite: the column's name, the sample from 0 on, the value, and what is allowed.
+    #[error("sample {1}, column `{0}`: {2} is not {3}")]
+    Value(String, usize, f64, &'static str),
     /// The text is not CSV, or cannot be read or written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// A column is missing.
-    #[error("line 1: there is no column `{missing}`; the columns are {found}")]
-    Column {
-        /// The column's name.
-        missing: String,
-        /// The columns of the file.
-        found: String,
-    },
-    /// A cell is not a number.
-    #[error("line {line}, column `{column}`: `{value}` is not {allowed}")]
-    Cell {
-        /// The line of the file; the header is line 1.
-        line: u64,
-        /// The column's name.
-        column: String,
-        /// The cell's text.
-        value: String,
-        /// The values that are allowed.
-        allowed: &'static str,
-    },
-    /// The samples are not equally spaced.
-    #[error("line {line}: t = {found} s, but samples {dt} s apart would have t = {expected} s here")]
-    Spacing {
-        /// Line of the file.
-        line: u64,
-        /// The time in the file \[s\].
-        found: f64,
-        /// The expected time \[s\].
-        expected: f64,
-        /// The mean time between samples \[s\].
-        dt: f64,
-    },
+    /// A column is missing: its name, and the columns of the file.
+    #[error("line 1: there is no column `{0}`; the columns are {1}")]
+    Column(String, String),
+    /// A cell is not a number: the line of the file, of which the header is line 1, the column's name, the cell's text, and what is
+    /// allowed.
+    #[error("line {0}, column `{1}`: `{2}` is not {3}")]
+    Cell(u64, String, String, &'static str),
+    /// The samples are not equally spaced: the line of the file, its time and the expected one, and the mean time between samples \[s\].
+    #[error("line {0}: t = {1} s, but samples {3} s apart would have t = {2} s here")]
+    Spacing(u64, f64, f64, f64),
     /// There are too few samples to determine the time between them.
     #[error("{0} sample(s), but at least 2 are needed")]
     TooShort(usize),
     /// The times that readings have do not fit.
     #[error(transparent)]
     Clocks(#[from] ClocksError),
-    /// The times do not increase.
-    #[error("t must rise, but goes from {first} s to {last} s")]
-    NotRising {
-        /// First time \[s\].
-        first: f64,
-        /// Last time \[s\].
-        last: f64,
-    },
+    /// The times do not increase: the first and the last \[s\].
+    #[error("t must rise, but goes from {0} s to {1} s")]
+    NotRising(f64, f64),
 }

@@ -1,9 +1,10 @@
-//! More samples, or fewer; Butterworth filters run forward and backward.
+//! More samples, or fewer; readings that are carried to equal steps; Butterworth filters run forward and backward.
 
 use std::f64::consts::PI;
 
 use crate::data::import::MOST;
 use crate::data::record::Input;
+use crate::mathematics::least_squares::NormalEquations;
 use crate::{Hold, Record};
 
 /// The samples on each side from which a value between two samples is made.
@@ -124,24 +125,15 @@ struct Section {
     a: [f64; 2],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pass {
-    Low,
-    High,
-}
-
-/// The sections of a filter that passes one side of `cut`, the cut-off frequency as a share of the sample rate below ½. Source:
+/// The sections of a low-pass or a high-pass with the cut-off frequency `cut`, a share of the sample rate below ½. Source:
 /// Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2 (bilinear transform).
-fn sections(pass: Pass, cut: f64) -> [Section; ORDER / 2] {
+fn sections(is_low: bool, cut: f64) -> [Section; ORDER / 2] {
     let warped = libm::tan(PI * cut);
     std::array::from_fn(|k| {
         let damping = 2.0 * libm::sin(PI * (2 * k + 1) as f64 / (2 * ORDER) as f64);
         let (w, ww) = (damping * warped, warped * warped);
         let scale = 1.0 / (1.0 + w + ww);
-        let b = match pass {
-            Pass::Low => [ww * scale, 2.0 * ww * scale, ww * scale],
-            Pass::High => [scale, -2.0 * scale, scale],
-        };
+        let b = if is_low { [ww * scale, 2.0 * ww * scale, ww * scale] } else { [scale, -2.0 * scale, scale] };
         Section { b, a: [2.0 * (ww - 1.0) * scale, (1.0 - w + ww) * scale] }
     })
 }
@@ -168,10 +160,10 @@ impl Section {
 pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {
-        all.extend(sections(Pass::High, low.min(0.499)));
+        all.extend(sections(false, low.min(0.499)));
     }
     if high < 0.5 {
-        all.extend(sections(Pass::Low, high));
+        all.extend(sections(true, high));
     }
     let slowest = [low, high].into_iter().filter(|&cut| cut > 0.0).fold(0.5, f64::min);
     let margin = (libm::ceil(3.0 / slowest) as usize).min(values.len().saturating_sub(1));
@@ -189,6 +181,68 @@ pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     }
     values.clear();
     values.extend_from_slice(&extended[margin..extended.len() - margin]);
+}
+
+/// Equal steps of time: the first one \[s\], the time between them \[s\] and their number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Steps {
+    pub(crate) start: f64,
+    pub(crate) dt: f64,
+    pub(crate) count: usize,
+}
+
+impl Steps {
+    /// The time from the first step to the last one \[s\].
+    pub(crate) fn seconds(self) -> f64 {
+        self.count.saturating_sub(1) as f64 * self.dt
+    }
+
+    /// The values at the steps; NaN at a step to which no reading goes.
+    ///
+    /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic
+    /// through `side` readings to either side changes meanwhile.
+    pub(crate) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
+        let Self { start, dt, count } = self;
+        let n = times.len();
+        let side = side.min(n.saturating_sub(1) / 2);
+        let mut nearest = vec![None; count];
+        for (k, time) in times.iter().enumerate() {
+            let steps = (time - start) / dt;
+            let place = place(steps);
+            if !(0.0..count as f64).contains(&place) {
+                continue;
+            }
+            let (place, distance) = (place as usize, (steps - place).abs());
+            if nearest[place].is_none_or(|(_, other)| distance < other) {
+                nearest[place] = Some((k, distance));
+            }
+        }
+        let at = |(place, reading): (usize, Option<(usize, f64)>)| {
+            let Some((k, _)) = reading else { return f64::NAN };
+            let first = k.saturating_sub(side).min(n - 1 - 2 * side);
+            let around = first..=first + 2 * side;
+            let shift = start + dt * place as f64 - times[k];
+            let size = 0.5 * (times[first + 2 * side] - times[first]);
+            let readings = times[around.clone()].iter().zip(&values[around]);
+            values[k] + change(readings, times[k], shift, size)
+        };
+        nearest.into_iter().enumerate().map(at).collect()
+    }
+}
+
+/// What the least-squares cubic through some values changes from a time to one that is `shift` later \[s\]; 0 if they do not
+/// determine one. `size` is the time over which they lie, about \[s\].
+///
+/// A reading that is shifted so keeps its noise as white as it is, which it would not on a curve through the readings. Source:
+/// Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+pub(crate) fn change<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, from: f64, shift: f64, size: f64) -> f64 {
+    let mut equations = NormalEquations::<4>::new();
+    for (time, value) in readings {
+        let u = (time - from) / size;
+        equations.add([1.0, u, u * u, u * u * u], *value, 1.0);
+    }
+    let u = shift / size;
+    equations.solution().map_or(0.0, |[_, first, second, third]| u * (first + u * (second + u * third)))
 }
 
 #[cfg(test)]
@@ -262,7 +316,7 @@ mod tests {
     fn coefficients_are_those_of_scipy() {
         // scipy.signal.butter(4, 0.2, output="ba"), the cut-off at a tenth of the sample rate.
         let mut denominator = vec![1.0];
-        for Section { a, .. } in sections(Pass::Low, 0.1) {
+        for Section { a, .. } in sections(true, 0.1) {
             let factor = [1.0, a[0], a[1]];
             let mut product = vec![0.0; denominator.len() + 2];
             for (i, x) in denominator.iter().enumerate() {
@@ -275,7 +329,7 @@ mod tests {
         for (found, expected) in denominator.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        let gain: f64 = sections(Pass::Low, 0.1).iter().map(|section| section.b[0]).product();
+        let gain: f64 = sections(true, 0.1).iter().map(|section| section.b[0]).product();
         assert!((gain - 0.004_824_343_357_716_2).abs() < 1e-15, "{gain}");
     }
 

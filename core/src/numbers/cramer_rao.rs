@@ -82,10 +82,10 @@ impl CramerRao {
         *forgotten = record.forgotten();
         let of = |&channel: &Channel| match record.truth(channel) {
             // Without an augmentation, the truth has the usual value.
-            None if channel.is_augmentation() => Some(TrueValue::Constant(channel.usual_truth())),
-            truth => truth.map(TrueValue::Varying),
+            None if channel.is_augmentation() => Some(Err(channel.usual_truth())),
+            truth => truth.map(Ok),
         };
-        let truth: Option<Vec<TrueValue<'_>>> = channels.iter().map(of).collect();
+        let truth: Option<Vec<Result<&[f64], f64>>> = channels.iter().map(of).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return true };
         // The recursion needs the sample before the first new one, except at the beginning.
         let seen = std.len() / channels.len();
@@ -95,8 +95,11 @@ impl CramerRao {
         };
         let measured: Vec<Option<&[f64]>> = mapped(sensors, &|&quantity| record.measured_quantity(quantity));
         let mut sample = vec![f64::NAN; measured.len()];
-        let move_to =
-            |mean: &mut [f64], k: usize| mean.iter_mut().zip(&truth).for_each(|(mean, truth)| *mean = truth.at(k));
+        let move_to = |mean: &mut [f64], k: usize| {
+            mean.iter_mut()
+                .zip(&truth)
+                .for_each(|(mean, truth)| *mean = truth.map_or_else(|usual| usual, |all| all[k]));
+        };
         let columns: Option<Vec<usize>> = sensors.iter().map(|quantity| quantity.place_in(record.sensors())).collect();
         let (delays, mut parts) = (settings.delays(record.dt()), Parts::default());
         let force = |k: usize| record.delayed_force(k, delays.input);
@@ -184,21 +187,6 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
         sensor_std: scenario.true_noise_for(scenario.filters.get(place)?).0,
         ..FilterSettings::default()
     })
-}
-
-#[derive(Clone, Copy)]
-enum TrueValue<'a> {
-    Constant(f64),
-    Varying(&'a [f64]),
-}
-
-impl TrueValue<'_> {
-    fn at(self, k: usize) -> f64 {
-        match self {
-            Self::Constant(value) => value,
-            Self::Varying(values) => values[k],
-        }
-    }
 }
 
 impl Piecewise for CramerRao {

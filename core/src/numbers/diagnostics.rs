@@ -2,7 +2,6 @@
 
 pub(crate) mod accuracy;
 pub mod chi_squared;
-pub(crate) mod nees;
 mod totals;
 mod whiteness;
 
@@ -11,8 +10,7 @@ use std::ops::Range;
 use crate::samples::waste::Piecewise;
 use crate::{Channel, Estimates, Record, Stop};
 
-use accuracy::Accuracy;
-use nees::Nees;
+use accuracy::{Accuracy, Nees};
 use totals::{Likelihood, Totals};
 
 pub use accuracy::ErrorSums;
@@ -114,7 +112,7 @@ impl Diagnostics {
     fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) {
         let Self { depth, accuracy, nees, nis, whiteness, likelihood, .. } = self;
         let errors = match depth {
-            Depth::Consistency => accuracy.look(estimates, record, samples.clone()),
+            Depth::Consistency => accuracy.measure(estimates, record, samples.clone()),
             Depth::All => accuracy.push(estimates, record, samples.clone()),
         };
         let channels = errors.len() / samples.len();
@@ -173,7 +171,7 @@ impl Diagnostics {
     pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
-        let is_lost = |(at, known): (usize, &accuracy::TrackedChannel)| {
+        let is_lost = |(at, known): (usize, &accuracy::Tracked<f64>)| {
             let rmse = self.accuracy.within(at, recent.clone()).rmse();
             let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
             let seen = known.largest_truth.max(known.first_error);
@@ -225,7 +223,7 @@ impl Diagnostics {
     /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
     /// errors the mean lies inside with a probability above 95 %.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
-        MeanSquare::new(self.nees.totals.whole(), 1)
+        MeanSquare::new(self.nees.totals.whole, 1)
     }
 
     /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.
@@ -246,7 +244,7 @@ impl Diagnostics {
 
     /// The mean NIS of all samples with a measurement, and its 95 % interval for independent innovations.
     pub fn mean_nis(&self) -> Option<MeanSquare> {
-        let total = self.nis.whole();
+        let total = self.nis.whole;
         MeanSquare::new(total, total.samples)
     }
 
@@ -257,7 +255,7 @@ impl Diagnostics {
 
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        self.likelihood.value(self.nis.whole())
+        self.likelihood.value(self.nis.whole)
     }
 
     /// The same as the evidence of a model class ([`ModelClasses`](crate::ModelClasses)): minus infinity where the filter stopped.

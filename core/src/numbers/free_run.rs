@@ -1,6 +1,5 @@
 //! Free runs: an identified model over a record, without using its measurements.
 
-mod beginning;
 mod running;
 
 use std::ops::Range;
@@ -21,7 +20,7 @@ pub struct Identified {
     input_delay: i32,
     /// The sensors that the filter takes to be late, with the time \[s\].
     late: Vec<(Quantity, f64)>,
-    /// The times at which its motion begins anew \[s\].
+    /// The times at which its motion begins again \[s\].
     plucks: Vec<f64>,
 }
 

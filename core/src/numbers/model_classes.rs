@@ -36,8 +36,8 @@ impl Evidence {
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates) {
         self.forget_before(estimates.forgotten());
         for k in self.sums.len()..end.min(estimates.len()) {
-            let told = estimates.log_likelihood(k);
-            self.total += if told.is_nan() { 0.0 } else { told };
+            let own = estimates.log_likelihood(k);
+            self.total += if own.is_nan() { 0.0 } else { own };
             self.sums.push(self.total);
         }
         self.is_stopped = estimates.stop().is_some();

@@ -130,7 +130,6 @@ impl Suggestion {
         }
     }
 
-    /// R of the sensor at a place, with the reason.
     fn set_noise(&mut self, place: usize, noise: f64, why: &str) {
         let sensor = &mut self.scenario.sensors[place];
         sensor.noise_std = noise;
@@ -203,7 +202,6 @@ impl Suggestion {
         self.set_noise(place, rounded(decay.rest * libm::sqrt(nearby / share)), &why);
     }
 
-    /// Whether any filter has a natural frequency.
     fn has_frequency(&self) -> bool {
         let Scenario { plant, input, filters, .. } = &self.scenario;
         filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
@@ -246,7 +244,6 @@ impl Suggestion {
         scenario
     }
 
-    /// Q of the motion, the most likely share of its size.
     fn process_noise(&mut self, share: f64) {
         set_share(&mut self.scenario, share);
         self.reasons.push(format!(
@@ -336,13 +333,11 @@ fn first_for_trial(scenario: &Scenario) -> Scenario {
     scenario
 }
 
-/// The sensor that shows the motion best, with its readings.
 fn motion_sensor(record: &Record) -> Option<(Quantity, &[f64])> {
     let wanted = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION];
     wanted.iter().find_map(|&quantity| Some((quantity, record.measured_quantity(quantity)?)))
 }
 
-/// Why there is no guess of frequency and damping.
 fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     let name = quantity.name();
     let there = measured.iter().filter(|value| !value.is_nan()).count();

@@ -2,9 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Mode;
-use super::decay::{Along, in_order};
 use super::modes::highest;
+use super::{Along, Mode, in_order};
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::mathematics::lists::{mapped, median, numbers};
 
@@ -32,7 +31,7 @@ pub struct Sweep {
     /// f₀, r and κ.
     law: [f64; 3],
     /// The motion at the frequency of the sweep, in windows [`HOP`] apart.
-    seen: Vec<Complex>,
+    windows: Vec<Complex>,
 }
 
 /// The length of a window, the time between two, and between the values of a model \[s\].
@@ -102,14 +101,14 @@ impl Sweep {
         if !is_line || range[0] <= 0.0 || range[1] < RISE * range[0] {
             return None;
         }
-        let mut sweep = Self { range, part, law: [range[0], rate, 0.25], seen: Vec::new() };
+        let mut sweep = Self { range, part, law: [range[0], rate, 0.25], windows: Vec::new() };
         for _ in 0..ROUNDS {
-            sweep.look(&readings);
+            sweep.follow(&readings);
             sweep.straighten()?;
         }
-        sweep.look(&readings);
+        sweep.follow(&readings);
         // A pause leaves windows without a number.
-        sweep.seen.iter().all(|seen| seen.norm_sqr().is_finite()).then_some(sweep)
+        sweep.windows.iter().all(|seen| seen.norm_sqr().is_finite()).then_some(sweep)
     }
 
     fn frequency(&self, time: f64) -> f64 {
@@ -126,22 +125,22 @@ impl Sweep {
         (0..count).map(|k| 0.5 * WINDOW + HOP * k as f64)
     }
 
-    fn look(&mut self, readings: &[[f64; 2]]) {
-        self.seen.clear();
+    fn follow(&mut self, readings: &[[f64; 2]]) {
+        self.windows.clear();
         for time in self.times() {
             let mut mean = WindowMean::default();
             for [at, x] in within(readings, self.part[0] + time - 0.5 * WINDOW) {
                 let after = at - self.part[0];
                 mean.add(after - time, turn(-self.phase(after)) * (2.0 * x));
             }
-            self.seen.push(mean.of());
+            self.windows.push(mean.of());
         }
     }
 
     /// Fits a parabola to the phases of the windows, and corrects the law by it.
     fn straighten(&mut self) -> Option<()> {
         let (mut equations, mut before, mut phase) = (NormalEquations::<3>::new(), Complex::ONE, 0.0);
-        for (time, seen) in self.times().zip(&self.seen) {
+        for (time, seen) in self.times().zip(&self.windows) {
             let turned = seen * before.conj();
             phase += libm::atan2(turned.im, turned.re);
             before = *seen;
@@ -159,9 +158,9 @@ impl Sweep {
     }
 
     fn fit(&self) -> Option<Vec<Mode>> {
-        let count = 2.0 * self.seen.len() as f64;
+        let count = 2.0 * self.windows.len() as f64;
         let mut peak = (0.0, 0.0);
-        for (time, seen) in self.times().zip(&self.seen) {
+        for (time, seen) in self.times().zip(&self.windows) {
             let f = self.frequency(time);
             let size = seen.norm_sqr() / (f * f);
             if size > peak.1 {
@@ -201,7 +200,7 @@ impl Sweep {
     fn column(&self, numbers: &[f64], place: usize) -> Vec<Complex> {
         let mut one = numbers.to_vec();
         one[place] = 1.0;
-        self.seen.iter().zip(self.rests(&one)).map(|(seen, rest)| seen - rest).collect()
+        self.windows.iter().zip(self.rests(&one)).map(|(seen, rest)| seen - rest).collect()
     }
 
     /// The c of up to three columns that leave least, and what they leave.
@@ -209,14 +208,14 @@ impl Sweep {
         let at = |column: &[Complex], k: usize| column.get(k).copied().unwrap_or_default();
         let at = |k: usize| [at(columns[0], k), at(columns[1], k), at(columns[2], k)];
         let mut equations = NormalEquations::<6>::new();
-        for (k, seen) in self.seen.iter().enumerate() {
+        for (k, seen) in self.windows.iter().enumerate() {
             let [a, b, c] = at(k);
             equations.add([a.re, -a.im, b.re, -b.im, c.re, -c.im], seen.re, 1.0);
             equations.add([a.im, a.re, b.im, b.re, c.im, c.re], seen.im, 1.0);
         }
         let c = equations.damped(0.0, 1e-12).solution()?;
         let mut left = 0.0;
-        for (k, seen) in self.seen.iter().enumerate() {
+        for (k, seen) in self.windows.iter().enumerate() {
             let [one, two, three] = at(k);
             let motion =
                 one * Complex::new(c[0], c[1]) + two * Complex::new(c[2], c[3]) + three * Complex::new(c[4], c[5]);
@@ -304,7 +303,7 @@ impl Sweep {
         let alike = |lag: usize| rests.iter().zip(&rests[lag..]).map(|(a, b)| (a * b.conj()).re).sum::<f64>() / cost;
         let waves: f64 = (1..LAGS).map(|lag| 2.0 * (1.0 - lag as f64 / LAGS as f64) * alike(lag)).sum();
         let noise =
-            cost / (2 * self.seen.len()).saturating_sub(FIRST + 4 * modes).max(1) as f64 * (1.0 + waves.max(0.0));
+            cost / (2 * self.windows.len()).saturating_sub(FIRST + 4 * modes).max(1) as f64 * (1.0 + waves.max(0.0));
         let variances = self.normal(modes, at, true).variances()?;
         let numbers = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4));
         let modes = numbers.take(modes).map(|(of, variances)| {
@@ -339,8 +338,8 @@ impl Sweep {
             *value *= turn(TAU * phase + late / (law[k] * law[k]));
         }
         let side = (0.5 * WINDOW / STEP) as usize;
-        let mut rests = Vec::with_capacity(self.seen.len());
-        for (time, seen) in self.times().zip(&self.seen) {
+        let mut rests = Vec::with_capacity(self.windows.len());
+        for (time, seen) in self.times().zip(&self.windows) {
             let first = ((time / STEP + 0.5) as usize).saturating_sub(side);
             let mut mean = WindowMean::default();
             for (k, value) in (first..).zip(&motion[first..(first + 2 * side + 1).min(count)]) {

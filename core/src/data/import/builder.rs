@@ -2,16 +2,14 @@
 
 use std::borrow::Borrow;
 
-use super::conditioning::{Conditioning, above_nyquist, fill, mean, shift};
-use super::error::{FEWEST, MOST};
+use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, mean, shift};
 use super::guess::no_time;
-use super::missing::{cells_without_readings, is_still};
 use super::own_times::{OwnTimes, on_one_clock};
 use super::shape::{counted, unwrapped};
 use super::times::{Clock, Timing};
-use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
-use crate::data::even_steps::Steps;
+use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
+use crate::data::resample::Steps;
 use crate::mathematics::lists::mapped;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 

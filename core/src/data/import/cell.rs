@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::unit::{Dimension, unit};
+use super::header::{Dimension, unit};
 
 /// The delimiter between the cells of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,12 +21,7 @@ pub enum Delimiter {
 
 impl Delimiter {
     pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Comma => "commas",
-            Self::Semicolon => "semicolons",
-            Self::Tab => "tabs",
-            Self::Blanks => "blanks",
-        }
+        ["commas", "semicolons", "tabs", "blanks"][self as usize]
     }
 
     /// The cells of a line, without the blanks and quotes around them.
@@ -36,12 +31,7 @@ impl Delimiter {
     }
 
     fn is(self, character: char) -> bool {
-        match self {
-            Self::Comma => character == ',',
-            Self::Semicolon => character == ';',
-            Self::Tab => character == '\t',
-            Self::Blanks => character == ' ' || character == '\t',
-        }
+        [",", ";", "\t", " \t"][self as usize].contains(character)
     }
 }
 
@@ -86,7 +76,7 @@ pub enum Decimal {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Found {
+pub(super) enum Content {
     Number(f64),
     /// A number with thousands separators that has one reading only, such as `1.234,5`.
     Grouped(f64),
@@ -101,7 +91,7 @@ pub(super) enum Found {
     Text,
 }
 
-impl Found {
+impl Content {
     pub(super) fn value(self) -> f64 {
         match self {
             Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
@@ -116,13 +106,13 @@ impl Decimal {
     /// such as `13:05:00.25`, with or without a date, are in seconds.
     pub fn number(self, cell: &str) -> Option<f64> {
         let found = self.read(cell, false);
-        (found != Found::Text).then(|| found.value())
+        (found != Content::Text).then(|| found.value())
     }
 
     /// The content of a cell. With `thousands` a separator such as that in `1.234` is one of thousands.
-    pub(super) fn read(self, cell: &str, thousands: bool) -> Found {
+    pub(super) fn read(self, cell: &str, thousands: bool) -> Content {
         if cell.is_empty() {
-            return Found::Missing;
+            return Content::Missing;
         }
         if let Some(digits) = cell.strip_prefix(['+', '-']).filter(|digits| digits.starts_with(' ')) {
             return self.read(&format!("{}{}", &cell[..1], digits.trim_start()), thousands);
@@ -134,31 +124,31 @@ impl Decimal {
         };
         match plain {
             // A number that is too large has digits.
-            Some(value) if f64::is_infinite(value) && !cell.contains(|c: char| c.is_ascii_digit()) => Found::Word,
-            Some(value) => Found::Number(value),
+            Some(value) if f64::is_infinite(value) && !cell.contains(|c: char| c.is_ascii_digit()) => Content::Word,
+            Some(value) => Content::Number(value),
             None => self.unusual(cell, thousands),
         }
     }
 
-    fn unusual(self, cell: &str, thousands: bool) -> Found {
+    fn unusual(self, cell: &str, thousands: bool) -> Content {
         if let Some((text, is_sure)) = self.ungrouped(cell)
             && (is_sure || thousands)
             && let Ok(value) = text.parse()
         {
-            return Found::Grouped(value);
+            return Content::Grouped(value);
         }
         if let Some(value) = self.fortran(cell) {
-            return Found::Number(value);
+            return Content::Number(value);
         }
         if is_missing(cell) {
-            return Found::Missing;
+            return Content::Missing;
         }
         if is_word(cell) {
-            return Found::Word;
+            return Content::Word;
         }
         match clock(cell) {
-            Some((seconds, is_dated)) => Found::Clock { seconds, is_dated },
-            None => self.duration(cell).map_or(Found::Text, Found::Number),
+            Some((seconds, is_dated)) => Content::Clock { seconds, is_dated },
+            None => self.duration(cell).map_or(Content::Text, Content::Number),
         }
     }
 
@@ -198,7 +188,7 @@ impl Decimal {
         }
         let number = cell.trim_end_matches(char::is_alphabetic);
         let Some((Dimension::Time, size)) = unit(&cell[number.len()..]) else { return None };
-        let Found::Number(value) = self.read(number.trim_end(), false) else { return None };
+        let Content::Number(value) = self.read(number.trim_end(), false) else { return None };
         Some(size * value)
     }
 
@@ -365,10 +355,10 @@ mod tests {
         for missing in ["", "nan", "NaN", "N/A", "-"] {
             assert!(Decimal::Point.number(missing).unwrap().is_nan(), "{missing}");
         }
-        assert_eq!(Decimal::Comma.read("1.234", false), Found::Number(1.234));
+        assert_eq!(Decimal::Comma.read("1.234", false), Content::Number(1.234));
         assert_eq!(
             [Decimal::Comma.read("1.234", true), Decimal::Point.read("1,234", true)],
-            [Found::Grouped(1234.0); 2]
+            [Content::Grouped(1234.0); 2]
         );
     }
 
@@ -377,9 +367,9 @@ mod tests {
         for word in
             ["-1.#IND", "1.#QNAN00", "1.#INF", "OVLD", "-OL", "Overflow", "#DIV/0!", "#VALUE!", "---", "********"]
         {
-            assert_eq!(Decimal::Point.read(word, false), Found::Word, "{word}");
+            assert_eq!(Decimal::Point.read(word, false), Content::Word, "{word}");
         }
-        assert_eq!(Decimal::Point.read("cold", false), Found::Text);
+        assert_eq!(Decimal::Point.read("cold", false), Content::Text);
     }
 
     #[test]

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::Found;
-use super::{Decimal, Delimiter, unit};
+use super::cell::Content;
+use super::{Decimal, Delimiter, header};
 use crate::data::document::is_default;
 
 /// The form of a text file with columns of numbers. [`Loading`](super::Loading) finds it by looking at the first lines.
@@ -63,18 +63,12 @@ pub enum Encoding {
     Utf16Be,
 }
 
-/// The first bytes of encodings that announce themselves.
 const MARKS: [(&[u8], Encoding); 3] =
     [(b"\xEF\xBB\xBF", Encoding::Utf8), (b"\xFF\xFE", Encoding::Utf16Le), (b"\xFE\xFF", Encoding::Utf16Be)];
 
 impl Encoding {
     const fn name(self) -> &'static str {
-        match self {
-            Self::Utf8 => "UTF-8",
-            Self::Latin1 => "Latin-1",
-            Self::Utf16Le => "UTF-16",
-            Self::Utf16Be => "UTF-16 (big-endian)",
-        }
+        ["UTF-8", "Latin-1", "UTF-16", "UTF-16 (big-endian)"][self as usize]
     }
 
     /// The encoding of a file that begins with these bytes, or `None` if it is not text.
@@ -138,14 +132,14 @@ impl Encoding {
     }
 }
 
-const LOOK: usize = 300;
+const MOST_LINES: usize = 300;
 
 /// Lines that begin with one of these are remarks.
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
-        let lines = &lines[..lines.len().min(LOOK)];
+        let lines = &lines[..lines.len().min(MOST_LINES)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| Form::new(delimiter, decimal, lines));
         // Of equal ones the first.
@@ -163,10 +157,10 @@ impl Dialect {
         let one = |place: usize| {
             let header = names.get(place).filter(|name| !name.is_empty());
             let (name, own) = match header {
-                Some(header) => unit::name_and_unit(header),
+                Some(header) => header::name_and_unit(header),
                 None => (format!("column {}", place + 1), None),
             };
-            let below = units.get(place).map(|text| unit::in_words(text)).filter(|text| !text.is_empty());
+            let below = units.get(place).map(|text| header::in_words(text)).filter(|text| !text.is_empty());
             (name, below.map(str::to_owned).or(own))
         };
         (0..columns).map(one).collect()
@@ -230,14 +224,14 @@ impl Form {
             for cell in delimiter.cells(line) {
                 counts.cells += 1;
                 match decimal.read(cell, false) {
-                    Found::Number(number) if number.is_nan() => {}
-                    Found::Number(_) | Found::Clock { .. } => counts.numbers += 1,
-                    Found::Grouped(_) => {
+                    Content::Number(number) if number.is_nan() => {}
+                    Content::Number(_) | Content::Clock { .. } => counts.numbers += 1,
+                    Content::Grouped(_) => {
                         counts.numbers += 1;
                         thousands = true;
                     }
-                    Found::Missing | Found::Word => {}
-                    Found::Text => {
+                    Content::Missing | Content::Word => {}
+                    Content::Text => {
                         counts.begins |= counts.cells == 1;
                         counts.texts += 1;
                     }
@@ -289,8 +283,8 @@ impl Form {
         let filled: Vec<&(usize, Vec<String>)> = near.iter().filter(is_filled).collect();
         let are_units = |cells: &[String]| {
             // A single letter may name a channel.
-            let is_unit = |cell: &&String| match unit::unit(unit::in_words(cell)) {
-                Some((unit::Dimension::Other, _)) => cell.chars().count() > 1,
+            let is_unit = |cell: &&String| match header::unit(header::in_words(cell)) {
+                Some((header::Dimension::Other, _)) => cell.chars().count() > 1,
                 found => found.is_some(),
             };
             let known = cells.iter().filter(is_unit).count();

@@ -4,23 +4,19 @@
 //! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
 mod arrays;
-mod binary;
 mod kinds;
-mod mat;
-mod nameless;
 mod rows;
 mod series;
 mod unpack;
 
-use super::cell::{Decimal, Found};
-use super::error::MOST;
+use super::cell::{Content, Decimal};
 use super::header::number_after;
 use super::table::{Column, Lines, Rows, TextCell, number_names};
-use super::{Dialect, ImportError, Table};
+use super::{Dialect, ImportError, MOST, Table};
 
-use binary::Form;
 pub(super) use kinds::read_binary;
-pub(super) use nameless::nameless;
+pub(super) use rows::nameless;
+use unpack::Form;
 
 #[derive(Debug)]
 pub(super) enum Layout {
@@ -253,8 +249,8 @@ impl SeriesReader {
 /// The numbers of a line, or `None` if it has other text. Numbers of a known width may abut.
 pub(super) fn numbers(line: &str, width: Option<usize>) -> Option<Vec<f64>> {
     let number = |text: &str| match Decimal::Point.read(text.trim(), false) {
-        Found::Number(value) => Some(value),
-        Found::Missing | Found::Word => Some(f64::NAN),
+        Content::Number(value) => Some(value),
+        Content::Missing | Content::Word => Some(f64::NAN),
         _ => None,
     };
     let line = line.trim_end();

@@ -1,11 +1,10 @@
 //! The meaning of a file's columns by their headers and cells: a guess at all of them.
 
 use super::conditioning::mean;
-use super::error::FEWEST;
+use super::header::{Dimension, STANDARD_GRAVITY, unit};
 use super::shape::{are_axes, gravity, is_counter, is_noise, liveliness, never_changes, plain};
 use super::table::TextCell;
-use super::unit::{Dimension, STANDARD_GRAVITY, unit};
-use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
+use super::{Column, FEWEST, ImportError, MappedColumn, Mapping, Table, Time, times};
 use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
 use crate::mathematics::lists::{mapped, places, sort_items};

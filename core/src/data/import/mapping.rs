@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::unit::unit;
+use super::header::unit;
 use super::{Dialect, ImportError, Table};
 use crate::Quantity;
 use crate::data::document::{self, Document, is_default, is_one};

@@ -5,8 +5,8 @@ use crate::mathematics::lists::{mapped, median, places, sorted_places};
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
+use super::header::{Dimension, unit};
 use super::times::{DAY, EPOCHS, median_step};
-use super::unit::{Dimension, unit};
 use super::{Column, Table};
 
 /// Rows in another order are at most this far from their places.

@@ -4,15 +4,14 @@
 use crate::mathematics::lists::{self, numbers, sort_items};
 
 use super::conditioning::mean;
-use super::error::FEWEST;
 use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
 use super::times::{Clock, Timing};
-use super::{ImportError, MappedColumn, Mapping, Offset, Table};
+use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Table};
 use crate::Hold;
-use crate::data::even_steps::Steps;
 use crate::data::free_decay::side_of;
 use crate::data::record::{Clocks, Timed};
+use crate::data::resample::Steps;
 
 /// The cells of some columns that have a number, with their times \[s\].
 #[derive(Debug, Default)]
@@ -22,7 +21,6 @@ pub(super) struct OwnTimes {
     pub(super) clocks: Clocks,
 }
 
-/// A column by its name, with the number of rows that have no number.
 #[derive(Debug)]
 struct OwnColumn {
     name: String,

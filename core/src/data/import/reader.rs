@@ -1,13 +1,12 @@
 //! Reads a file of a record, a slice after the other: its columns and its hash.
 
-use super::error::LONGEST_LINE;
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
 use super::table::RowsReader;
-use super::{Dialect, Encoding, Hash, ImportError, Table};
+use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Table};
 use crate::data::task::Task;
 
-const LOOK: usize = 65_536;
+const HEAD: usize = 65_536;
 
 const SLICE: usize = 256;
 
@@ -41,7 +40,7 @@ impl Reader {
             let body = Body::Whole(Box::new(table?));
             return Ok(Self { bytes, place, line: 0, dialect, format: None, body, text: String::new() });
         }
-        let head = &bytes[..bytes.len().min(LOOK)];
+        let head = &bytes[..bytes.len().min(HEAD)];
         let encoding = match dialect {
             Some(dialect) => dialect.encoding,
             None => Encoding::sniff(head).ok_or(ImportError::Binary)?,

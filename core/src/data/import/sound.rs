@@ -2,8 +2,7 @@
 
 use std::io::Cursor;
 
-use super::error::MOST;
-use super::{Column, ImportError, Mapping, Table};
+use super::{Column, ImportError, MOST, Mapping, Table};
 use crate::data::free_decay::Ring;
 use crate::mathematics::lists::numbers;
 

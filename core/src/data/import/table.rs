@@ -4,12 +4,10 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::Found;
+use super::cell::Content;
 use super::dialect::REMARKS;
-use super::error::MOST_COLUMNS;
-use super::header::stated_rate;
-use super::unit::name_and_unit;
-use super::{Decimal, Dialect, ImportError};
+use super::header::{Facts, name_and_unit};
+use super::{Decimal, Dialect, ImportError, MOST_COLUMNS};
 use crate::mathematics::lists::{mapped, numbers};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
@@ -85,21 +83,21 @@ impl Column {
             TextCell { line, text: cell.chars().take(QUOTED).collect() }
         };
         match found {
-            Found::Number(_) | Found::Grouped(_) | Found::Missing => {}
-            Found::Clock { is_dated, .. } => {
+            Content::Number(_) | Content::Grouped(_) | Content::Missing => {}
+            Content::Clock { is_dated, .. } => {
                 self.is_time_of_day |= !is_dated;
                 self.is_dated |= is_dated;
             }
-            Found::Word => {
+            Content::Word => {
                 self.word.get_or_insert_with(quoted);
                 self.words += 1;
             }
-            Found::Text => {
+            Content::Text => {
                 self.text.get_or_insert_with(quoted);
             }
         }
         self.values.push(found.value());
-        matches!(found, Found::Grouped(_))
+        matches!(found, Content::Grouped(_))
     }
 }
 
@@ -209,7 +207,6 @@ impl Lines {
     }
 }
 
-/// A table with known columns.
 #[derive(Debug)]
 pub(super) struct Rows {
     pub(super) dialect: Dialect,
@@ -222,7 +219,6 @@ pub(super) struct Rows {
     /// The number of columns in which the numbers of all rows run on, and of the first cells of a row that do not belong to them.
     pub(super) run_on: Option<(usize, usize)>,
     pub(super) rate: Option<f64>,
-    /// Multiplies all numbers.
     pub(super) scale: f64,
     pub(super) count: Option<usize>,
     pub(super) remarks: Vec<String>,
@@ -235,7 +231,6 @@ impl Rows {
     }
 }
 
-/// The rows of a table, as they are read.
 #[derive(Debug)]
 pub(super) struct RowsReader {
     rows: Rows,
@@ -319,7 +314,7 @@ impl RowsReader {
             }
             return;
         }
-        let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Found::Text;
+        let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Content::Text;
         // Behind numbers a summary has words in their place.
         let is_sum = columns.first().is_some_and(|first| first.text.is_none() && first.values.len() > SUMMED)
             && belongs.first() == Some(&true)
@@ -329,7 +324,7 @@ impl RowsReader {
             && (is_sum || dialect.delimiter.cells(row).all(is_word))
         {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
-            *rate = rate.or(stated_rate(&[trimmed]));
+            *rate = rate.or_else(|| Facts::of(&[trimmed]).step.map(|step| 1.0 / step));
             // Their axes are in g.
             if trimmed.contains("overflows") {
                 let axes = columns.iter_mut().filter(|column| ["X", "Y", "Z"].contains(&column.name.as_str()));

@@ -3,10 +3,9 @@
 use crate::mathematics::lists::{mapped, median, sort_items};
 use std::borrow::Cow;
 
-use super::error::{FEWEST, MOST};
-use super::unit::{Dimension, unit};
-use super::{Column, ImportError, Table};
-use crate::data::even_steps::Steps;
+use super::header::{Dimension, unit};
+use super::{Column, FEWEST, ImportError, MOST, Table};
+use crate::data::resample::Steps;
 
 pub(super) const DAY: f64 = 86_400.0;
 
@@ -34,7 +33,6 @@ const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 /// Steps without a unit are seconds up to here, and up to there the user is asked about them; longer ones have a smaller unit \[s\].
 const SLOW: [f64; 2] = [1.0, 10.0];
 
-/// The times of a file's rows, and the even steps that they are close to.
 pub(super) struct Clock<'a> {
     pub(super) place: usize,
     /// \[s\]
@@ -117,7 +115,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
             return (DAY, said("days of a spreadsheet", "size", ""));
         }
         let question =
-            format!(", {} samples a second: are they days? State their unit if it is another", told(rate(1.0)));
+            format!(", {} samples a second: are they days? State their unit if it is another", rounded(rate(1.0)));
         return (1.0, said("seconds", "steps", &question));
     }
     if step < SLOW[0] {
@@ -157,7 +155,6 @@ const EXACT: f64 = 0.01;
 /// Times belong to a sample if they are off by at most this share of the step.
 const CLOSE: f64 = 0.5;
 
-/// Equally spaced times, and the rows that they come from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Timing {
     pub(super) start: f64,
@@ -206,7 +203,7 @@ impl Timing {
             let (before, found) = (times[row], times[row + 1]);
             let turn = if found < before { "goes back" } else { "stands still" };
             let turn = format!("`{column}` {turn} from {before} s to {found} s");
-            return Err(ImportError::NotRising(line(row + 1), turn, way(times)));
+            return Err(ImportError::NotRising(line(row + 1), turn, cure(times)));
         }
         let (start, last) = (times[0], times[times.len() - 1]);
         let even = (last - start) / (times.len() - 1) as f64;
@@ -221,7 +218,10 @@ impl Timing {
         let off_by = |worst: f64, dt: f64| {
             let why = if is_rounded(worst, dt) { ", as rounded ones are" } else { "" };
             let percent = 100.0 * worst;
-            format!("the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used", told(dt))
+            format!(
+                "the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used",
+                rounded(dt)
+            )
         };
         let (samples, places, (remark, gaps)) = (times.len(), Places::Rows, Default::default());
         let even = Self { start, dt, samples, places, worst, is_rounded: is_rounded(worst, dt), remark, gaps };
@@ -252,7 +252,7 @@ impl Timing {
         let samples = count(libm::floor((last - start) / median + 1e-9) + 1.0)?;
         let places = Places::Times(mapped(times, &|time| (time - start) / median));
         let remark =
-            Some(format!("the times are irregular; values are interpolated at even steps of {} s", told(median)));
+            Some(format!("the times are irregular; values are interpolated at even steps of {} s", rounded(median)));
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
@@ -271,7 +271,7 @@ impl Timing {
     }
 
     pub(super) fn kept(&self) -> String {
-        let dt = told(self.dt);
+        let dt = rounded(self.dt);
         match self.places {
             Places::Times(_) => format!(
                 "the times are irregular: the filters take each reading at its own time, and tell what they know at steps of {dt} s"
@@ -316,7 +316,7 @@ impl Timing {
     }
 }
 
-fn way(times: &[f64]) -> String {
+fn cure(times: &[f64]) -> String {
     let still = times.windows(2).filter(|pair| pair[1] == pair[0]).count();
     if 3 * still < times.len() || times.windows(2).any(|pair| pair[1] < pair[0]) {
         return "choose a part by its times, or state the sample rate to count the rows as even".to_owned();
@@ -324,7 +324,9 @@ fn way(times: &[f64]) -> String {
     // Whole runs of equal times, without the first one and the last, have the rate.
     let changes: Vec<usize> = (1..times.len()).filter(|&row| times[row] > times[row - 1]).collect();
     let rate = match changes.as_slice() {
-        [first, .., last] => format!(" of about {} Hz", told((last - first) as f64 / (times[*last] - times[*first]))),
+        [first, .., last] => {
+            format!(" of about {} Hz", rounded((last - first) as f64 / (times[*last] - times[*first])))
+        }
         _ => String::new(),
     };
     let rows = times.len() as f64 / (changes.len() + 1) as f64;
@@ -346,17 +348,17 @@ const ROUNDED: f64 = 1.01;
 
 /// The unit of the last decimal that any of some times has \[s\]; zero if it is below a nanosecond.
 fn resolution(times: &[f64]) -> f64 {
-    let is_told = |unit: &f64| {
+    let is_resolved = |unit: &f64| {
         let is_whole = |time: &f64| {
             let units = time / unit;
             (units - libm::round(units)).abs() <= 1e-3
         };
         times.iter().all(is_whole)
     };
-    (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
+    (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_resolved).unwrap_or(0.0)
 }
 
-fn told(dt: f64) -> f64 {
+fn rounded(dt: f64) -> f64 {
     format!("{dt:.5e}").parse().unwrap_or(dt)
 }
 

@@ -28,22 +28,12 @@ pub struct Clocks {
 /// Times that a record cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ClocksError {
-    /// There must be a series for each sensor.
-    #[error("{found} series of readings, but the record has {expected} sensor(s)")]
-    Sensors {
-        /// The series.
-        found: usize,
-        /// The sensors.
-        expected: usize,
-    },
-    /// There must be a value for each time.
-    #[error("{times} times, but {values} values")]
-    Length {
-        /// The times.
-        times: usize,
-        /// The values.
-        values: usize,
-    },
+    /// There must be a series for each sensor: their numbers.
+    #[error("{0} series of readings, but the record has {1} sensor(s)")]
+    Sensors(usize, usize),
+    /// There must be a value for each time: their numbers.
+    #[error("{0} times, but {1} values")]
+    Length(usize, usize),
     /// Times must rise, and all numbers be finite.
     #[error("value {0}: the times must rise, and all numbers be finite")]
     Number(usize),
@@ -56,14 +46,14 @@ impl Timed {
     fn check(&self) -> Result<(), ClocksError> {
         let Self { times, values } = self;
         if times.len() != values.len() {
-            return Err(ClocksError::Length { times: times.len(), values: values.len() });
+            return Err(ClocksError::Length(times.len(), values.len()));
         }
         let is_bad =
             |k: &usize| !(times[*k].is_finite() && values[*k].is_finite()) || (*k > 0 && times[*k] <= times[*k - 1]);
         (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
     }
 
-    /// Clocks are told in decimals: what is next to a step is there.
+    /// Clocks have some decimals only: a time next to a step is that of the step.
     fn snap(&mut self) {
         for time in &mut self.times {
             let whole = libm::round(*time);
@@ -73,7 +63,7 @@ impl Timed {
         }
     }
 
-    /// The value at a time; before the first told one it is that, after the last one the last.
+    /// The value at a time; before the first one it is the first, after the last one the last.
     pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
         let next = times.partition_point(|other| *other <= time + SAME);
@@ -135,7 +125,7 @@ impl Readings<'_> {
         }
     }
 
-    /// The time that a reading tells of, in steps.
+    /// The time of the motion that a reading shows, in steps.
     fn time(&self, place: usize) -> f64 {
         match self.times {
             Ok(times) => times[place] - self.late,
@@ -174,7 +164,7 @@ impl Parts {
         Some([place, place + 1].map(|end| from + (to - from) * (end as f64 / self.parts.len() as f64)))
     }
 
-    /// Divides the step that ends at `end`, in steps, at the readings of so many sensors, and at the input's values if those have times.
+    /// Divides the step that ends at `end`, in steps, at the readings of this many sensors, and at the input's values if those have times.
     pub(super) fn take<'a>(
         &mut self,
         end: f64,
@@ -221,7 +211,7 @@ impl Clocks {
     pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
         let Self { input, readings } = &mut self;
         if readings.len() != sensors {
-            return Err(ClocksError::Sensors { found: readings.len(), expected: sensors });
+            return Err(ClocksError::Sensors(readings.len(), sensors));
         }
         if input.as_ref().is_some_and(|input| input.times.is_empty()) {
             return Err(ClocksError::NoInput);

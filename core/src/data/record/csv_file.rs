@@ -18,10 +18,8 @@ impl Record {
         let header = reader.headers()?.clone();
         let find = |name: &str| header.iter().position(|h| h == name);
         let need = |name: &str| {
-            find(name).ok_or_else(|| RecordError::Column {
-                missing: name.to_owned(),
-                found: header.iter().collect::<Vec<_>>().join(", "),
-            })
+            let names = || header.iter().collect::<Vec<_>>().join(", ");
+            find(name).ok_or_else(|| RecordError::Column(name.to_owned(), names()))
         };
         let time_column = need("t")?;
         let (kind, input_column) = match find(input_name(InputKind::GroundAcceleration)) {
@@ -42,14 +40,9 @@ impl Record {
             let cell = |column: usize, may_be_missing: bool| {
                 let text = row.get(column).unwrap_or_default();
                 let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
-                number.filter(|x: &f64| x.is_finite() || (may_be_missing && x.is_nan())).ok_or_else(|| {
-                    RecordError::Cell {
-                        line,
-                        column: header[column].to_owned(),
-                        value: text.to_owned(),
-                        allowed: if may_be_missing { "a number, `nan` or empty" } else { "a finite number" },
-                    }
-                })
+                let number = number.filter(|x: &f64| x.is_finite() || (may_be_missing && x.is_nan()));
+                let allowed = if may_be_missing { "a number, `nan` or empty" } else { "a finite number" };
+                number.ok_or_else(|| RecordError::Cell(line, header[column].to_owned(), text.to_owned(), allowed))
             };
             times.push((line, cell(time_column, false)?));
             let optional = [(&mut measured, &sensor_columns), (&mut truth, &truth_columns)];
@@ -129,7 +122,7 @@ fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
         return Err(RecordError::TooShort(times.len()));
     };
     if last <= first {
-        return Err(RecordError::NotRising { first, last });
+        return Err(RecordError::NotRising(first, last));
     }
     // The mean step is rounded, but the `dt` of a file written by `write_csv` must be exact.
     let step = times[1].1 - first;
@@ -140,7 +133,7 @@ fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
         // The comparison also fails where the step has overflowed.
         let off = (found - expected).abs();
         if off.is_nan() || off > 0.01 * dt {
-            return Err(RecordError::Spacing { line, found, expected, dt });
+            return Err(RecordError::Spacing(line, found, expected, dt));
         }
     }
     Ok((first, dt))

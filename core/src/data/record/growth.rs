@@ -76,23 +76,17 @@ impl Record {
             && self.sensors == other.sensors
             && self.truth_channels == other.truth_channels
             && clocks
-            && begins((&self.input, &other.input))
-            && self.measured.iter().zip(&other.measured).all(begins)
-            && self.truth.iter().zip(&other.truth).all(begins)
+            && self.columns().zip(other.columns()).all(begins)
     }
 
     pub(super) fn append(&mut self, longer: &Self) {
-        append(&mut self.input, &longer.input);
-        self.measured.iter_mut().zip(&longer.measured).for_each(|(column, longer)| append(column, longer));
-        self.truth.iter_mut().zip(&longer.truth).for_each(|(column, longer)| append(column, longer));
+        self.columns_mut().zip(longer.columns()).for_each(|(column, longer)| append(column, longer));
         match (&mut self.clocks, &longer.clocks) {
             (Some(clocks), Some(longer)) => Arc::make_mut(clocks).append(longer),
             (clocks, longer) => clocks.clone_from(longer),
         }
     }
-}
 
-impl Record {
     /// The same record with other measurements: `change` gets the place of a sensor, a sample of those that are kept and the
     /// reading, and returns the one in its place, in the same unit; NaN where it is missing.
     #[must_use]

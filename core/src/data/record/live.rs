@@ -1,16 +1,14 @@
 //! A record that becomes longer while readings come in.
 
-mod track;
-
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use thiserror::Error;
 
 use super::{Clocks, Record, Timed};
+use crate::data::resample::change;
 use crate::mathematics::lists::mapped;
 use crate::{Hold, InputKind, Quantity};
-
-use track::{Grid, InputTrack, Track};
 
 /// A record to which samples are added as they come in: readings and input keep their times ([`Record::clocks`]), the samples are dt
 /// apart, from the first reading on, or from half a step after it where readings are shifted.
@@ -37,19 +35,20 @@ use track::{Grid, InputTrack, Track};
 #[derive(Clone, Debug)]
 pub struct LiveRecord {
     record: Record,
-    grid: Option<Grid>,
-    /// The newest time that was told \[s\].
+    /// The time of the first sample \[s\].
+    begin: Option<f64>,
+    /// The newest time so far \[s\].
     newest: f64,
     tracks: Vec<Track>,
     input: InputTrack,
     /// The newest time of each sensor, then that of the input, in steps.
     latest: Vec<f64>,
-    /// Whether a sample is complete as soon as all sensors have told something later. A reading out of order ends this.
+    /// Whether a sample is complete as soon as all sensors have a later reading. A reading out of order ends this.
     prompt: bool,
     wait: f64,
     side: usize,
     repeated: usize,
-    /// The record that was told before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
+    /// The record before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
     spare: Option<Arc<Record>>,
 }
 
@@ -80,7 +79,7 @@ impl LiveRecord {
             latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
             prompt: false,
             record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
-            grid: None,
+            begin: None,
             newest: f64::NEG_INFINITY,
             input: InputTrack::new(hold),
             wait: 0.0,
@@ -148,7 +147,7 @@ impl LiveRecord {
 
     /// The time of the first sample in the clock of the readings \[s\].
     pub fn begin(&self) -> Option<f64> {
-        Some(self.grid?.begin)
+        self.begin
     }
 
     /// Readings that were left out because another one of their sensor has their time.
@@ -168,9 +167,9 @@ impl LiveRecord {
         let dt = self.record.dt;
         // A reading that comes too early or too late by less than half a step is then the only one in its step.
         let begin = if self.side > 0 { time + 0.5 * dt } else { time };
-        let grid = *self.grid.get_or_insert(Grid { begin, dt });
+        let begin = *self.begin.get_or_insert(begin);
         self.newest = self.newest.max(time);
-        let time = grid.steps(time);
+        let time = steps(time - begin, dt);
         for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
             self.repeated += usize::from(!track.put(time, reading));
         }
@@ -185,13 +184,13 @@ impl LiveRecord {
         }
         self.complete_until(|newest, live, sample| {
             let late = (newest - sample) * live.record.dt;
-            let wait = if live.all_are_told(sample) { 0.0 } else { live.wait };
+            let wait = if live.has_all_readings(sample) { 0.0 } else { live.wait };
             newest <= sample || late < wait || (late < PATIENCE && live.input.waits_at(sample))
         });
         Ok(())
     }
 
-    fn all_are_told(&self, sample: f64) -> bool {
+    fn has_all_readings(&self, sample: f64) -> bool {
         let (input, sensors) =
             self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
         let has_input = input > f64::NEG_INFINITY;
@@ -203,8 +202,8 @@ impl LiveRecord {
 
     /// Completes samples until one has to wait, which is asked with the newest time and the sample's, in steps.
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
-        let Some(grid) = self.grid else { return };
-        let newest = grid.steps(self.newest);
+        let Some(begin) = self.begin else { return };
+        let newest = steps(self.newest - begin, self.record.dt);
         while self.record.len() < Self::MOST {
             let sample = self.record.len() as f64;
             if waits(newest, self, sample) {
@@ -216,19 +215,18 @@ impl LiveRecord {
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
         if readings.len() != self.tracks.len() {
-            return Err(LiveError::Readings { found: readings.len(), expected: self.tracks.len() });
+            return Err(LiveError::Readings(readings.len(), self.tracks.len()));
         }
         if !time.is_finite() || input.is_infinite() || readings.iter().any(|reading| reading.is_infinite()) {
             return Err(LiveError::Infinite);
         }
-        let Some(grid) = self.grid else { return Ok(()) };
+        let Some(begin) = self.begin else { return Ok(()) };
         if self.record.len() >= Self::MOST || self.kept() >= Self::MOST_READINGS {
             return Err(LiveError::Full);
         }
         let last = self.record.len() as f64 - 1.0;
-        if grid.steps(time) <= last {
-            let complete = grid.begin + last * grid.dt;
-            return Err(LiveError::TooLate { time, complete });
+        if steps(time - begin, self.record.dt) <= last {
+            return Err(LiveError::TooLate(time, begin + last * self.record.dt));
         }
         let is_behind = time <= self.newest + self.wait + PATIENCE + self.record.dt;
         if is_behind && self.tracks.iter().any(|track| track.waiting() >= Self::MOST_WAITING) {
@@ -236,7 +234,7 @@ impl LiveRecord {
         }
         let steps = (time - self.newest) / self.record.dt;
         if steps > Self::LONGEST_GAP as f64 {
-            return Err(LiveError::Gap { time, before: self.newest });
+            return Err(LiveError::Gap(time, self.newest));
         }
         Ok(())
     }
@@ -260,39 +258,21 @@ impl LiveRecord {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LiveError {
-    /// The number of readings is not that of the sensors.
-    #[error("there are {found} readings, but the record has {expected} sensors: a missing reading is NaN")]
-    Readings {
-        /// The number of readings.
-        found: usize,
-        /// The number of sensors.
-        expected: usize,
-    },
+    /// The number of readings is not that of the sensors: both of them.
+    #[error("there are {0} readings, but the record has {1} sensors: a missing reading is NaN")]
+    Readings(usize, usize),
     /// A number is infinite, or the time is NaN.
     #[error("a reading, the input or the time is no finite number")]
     Infinite,
-    /// Its sample is complete.
-    #[error("the time is {time} s, but what was until {complete} s is complete: it comes too late")]
-    TooLate {
-        /// The time \[s\].
-        time: f64,
-        /// The time of the last complete sample \[s\].
-        complete: f64,
-    },
+    /// Its sample is complete: its time, and that of the last complete sample \[s\].
+    #[error("the time is {0} s, but what was until {1} s is complete: it comes too late")]
+    TooLate(f64, f64),
     /// The clock stands still, or is far too slow, while readings come.
     #[error("{} readings of a sensor wait for their samples: the clock hardly goes on", LiveRecord::MOST_WAITING)]
     Burst,
-    /// Nothing came for too long.
-    #[error(
-        "the time is {time} s, but before it was {before} s: at most {} steps may be empty",
-        LiveRecord::LONGEST_GAP
-    )]
-    Gap {
-        /// The time \[s\].
-        time: f64,
-        /// The newest time before it \[s\].
-        before: f64,
-    },
+    /// Nothing came for too long: the time, and the newest time before it \[s\].
+    #[error("the time is {0} s, but before it was {1} s: at most {most} steps may be empty", most = LiveRecord::LONGEST_GAP)]
+    Gap(f64, f64),
     /// There are as many samples, or readings of a sensor, as a record may have.
     #[error(
         "the record is full: it has at most {} samples and {} readings of a sensor",
@@ -300,4 +280,133 @@ pub enum LiveError {
         LiveRecord::MOST_READINGS
     )]
     Full,
+}
+
+/// A time after the first sample \[s\] in steps. One that is next to a sample's is that.
+fn steps(time: f64, dt: f64) -> f64 {
+    let steps = time / dt;
+    let whole = libm::round(steps);
+    if (steps - whole).abs() <= ROUNDED { whole } else { steps }
+}
+
+/// A time may be rounded by this share of a step.
+const ROUNDED: f64 = 1e-6;
+
+/// The times, in steps, and readings of one sensor, in the order of their times.
+#[derive(Clone, Debug, Default)]
+struct Track {
+    times: VecDeque<f64>,
+    values: VecDeque<f64>,
+    taken: usize,
+}
+
+impl Track {
+    fn waiting(&self) -> usize {
+        self.times.len() - self.taken
+    }
+
+    fn put(&mut self, time: f64, value: f64) -> bool {
+        let place = self.times.partition_point(|other| *other < time);
+        let is_new = self.times.get(place) != Some(&time);
+        if is_new {
+            self.times.insert(place, time);
+            self.values.insert(place, value);
+        }
+        is_new
+    }
+
+    /// Hands over the readings of the step to a sample. Returns the last one, shifted to the sample along the cubic through `side`
+    /// readings to either side; NaN if there is none. Forgets what no later sample needs.
+    fn step_to(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
+        let Self { times, values, taken } = self;
+        let end = times.partition_point(|time| *time <= sample);
+        let own = *taken..end.max(*taken);
+        into.times.extend(times.range(own.clone()));
+        into.values.extend(values.range(own.clone()));
+        *taken = own.end;
+        let last = own.last();
+        let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
+        let old = self.taken.saturating_sub(2 * side + 1);
+        self.times.drain(..old);
+        self.values.drain(..old);
+        self.taken -= old;
+        value
+    }
+
+    fn shift(&self, place: usize, to: f64, side: usize) -> f64 {
+        let length = 2 * side + 1;
+        if side == 0 || self.times.len() < length {
+            return 0.0;
+        }
+        let begin = place.saturating_sub(side).min(self.times.len() - length);
+        let around = begin..begin + length;
+        let readings = self.times.range(around.clone()).zip(self.values.range(around));
+        change(readings, self.times[place], to - self.times[place], side as f64)
+    }
+}
+
+/// The input as it comes in, with times in steps.
+#[derive(Clone, Debug)]
+struct InputTrack {
+    told: VecDeque<(f64, f64)>,
+    /// The number of those that samples have taken; all but the last one are forgotten.
+    taken: usize,
+    hold: Hold,
+}
+
+impl InputTrack {
+    fn new(hold: Hold) -> Self {
+        Self { told: VecDeque::new(), taken: 0, hold }
+    }
+
+    /// Of several values at a time the last one counts.
+    fn put(&mut self, time: f64, value: f64) {
+        let place = self.told.partition_point(|(other, _)| *other < time);
+        match self.told.get_mut(place) {
+            Some(same) if same.0 == time => same.1 = value,
+            _ => self.told.insert(place, (time, value)),
+        }
+    }
+
+    fn waits_at(&self, sample: f64) -> bool {
+        self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
+    }
+
+    /// Hands over the values in the step to a sample, and the value there, of a line between two values also that; it is zero before
+    /// the first one. `into` is `None` until there is a value.
+    fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
+        let Self { told, taken, hold } = self;
+        let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);
+        if next > 0 && into.is_none() {
+            // Until then it was zero: from the first sample on, and on a line up to the last one.
+            let mut times = vec![0.0];
+            if *hold == Hold::First && sample > 1.0 {
+                times.push(sample - 1.0);
+            }
+            times.retain(|zero| *zero < told[0].0);
+            *into = Some(Timed { values: vec![0.0; times.len()], times });
+        }
+        let value = match (next.checked_sub(1).map(|last| told[last]), told.get(next)) {
+            (None, _) => 0.0,
+            (Some((from, value)), Some(&(to, then))) if *hold == Hold::First => {
+                value + (then - value) * (sample - from) / (to - from)
+            }
+            (Some((_, value)), _) => value,
+        };
+        if let Some(Timed { times, values }) = into {
+            for (time, value) in told.range(*taken..next) {
+                times.push(*time);
+                values.push(*value);
+            }
+            if *hold == Hold::First && times.last().is_some_and(|last| *last < sample) {
+                times.push(sample);
+                values.push(value);
+            }
+        }
+        // The last one still counts.
+        let old = next.saturating_sub(1);
+        told.drain(..old);
+        *taken = next - old;
+        value
+    }
 }

@@ -5,8 +5,8 @@ use std::fmt;
 use toml::Value;
 
 use super::Edit;
-use crate::data::force::Force;
 use crate::data::scenario::{FilterSettings, Scenario, option};
+use crate::data::signal::Force;
 use crate::mathematics::filter::Robust;
 use crate::{Hold, InputKind, Propagation};
 

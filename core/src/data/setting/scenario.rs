@@ -3,8 +3,8 @@
 use super::Allowed;
 use super::filter::MAX_DELAY;
 use super::info::{Field, SettingInfo, row};
-use crate::data::force::Force;
 use crate::data::scenario::Scenario;
+use crate::data::signal::Force;
 
 type Row = SettingInfo<Scenario>;
 

@@ -1,8 +1,12 @@
-//! The errors of estimates against a known truth, channel by channel.
+//! The errors of estimates against a known truth: channel by channel, and compared with the covariance as their normalised square.
 
 use std::ops::Range;
 
-use super::totals::RangeSums;
+use super::chi_squared;
+use super::totals::{RangeSums, Totals};
+use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::engine::number::Number;
 use crate::{Channel, Estimates, Record};
 
 /// Limits the relative error of an estimate that has settled.
@@ -31,56 +35,70 @@ impl ErrorSums {
     }
 }
 
+/// Running sums of the errors of a channel of known truth, of one run or of several in lanes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TrackedChannel {
+pub(crate) struct Tracked<T> {
     pub(crate) channel: Channel,
     pub(crate) place: usize,
-    /// The place in the record.
-    pub(crate) truth: usize,
-    pub(crate) total: ErrorSums,
-    /// The first absolute error, kept or not; 0 before the first.
-    pub(crate) first_error: f64,
-    pub(crate) largest_truth: f64,
+    squares: T,
+    known: T,
+    inside: T,
     /// The sample, from the run's beginning, since which the error is within [`SETTLED`]; the next one if the last is not.
-    pub(crate) settled: usize,
+    pub(crate) settled: T,
+    pub(crate) recent: T,
+    pub(crate) recent_known: T,
+    pub(crate) largest_truth: T,
+    /// The first absolute error, kept or not; 0 before the first.
+    pub(crate) first_error: T,
+    pub(crate) error: T,
+    pub(crate) initial_variance: T,
 }
 
-impl TrackedChannel {
-    /// The channels that a record has a truth of. `first` is the number of the first sample.
-    pub(crate) fn of<'a>(
-        channels: &'a [Channel],
-        record: &'a Record,
-        first: usize,
-    ) -> impl Iterator<Item = Self> + use<'a> {
-        channels.iter().enumerate().filter_map(move |(place, &channel)| {
-            let truth = record.truth_place(channel)?;
-            let total = ErrorSums::default();
-            Some(Self { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: first })
-        })
+impl<T: Number> Tracked<T> {
+    /// The channel at a place of a filter's, before the sample with the number `first`.
+    pub(crate) fn new(channel: Channel, place: usize, first: usize) -> Self {
+        let (zero, none) = (T::of(0.0), T::of(f64::NAN));
+        Self {
+            channel,
+            place,
+            squares: zero,
+            known: zero,
+            inside: zero,
+            settled: T::of(first as f64),
+            recent: zero,
+            recent_known: zero,
+            largest_truth: zero,
+            first_error: zero,
+            error: none,
+            initial_variance: none,
+        }
     }
 
-    #[inline]
-    pub(crate) fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
-        mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
+    /// Takes in an error of the sample with this number; NaN where the truth is not known.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, error: T, truth: T, variance: T, number: usize, is_recent: bool) {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let (square, size, is_known) = (error * error, error.abs(), error.is_number());
+        let (counted, count) = (T::select(is_known, square, zero), T::select(is_known, one, zero));
+        self.first_error = T::select(is_known & self.known.le(zero), size, self.first_error);
+        self.squares = self.squares + counted;
+        self.known = self.known + count;
+        self.inside = self.inside + T::select(square.le(variance * 4.0), one, zero);
+        self.largest_truth = self.largest_truth.max(truth.abs());
+        if is_recent {
+            self.recent = self.recent + counted;
+            self.recent_known = self.recent_known + count;
+        }
+        // An unknown error does not end a settled stretch; it only delays the beginning of the first one.
+        let (now, next) = (T::of(number as f64), T::of((number + 1) as f64));
+        let stays = size.le(truth.abs() * SETTLED) | (!is_known & self.settled.lt(now));
+        self.settled = T::select(stays, self.settled, next);
     }
 
-    #[inline]
-    pub(crate) fn take_in(&mut self, error: f64, truth: f64, variance: f64, number: usize) {
-        if error.is_nan() {
-            self.settled += usize::from(self.settled == number);
-            return;
-        }
-        let mut total = self.total;
-        let square = error * error;
-        if total.known == 0 {
-            self.first_error = error.abs();
-        }
-        total.squares += square;
-        total.known += 1;
-        total.inside += u32::from(square <= 4.0 * variance);
-        self.total = total;
-        self.largest_truth = if truth.abs() > self.largest_truth { truth.abs() } else { self.largest_truth };
-        self.settled = if error.abs() <= SETTLED * truth.abs() { self.settled } else { number + 1 };
+    #[inline(always)]
+    pub(crate) fn total(&self, lane: usize) -> ErrorSums {
+        let [squares, known, inside] = [self.squares, self.known, self.inside].map(|number| number.lane(lane));
+        ErrorSums { squares, known: known as u32, inside: inside as u32 }
     }
 }
 
@@ -91,20 +109,18 @@ pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f
 
 /// The sign of the mirrored channels of a mean: -1 where the natural frequency is negative.
 #[inline]
-pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
+fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
     if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
 }
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
-    pub(super) known: Vec<TrackedChannel>,
+    pub(super) known: Vec<Tracked<f64>>,
     first: usize,
     /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
-    /// The squared errors: one a known channel and sample.
-    squares: RangeSums,
-    /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
-    counts: Vec<(u32, u32)>,
+    /// The squared errors of each known channel, with the numbers of samples with a known truth, and with the truth inside ±2σ.
+    squares: Vec<RangeSums>,
     /// The errors of the last samples, a row each, in the filter's own form, and the sign that makes the last ones canonical.
     errors: Vec<f64>,
     sign: f64,
@@ -112,29 +128,32 @@ pub(super) struct Accuracy {
 
 impl Accuracy {
     pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { known, first, frequency, squares, counts, errors, sign } = self;
+        let Self { known, first, frequency, squares, errors, sign } = self;
         *first = estimates.forgotten();
         known.clear();
-        known.extend(TrackedChannel::of(estimates.channels(), record, *first));
+        let all = estimates.channels().iter().enumerate().filter(|(_, channel)| record.truth(**channel).is_some());
+        known.extend(all.map(|(place, channel)| Tracked::new(*channel, place, *first)));
         *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
-        squares.restart(known.len());
-        counts.clear();
+        squares.resize_with(known.len(), RangeSums::default);
+        squares.iter_mut().for_each(RangeSums::clear);
         errors.clear();
         errors.resize(known.len(), f64::NAN);
         *sign = 1.0;
     }
 
     /// In the filter's own form, a row for each. Channel by channel, since a channel's sums then stay in registers.
-    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
+    pub(super) fn measure(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
         let Self { known, frequency, errors, sign, .. } = self;
         let width = known.len();
         errors.clear();
         errors.resize(width * samples.len(), f64::NAN);
         for (at, one) in known.iter().enumerate() {
+            let truth = record.truth(one.channel).unwrap_or_default();
             let column = errors[at..].iter_mut().step_by(width);
             for (error, k) in column.zip(samples.clone()) {
                 let mean = estimates.mean(k);
-                *error = one.error(mean, sign_of(mean, *frequency), record.truth_at(one.truth, k));
+                let sign = if one.channel.is_mirrored() { sign_of(mean, *frequency) } else { 1.0 };
+                *error = mean[one.place] - sign * truth[k];
             }
         }
         if let Some(last) = samples.last() {
@@ -145,22 +164,18 @@ impl Accuracy {
 
     /// The same, which are also added to the tallies.
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
-        self.look(estimates, record, samples.clone());
-        let Self { known, first, squares, counts, errors, .. } = self;
-        let (width, before) = (known.len(), counts.len());
-        counts.resize(before + errors.len(), (0, 0));
-        for (at, one) in known.iter_mut().enumerate() {
-            let mut tracked = *one;
-            let column = errors[at..].iter().zip(&mut counts[before + at..]).step_by(width);
-            for ((&error, count), k) in column.zip(samples.clone()) {
+        self.measure(estimates, record, samples.clone());
+        let Self { known, first, squares, errors, .. } = self;
+        let width = known.len();
+        for (at, (one, squares)) in known.iter_mut().zip(squares).enumerate() {
+            let (mut tracked, truth) = (*one, record.truth(one.channel).unwrap_or_default());
+            for (&error, k) in errors[at..].iter().step_by(width).zip(samples.clone()) {
                 let variance = estimates.cov(k)[tracked.place * (estimates.channels().len() + 1)];
-                tracked.take_in(error, record.truth_at(tracked.truth, k), variance, *first + k);
-                *count = (tracked.total.known, tracked.total.inside);
+                tracked.take(error, truth[k], variance, *first + k, false);
+                let ErrorSums { known, inside, .. } = tracked.total(0);
+                squares.push(if error.is_nan() { 0.0 } else { error * error }, (known, inside));
             }
             *one = tracked;
-        }
-        for row in errors.chunks_exact(width.max(1)) {
-            squares.push(row.iter().map(|error| if error.is_nan() { 0.0 } else { error * error }));
         }
         errors
     }
@@ -172,17 +187,17 @@ impl Accuracy {
     }
 
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
-        let TrackedChannel { settled, total, .. } = self.known[at];
-        let end = self.first + self.counts.len() / self.known.len();
-        (total.known > 0 && settled < end).then_some(settled)
+        let Tracked { settled, known, .. } = self.known[at];
+        let (settled, end) = (settled as usize, self.first + self.squares[at].len());
+        (known > 0.0 && settled < end).then_some(settled)
     }
 
     /// Restores the sums over forgotten samples from `before`, after a restart with the kept samples.
-    pub(super) fn remember(&mut self, before: &[TrackedChannel]) {
-        for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
+    pub(super) fn remember(&mut self, before: &[Tracked<f64>]) {
+        for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.known > 0.0) {
             known.first_error = before.first_error;
             known.largest_truth = known.largest_truth.max(before.largest_truth);
-            if known.settled == self.first {
+            if known.settled == self.first as f64 {
                 known.settled = known.settled.min(before.settled);
             }
         }
@@ -193,20 +208,49 @@ impl Accuracy {
     }
 
     pub(super) fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
-        let width = self.known.len();
-        let samples = self.counts.len() / width;
-        let end = range.end.min(samples);
-        let start = range.start.min(end);
-        if start == 0 && end == samples {
-            return self.known[at].total;
+        let (squares, (known, inside)) = self.squares[at].within(range, self.known[at].squares);
+        ErrorSums { squares, known, inside }
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nees {
+    square: ErrorSquare<f64>,
+    pub(super) values: Vec<f64>,
+    pub(super) totals: Totals,
+    inside: u32,
+    /// The 95 % quantile for one and more degrees of freedom.
+    limits: Vec<f64>,
+}
+
+impl Nees {
+    /// Begins again, for errors of the channels at `places`, in ascending order.
+    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { square, values, totals, inside, limits } = self;
+        *square = ErrorSquare::new(new_places.collect());
+        values.clear();
+        totals.clear();
+        *inside = 0;
+        for degrees in limits.len()..square.places.len() {
+            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
-        let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k * width + at]);
-        let ((known_before, inside_before), (known, inside)) = (until(start), until(end));
-        ErrorSums {
-            squares: self.squares.within(at, start..end),
-            known: known - known_before,
-            inside: inside - inside_before,
-        }
+    }
+
+    /// Takes in a sample: the errors of these channels, and the mean and n × n covariance of all n channels.
+    #[inline]
+    pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
+        let Self { square, values, totals, inside, limits } = self;
+        square.errors.copy_from_slice(errors);
+        let (sum, degrees) = square.of::<_, false>(Baseline, [mean, cov]);
+        let (square, degrees) = if degrees > 0.0 { (sum, degrees as u32) } else { (f64::NAN, 0) };
+        values.push(square);
+        totals.push(square, degrees);
+        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
+    }
+
+    /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.
+    pub(super) fn coverage(&self) -> f64 {
+        f64::from(self.inside) / f64::from(self.totals.whole.samples)
     }
 }
 
@@ -287,5 +331,72 @@ mod tests {
         assert!(accuracy.within(1, 0..1).rmse().is_nan() && accuracy.error(0).is_nan());
         assert_eq!(accuracy.within(1, 0..3).known, 2);
         assert_eq!(of([]).within(0, 0..5), ErrorSums::default());
+    }
+
+    fn nees(places: &[usize], errors: &[f64], cov: &[f64], n: usize) -> Nees {
+        let mut nees = Nees::default();
+        nees.restart(places.iter().copied());
+        nees.push(errors, &vec![0.0; n], cov);
+        nees
+    }
+
+    #[test]
+    fn a_hand_case() {
+        // P = [4, 2; 2, 3], det 8, P⁻¹ = [3, -2; -2, 4]/8; e = (1, 2): (3 - 8 + 16)/8.
+        let cov = [4.0, 2.0, 2.0, 3.0];
+        let both = nees(&[0, 1], &[1.0, 2.0], &cov, 2);
+        assert!((both.values[0] - 11.0 / 8.0).abs() < 1e-15);
+        assert_eq!((both.totals.whole.degrees, both.inside), (2, 1));
+        assert_eq!(nees(&[1], &[2.0], &cov, 2).values, [4.0 / 3.0], "one channel's variance, not its share of P⁻¹");
+    }
+
+    #[test]
+    fn channels_known_for_certain_do_not_count() {
+        let cov = [4.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 3.0];
+        let some = nees(&[0, 1, 2], &[1.0, 7.0, 2.0], &cov, 3);
+        assert!((some.values[0] - 11.0 / 8.0).abs() < 1e-15);
+        assert_eq!(some.totals.whole.degrees, 2);
+        let none = nees(&[1], &[7.0], &cov, 3);
+        assert!(none.values[0].is_nan() && none.totals.whole.samples == 0);
+    }
+
+    #[test]
+    fn an_estimate_that_is_right_to_the_last_bit_is_consistent() {
+        for n in [1, 4] {
+            let mut nees = Nees::default();
+            nees.restart(0..n);
+            let cov: Vec<f64> = (0..n * n).map(|i| if i % (n + 1) == 0 { 1e-78 } else { 0.0 }).collect();
+            nees.push(&vec![-6.9e-18; n], &vec![0.04; n], &cov);
+            // A sample at which the oscillator passes through zero is not special.
+            nees.push(&vec![-6.9e-18; n], &vec![0.0; n], &cov);
+            assert!(nees.values.iter().all(|&square| square < n as f64), "{:?}", nees.values);
+        }
+    }
+
+    #[test]
+    fn four_channels_and_more_take_the_same_steps() {
+        let a = nalgebra::Matrix5::from_fn(|i, j| libm::sin(1.0 + (3 * i + 5 * j * j) as f64));
+        let cov = a * a.transpose() + nalgebra::Matrix5::identity();
+        let errors = nalgebra::Vector5::new(0.3, -1.0, 2.0, 0.1, -0.7);
+        let five = nees(&[0, 1, 2, 3, 4], errors.as_slice(), cov.as_slice(), 5).values[0];
+        let direct = errors.dot(&(cov.try_inverse().unwrap() * errors));
+        assert!((five / direct - 1.0).abs() < 1e-9, "{five} instead of {direct}");
+
+        let four = cov.fixed_view::<4, 4>(0, 0).into_owned();
+        let fast = nees(&[0, 1, 2, 3], &errors.as_slice()[..4], four.as_slice(), 4).values[0];
+        let slow = nees(&[0, 1, 2, 3], &errors.as_slice()[..4], cov.as_slice(), 5).values[0];
+        assert_eq!(fast.to_bits(), slow.to_bits());
+    }
+
+    #[test]
+    fn samples_without_a_factor_or_an_error_are_left_out() {
+        for (errors, cov) in [
+            ([1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
+            ([1.0, 1.0], [1.0, 2.0, 2.0, 1.0]),
+            ([1.0, f64::NAN], [1.0, 0.0, 0.0, 1.0]),
+        ] {
+            let nees = nees(&[0, 1], &errors, &cov, 2);
+            assert!(nees.values[0].is_nan() && nees.coverage().is_nan(), "{errors:?} {cov:?}");
+        }
     }
 }

@@ -26,18 +26,16 @@ pub fn interval(degrees: u32, samples: u32) -> Option<RangeInclusive<f64>> {
 ///
 /// Source: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
 pub fn quick_interval(degrees: u32, samples: u32) -> Option<RangeInclusive<f64>> {
-    (degrees > 0 && samples > 0).then(|| wilson_hilferty(degrees, samples, NORMAL_95))
-}
-
-/// The same interval for `z` normal standard deviations to either side.
-pub(super) fn wilson_hilferty(degrees: u32, samples: u32, z: f64) -> RangeInclusive<f64> {
+    if degrees == 0 || samples == 0 {
+        return None;
+    }
     let (degrees, samples) = (f64::from(degrees), f64::from(samples));
     let variance = 2.0 / (9.0 * degrees);
     let quantile = |z: f64| {
         let root = (1.0 - variance + z * variance.sqrt()).max(0.0);
         degrees * root * root * root / samples
     };
-    quantile(-z)..=quantile(z)
+    Some(quantile(-NORMAL_95)..=quantile(NORMAL_95))
 }
 
 /// The normal quantile of 97.5 %: 95 % of a normal distribution lies within ± this many standard deviations.
@@ -78,7 +76,7 @@ const MOST_TERMS: usize = 2_000_000;
 const MOST_STEPS: usize = 100;
 
 /// `P(a, x)` and `Q(a, x)` for a > 0 and x ≥ 0. The smaller one has all its digits.
-pub(super) fn both(a: f64, x: f64) -> (f64, f64) {
+fn both(a: f64, x: f64) -> (f64, f64) {
     if x <= 0.0 {
         return (0.0, 1.0);
     }
@@ -99,7 +97,7 @@ pub(super) fn both(a: f64, x: f64) -> (f64, f64) {
 /// below and over x above, from the approximation of Wilson and Hilferty.
 ///
 /// Source of the start: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
-pub(super) fn inverse(a: f64, p: f64) -> f64 {
+fn inverse(a: f64, p: f64) -> f64 {
     let (is_low, tail) = (p <= 0.5, p.min(1.0 - p));
     let z = if is_low { -normal_quantile(tail) } else { normal_quantile(tail) };
     let root = 1.0 - 1.0 / (9.0 * a) + z / (3.0 * a.sqrt());

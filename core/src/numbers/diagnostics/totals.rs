@@ -4,8 +4,7 @@ use std::ops::{Range, RangeInclusive};
 
 use super::chi_squared;
 use crate::FilterKind;
-use crate::mathematics::gaussian_likelihood::LogSum;
-use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};
 
 /// A sum of normalised squares over some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,30 +64,21 @@ impl MeanSquare {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Totals {
-    whole: Total,
+    pub(super) whole: Total,
+    /// With the degrees of freedom and the contributing samples.
     squares: RangeSums,
-    /// Degrees of freedom and contributing samples up to each sample.
-    counts: Vec<(u32, u32)>,
 }
 
 impl Totals {
     #[inline]
     pub(super) fn push(&mut self, square: f64, degrees: u32) {
-        let Self { whole, squares, counts } = self;
-        whole.add(square, degrees);
-        squares.push([if degrees > 0 { square } else { 0.0 }]);
-        counts.push((whole.degrees, whole.samples));
+        self.whole.add(square, degrees);
+        self.squares.push(if degrees > 0 { square } else { 0.0 }, (self.whole.degrees, self.whole.samples));
     }
 
     pub(super) fn clear(&mut self) {
-        let Self { whole, squares, counts } = self;
-        *whole = Total::default();
-        squares.restart(1);
-        counts.clear();
-    }
-
-    pub(super) fn whole(&self) -> Total {
-        self.whole
+        self.whole = Total::default();
+        self.squares.clear();
     }
 
     /// For each sample of `range`, which exist, the mean over all numbers that were squared in the `window` samples up to it;
@@ -102,7 +92,7 @@ impl Totals {
     /// van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         // A longer window has no more samples.
-        let (squares, window) = (self.squares.rows(), window.min(range.end).max(1));
+        let (squares, window) = (self.squares.terms(), window.min(range.end).max(1));
         let mut means = Vec::with_capacity(range.len());
         // The sums from each sample of the block before to its end.
         let mut behind = Vec::with_capacity(window + 1);
@@ -131,131 +121,123 @@ impl Totals {
     }
 
     fn degrees(&self, start: usize, end: usize) -> u32 {
-        let until = |end: usize| end.checked_sub(1).map_or(0, |k| self.counts[k].0);
-        until(end) - until(start)
+        self.squares.counts_before(end).0 - self.squares.counts_before(start).0
     }
 
     pub(super) fn within(&self, range: Range<usize>) -> Total {
-        let end = range.end.min(self.counts.len());
-        let start = range.start.min(end);
-        if start == 0 && end == self.counts.len() {
-            return self.whole;
-        }
-        let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k]);
-        let ((degrees_before, samples_before), (degrees, samples)) = (until(start), until(end));
-        Total {
-            sum: self.squares.within(0, start..end),
-            degrees: degrees - degrees_before,
-            samples: samples - samples_before,
-        }
+        let (sum, (degrees, samples)) = self.squares.within(range, self.whole.sum);
+        Total { sum, degrees, samples }
     }
 }
 
+/// The log likelihood of Gaussian beliefs, for which it needs the sum of the NIS as well; a particle filter reports its own.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Likelihood {
-    /// Of Gaussian beliefs: the value needs the sum of the NIS as well.
-    Gaussian { ln_determinants: LogSum },
-    /// Of a particle filter, which reports its own log likelihood.
-    Particles { sum: f64 },
+pub(super) struct Likelihood {
+    ln_determinants: LogSum,
+    own: Option<f64>,
 }
 
 impl Default for Likelihood {
     fn default() -> Self {
-        Self::Gaussian { ln_determinants: LogSum::ZERO }
+        Self { ln_determinants: LogSum::ZERO, own: None }
     }
 }
 
 impl Likelihood {
-    pub(crate) fn new(kind: FilterKind) -> Self {
-        if kind.has_own_likelihood() { Self::Particles { sum: 0.0 } } else { Self::default() }
+    pub(super) fn new(kind: FilterKind) -> Self {
+        Self { own: kind.has_own_likelihood().then_some(0.0), ..Self::default() }
     }
 
     /// Takes in a sample: det S, NaN where nothing was measured, with its logarithm, and the log likelihood of particles.
     #[inline]
-    pub(crate) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
-        match self {
+    pub(super) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
+        match &mut self.own {
             _ if determinant.is_nan() => {}
-            Self::Gaussian { ln_determinants } => ln_determinants.add(determinant, ln),
-            Self::Particles { sum } => *sum += own(),
+            Some(sum) => *sum += own(),
+            None => self.ln_determinants.add(determinant, ln),
         }
     }
 
-    pub(crate) fn value(self, nis: Total) -> f64 {
-        match self {
-            Self::Gaussian { .. } if nis.degrees == 0 => 0.0,
-            Self::Gaussian { ln_determinants } => log_likelihood(nis.sum, ln_determinants.value(), nis.degrees),
-            Self::Particles { sum } => sum,
-        }
+    pub(super) fn value(self, nis: Total) -> f64 {
+        let of_gaussian =
+            || if nis.degrees == 0 { 0.0 } else { log_likelihood(nis.sum, self.ln_determinants.value(), nis.degrees) };
+        self.own.unwrap_or_else(of_gaussian)
     }
 }
 
 /// A block is the sum of this many items of the level below it.
 const BLOCK: usize = 16;
 
-/// Rows of numbers, and the sums of their columns over any range of rows.
+/// Numbers, their sums over any range, and two counts up to each.
 ///
 /// A difference of running totals loses the digits of a range where a term before it is large. Here a range is the sum
-/// of whole blocks of 16, 256, 4096, … rows and of the rows at its edges, so that no term outside it enters it. A row
-/// takes one addition a column more than a running total, and a range about thirty for each level.
+/// of whole blocks of 16, 256, 4096, … terms and of the terms at its edges, so that no term outside it enters it. A term
+/// takes one addition more than a running total, and a range about thirty for each level.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RangeSums {
-    width: usize,
-    missing: usize,
-    /// The rows, then blocks of rows, then blocks of these, each row by row.
+    /// The terms, then the sums of blocks of terms, then those of blocks of these.
     levels: Vec<Vec<f64>>,
+    counts: Vec<(u32, u32)>,
 }
 
 impl RangeSums {
-    pub(super) fn restart(&mut self, width: usize) {
-        (self.width, self.missing) = (width, BLOCK);
+    pub(super) fn clear(&mut self) {
         self.levels.iter_mut().for_each(Vec::clear);
-        if self.levels.is_empty() {
-            self.levels.push(Vec::new());
-        }
+        self.counts.clear();
     }
 
     pub(super) fn len(&self) -> usize {
-        self.levels.first().map_or(0, |rows| rows.len().checked_div(self.width).unwrap_or(0))
+        self.counts.len()
     }
 
     #[inline]
-    pub(super) fn push(&mut self, row: impl IntoIterator<Item = f64>) {
-        self.levels[0].extend(row);
-        self.missing -= 1;
-        if self.missing == 0 {
-            self.missing = BLOCK;
+    pub(super) fn push(&mut self, term: f64, counts: (u32, u32)) {
+        if self.levels.is_empty() {
+            self.levels.push(Vec::new());
+        }
+        self.levels[0].push(term);
+        self.counts.push(counts);
+        if self.counts.len().is_multiple_of(BLOCK) {
             self.complete_blocks();
         }
     }
 
-    pub(super) fn rows(&self) -> &[f64] {
+    fn terms(&self) -> &[f64] {
         self.levels.first().map_or(&[], Vec::as_slice)
+    }
+
+    fn counts_before(&self, end: usize) -> (u32, u32) {
+        end.checked_sub(1).map_or((0, 0), |k| self.counts[k])
     }
 
     #[cold]
     fn complete_blocks(&mut self) {
-        let Self { width, levels, .. } = self;
-        let size = BLOCK * *width;
         for level in 0.. {
-            let len = levels[level].len();
-            if len == 0 || !len.is_multiple_of(size) {
+            let len = self.levels[level].len();
+            if len == 0 || !len.is_multiple_of(BLOCK) {
                 break;
             }
-            if level + 1 == levels.len() {
-                levels.push(Vec::new());
+            if level + 1 == self.levels.len() {
+                self.levels.push(Vec::new());
             }
-            let (below, above) = levels.split_at_mut(level + 1);
-            let block = &below[level][len - size..];
-            above[0].extend((0..*width).map(|column| block.iter().skip(column).step_by(*width).sum::<f64>()));
+            let sum = self.levels[level][len - BLOCK..].iter().sum::<f64>();
+            self.levels[level + 1].push(sum);
         }
     }
 
-    pub(super) fn within(&self, column: usize, range: Range<usize>) -> f64 {
+    /// The sum and the counts over a range. `whole` is the running total of all terms.
+    pub(super) fn within(&self, range: Range<usize>, whole: f64) -> (f64, (u32, u32)) {
         let end = range.end.min(self.len());
-        let (mut low, mut high) = (range.start.min(end), end);
-        let mut sum = 0.0;
-        for rows in &self.levels {
-            let add = |from: usize, to: usize| (from..to).map(|row| rows[row * self.width + column]).sum::<f64>();
+        let start = range.start.min(end);
+        let (before, until) = (self.counts_before(start), self.counts_before(end));
+        let sum = if start == 0 && end == self.len() { whole } else { self.sum(start..end) };
+        (sum, (until.0 - before.0, until.1 - before.1))
+    }
+
+    fn sum(&self, range: Range<usize>) -> f64 {
+        let (mut low, mut high, mut sum) = (range.start, range.end, 0.0);
+        for terms in &self.levels {
+            let add = |from: usize, to: usize| terms[from..to].iter().sum::<f64>();
             let (first, last) = (low.div_ceil(BLOCK), high / BLOCK);
             if first >= last {
                 return sum + add(low, high);
@@ -278,10 +260,10 @@ mod tests {
         for (square, degrees) in [(f64::NAN, 0), (1.0, 1), (2.0, 2), (f64::NAN, 0), (5.0, 2)] {
             totals.push(square, degrees);
         }
-        assert_eq!(totals.whole(), Total { sum: 8.0, degrees: 5, samples: 3 });
+        assert_eq!(totals.whole, Total { sum: 8.0, degrees: 5, samples: 3 });
         assert_eq!(totals.within(2..4), Total { sum: 2.0, degrees: 2, samples: 1 });
         assert_eq!(totals.within(4..99), Total { sum: 5.0, degrees: 2, samples: 1 });
-        assert_eq!(totals.within(0..5), totals.whole());
+        assert_eq!(totals.within(0..5), totals.whole);
         assert_eq!(totals.within(9..9), Total::default());
     }
 
@@ -325,48 +307,46 @@ mod tests {
         assert_eq!(MeanSquare::new(Total::default(), 1), None);
     }
 
-    fn of(rows: impl IntoIterator<Item = [f64; 2]>) -> RangeSums {
+    fn of(terms: impl IntoIterator<Item = f64>) -> RangeSums {
         let mut sums = RangeSums::default();
-        sums.restart(2);
-        rows.into_iter().for_each(|row| sums.push(row));
+        terms.into_iter().zip(1..).for_each(|(term, k)| sums.push(term, (k, 2 * k)));
         sums
     }
 
     #[test]
     fn every_range_is_the_sum_of_its_terms() {
-        let sums = of((0..700).map(|k| [f64::from(k), -2.0 * f64::from(k)]));
+        let [sums, others] = [1.0, -2.0].map(|factor| of((0..700).map(|k| factor * f64::from(k))));
         let upto = |k: usize| (k * k.saturating_sub(1) / 2) as f64;
         for start in (0..700).step_by(7) {
             for end in (start..720).step_by(11) {
-                let expected = upto(end.min(700)) - upto(start);
-                assert_eq!(sums.within(0, start..end), expected);
-                assert_eq!(sums.within(1, start..end), -2.0 * expected);
+                let (expected, count) = (upto(end.min(700)) - upto(start), (end.min(700) - start) as u32);
+                assert_eq!(sums.within(start..end, upto(700)), (expected, (count, 2 * count)));
+                assert_eq!(others.within(start..end, -2.0 * upto(700)).0, -2.0 * expected);
             }
         }
-        assert_eq!((sums.len(), sums.within(0, 900..1000)), (700, 0.0));
+        assert_eq!((sums.len(), sums.within(900..1000, upto(700))), (700, (0.0, (0, 0))));
     }
 
     #[test]
     fn a_large_term_changes_no_range_that_it_is_not_in() {
         for large in [1e20, f64::INFINITY, f64::NAN] {
             for place in [0, 15, 16, 300, 6000] {
-                let term = |k: usize| if k == place { large } else { 1e-3 };
-                let sums = of((0..6001).map(|k| [term(k), 0.0]));
+                let sums = of((0..6001).map(|k| if k == place { large } else { 1e-3 }));
                 for range in [0..place, place + 1..6001] {
                     let expected = 1e-3 * range.len() as f64;
-                    assert!((sums.within(0, range) - expected).abs() <= 1e-12 * expected);
+                    assert!((sums.within(range, large).0 - expected).abs() <= 1e-12 * expected);
                 }
             }
         }
     }
 
     #[test]
-    fn it_begins_anew_with_rows_of_another_width() {
-        let mut sums = of([[1.0, 2.0]; 40]);
-        sums.restart(1);
-        assert_eq!((sums.len(), sums.within(0, 0..9)), (0, 0.0));
-        (0..40).for_each(|_| sums.push([1.0]));
-        assert_eq!(sums.within(0, 3..40), 37.0);
-        assert_eq!(RangeSums::default().within(0, 0..9), 0.0);
+    fn it_begins_again_with_other_terms() {
+        let mut sums = of([2.0; 40]);
+        sums.clear();
+        assert_eq!((sums.len(), sums.within(0..9, 0.0).0), (0, 0.0));
+        (0..40).for_each(|k| sums.push(1.0, (k, k)));
+        assert_eq!(sums.within(3..40, 40.0).0, 37.0);
+        assert_eq!(RangeSums::default().within(0..9, 0.0).0, 0.0);
     }
 }

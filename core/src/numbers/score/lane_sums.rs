@@ -3,31 +3,12 @@
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
-use crate::mathematics::gaussian_likelihood::LogSum;
-use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};
 use crate::mathematics::lists::mapped;
-use crate::numbers::diagnostics::{ErrorSums, Total};
+use crate::numbers::diagnostics::Total;
+use crate::numbers::diagnostics::accuracy::Tracked;
 use crate::numbers::score::{ChannelSums, Look, Outcome};
 use crate::{Channel, Stop};
-
-/// Limits the relative error of an estimate that has settled.
-const SETTLED: f64 = 0.05;
-
-#[derive(Clone, Debug)]
-struct Tracked<T> {
-    channel: Channel,
-    place: usize,
-    squares: T,
-    known: T,
-    inside: T,
-    settled: T,
-    recent: T,
-    recent_known: T,
-    largest_truth: T,
-    first_error: T,
-    error: T,
-    initial_variance: T,
-}
 
 /// A sum of normalised squares: the sum, the degrees of freedom, the samples that count.
 #[derive(Clone, Copy, Debug)]
@@ -57,20 +38,7 @@ pub(super) struct Scores<T> {
 impl<T: Number> Scores<T> {
     pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
-        let track = |(place, &channel)| Tracked {
-            channel,
-            place,
-            squares: zero,
-            known: zero,
-            inside: zero,
-            settled: zero,
-            recent: zero,
-            recent_known: zero,
-            largest_truth: zero,
-            first_error: zero,
-            error: none,
-            initial_variance: none,
-        };
+        let track = |(place, &channel)| Tracked::new(channel, place, 0);
         let known = channels.iter().enumerate().filter(|(_, channel)| is_known(**channel));
         let tracked: Vec<_> = known.map(track).collect();
         let squares = Squares { sum: zero, degrees: zero, samples: zero };
@@ -198,13 +166,8 @@ impl<T: Number> Scores<T> {
 
     fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
         let of = |number: T| number.lane(lane);
-        let total = ErrorSums {
-            squares: of(tracked.squares),
-            known: of(tracked.known) as u32,
-            inside: of(tracked.inside) as u32,
-        };
         ChannelSums {
-            total,
+            total: tracked.total(lane),
             first_error: of(tracked.first_error),
             largest_truth: of(tracked.largest_truth),
             settled: of(tracked.settled) as usize,
@@ -213,29 +176,6 @@ impl<T: Number> Scores<T> {
             std: of(self.variance[tracked.place]).sqrt(),
             initial_std: of(tracked.initial_variance).sqrt(),
         }
-    }
-}
-
-impl<T: Number> Tracked<T> {
-    /// Takes in an error of the sample with this number; NaN where the truth is not known.
-    #[inline(always)]
-    fn take(&mut self, error: T, truth: T, variance: T, number: usize, is_recent: bool) {
-        let (zero, one) = (T::of(0.0), T::of(1.0));
-        let (square, size, is_known) = (error * error, error.abs(), error.is_number());
-        let (counted, count) = (T::select(is_known, square, zero), T::select(is_known, one, zero));
-        self.first_error = T::select(is_known & self.known.le(zero), size, self.first_error);
-        self.squares = self.squares + counted;
-        self.known = self.known + count;
-        self.inside = self.inside + T::select(square.le(variance * 4.0), one, zero);
-        self.largest_truth = self.largest_truth.max(truth.abs());
-        if is_recent {
-            self.recent = self.recent + counted;
-            self.recent_known = self.recent_known + count;
-        }
-        // An unknown error does not end a settled stretch; it only delays the beginning of the first one.
-        let (now, next) = (T::of(number as f64), T::of((number + 1) as f64));
-        let stays = size.le(truth.abs() * SETTLED) | (!is_known & self.settled.lt(now));
-        self.settled = T::select(stays, self.settled, next);
     }
 }
 

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use crate::data::record::Parts;
-use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::belief::convert;
+use crate::mathematics::engine::belief::{Belief, convert};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
@@ -297,11 +296,6 @@ impl<T: Number, L: Level> Batch<T, L> {
     }
 
     fn finish(mut self) -> Vec<Outcome> {
-        (0..self.count)
-            .map(|lane| match self.outcomes[lane].take() {
-                Some(outcome) => outcome,
-                None => self.outcome(lane, None),
-            })
-            .collect()
+        (0..self.count).map(|lane| self.outcomes[lane].take().unwrap_or_else(|| self.outcome(lane, None))).collect()
     }
 }

@@ -174,7 +174,6 @@ impl Suggestion {
     }
 }
 
-/// An oscillator under a white force, as the spectrum of a sensor shows it.
 #[derive(Clone, Copy, Debug)]
 struct AmbientFit {
     found: Response,

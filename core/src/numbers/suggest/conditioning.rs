@@ -179,7 +179,7 @@ impl Plucked {
         Some((longest, Self { whole: record.clone(), times, growth }))
     }
 
-    pub(super) fn tell(&self, suggestion: &mut Suggestion) {
+    pub(super) fn apply(&self, suggestion: &mut Suggestion) {
         for filter in suggestion.filters().filter(|filter| filter.can(&PLUCKED)) {
             filter.plucks.clone_from(&self.times);
             filter.initial_mean[Channel::DISPLACEMENT] = 0.0;

@@ -82,7 +82,7 @@ impl Readings {
         equations
     }
 
-    fn look(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
+    fn fit(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
         let columns = self.columns(at);
         let Some(parts) = self.normal(&columns).damped(1e-12, 1e-12).solution() else {
             return (f64::INFINITY, (columns, [0.0; 4]));
@@ -109,7 +109,7 @@ impl Readings {
             let zeta = (at[1] + by[1].clamp(-1.0, 1.0)).clamp(libm::log(1e-4), libm::log(0.9));
             Some([at[0] + by[0].clamp(-0.1, 0.1), zeta])
         };
-        descend(begin, (TRIES, 1e-9), |cost| 1e-7 * cost, |at| self.look(at), |at, k| self.equations(at, k), step)
+        descend(begin, (TRIES, 1e-9), |cost| 1e-7 * cost, |at| self.fit(at), |at, k| self.equations(at, k), step)
     }
 
     fn begins(&self, low: f64, high: f64) -> Vec<Place> {
@@ -117,7 +117,7 @@ impl Readings {
         let mut found = Vec::new();
         for damping in DAMPING.map(libm::log) {
             let at = |i: usize| [libm::log(low) + i as f64 * libm::log(APART), damping];
-            let costs: Vec<f64> = numbers(count + 1, &|i| self.look(&at(i)).0);
+            let costs: Vec<f64> = numbers(count + 1, &|i| self.fit(&at(i)).0);
             let is_least =
                 |i: &usize| costs[i.saturating_sub(1)..(*i + 2).min(costs.len())].iter().all(|c| costs[*i] <= *c);
             found.extend((0..=count).filter(is_least).map(|i| (costs[i], at(i))));
@@ -183,7 +183,7 @@ pub(super) fn forced(
     let guess = guess.map(|guess| [guess.natural_frequency, guess.damping_ratio.clamp(1e-3, 0.8)].map(libm::log));
     let found = begins.into_iter().chain(guess).map(|begin| readings.descend(begin));
     let (cost, at) = found.filter(|(cost, _)| cost.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (_, (columns, parts)) = readings.look(&at);
+    let (_, (columns, parts)) = readings.fit(&at);
     let [wn, zeta] = at.map(libm::exp);
     let variance = cost / there.saturating_sub(6).max(1) as f64;
     let [of_gain, ..] = readings.normal(&columns).variances()?;

@@ -106,7 +106,9 @@ impl Suggestion {
     pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
         let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
         let equation = kind.own_equation()?;
-        kind.parameters().any(|channel| !TOLD.contains(&channel)).then(|| (equation, kind.parameters().collect()))
+        kind.parameters()
+            .any(|channel| !FROM_SPECTRA.contains(&channel))
+            .then(|| (equation, kind.parameters().collect()))
     }
 
     /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
@@ -180,7 +182,7 @@ const AGAIN: usize = 4;
 /// The motion's process noise per step in a trial, as a share of its size: a parameter that is wrong must not stop the filter.
 const SHARE: f64 = 1e-3;
 
-const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+const FROM_SPECTRA: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 /// Prime numbers; their square roots spread points evenly in as many dimensions.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
@@ -215,7 +217,7 @@ impl Search {
             let filter = &scenario.filters[0];
             let range = |channel: &Channel| {
                 let (mean, std) = (filter.initial_mean[*channel], filter.initial_std[*channel]);
-                let is_kept = TOLD.contains(channel) || gain == Some(*channel);
+                let is_kept = FROM_SPECTRA.contains(channel) || gain == Some(*channel);
                 let other = if mean == 0.0 { 0.5 } else { 0.0 };
                 if is_kept { (0.0, 0.0, 0.0) } else { (0.25 * std.max(mean), 4.0 * std, other) }
             };
@@ -233,9 +235,9 @@ impl Search {
         let settings = equation.settings();
         let range = |channel: &Channel| {
             let usual = channel.usual();
-            if TOLD.contains(channel) && suggestion.problem.is_none() {
-                let told = filter.initial_mean[*channel];
-                return (told / 4.0, 4.0 * told, 0.0);
+            if FROM_SPECTRA.contains(channel) && suggestion.problem.is_none() {
+                let mean = filter.initial_mean[*channel];
+                return (mean / 4.0, 4.0 * mean, 0.0);
             }
             let size = if usual.mean == 0.0 { usual.std } else { usual.mean.abs() }.max(f64::MIN_POSITIVE);
             let is_any = matches!(channel.role(), Role::Parameter(Sign::Any));
@@ -364,18 +366,18 @@ impl Search {
             ));
             return;
         };
-        let mut told = Vec::new();
+        let mut guesses = Vec::new();
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
             let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(WITHIN * std).max(3.0 * std)));
             let unit = suggestion.unit(channel.unit());
-            told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
+            guesses.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
             suggestion.simulate_with(channel, mean);
             suggestion.filters().for_each(|filter| begin_with(filter, channel, (mean, std)));
         }
         suggestion.reasons.push(format!(
             "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
              of it, but {WITHIN} of the filter's σ at most and three at least",
-            told.join(", ")
+            guesses.join(", ")
         ));
     }
 }

@@ -125,7 +125,6 @@ pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
     Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
 }
 
-/// The likeliest point of some trials, with its log likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct Likeliest<P> {
     pub(super) best: Option<(P, f64)>,

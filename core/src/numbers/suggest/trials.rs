@@ -208,50 +208,7 @@ impl Suggest {
         }
         Stage::FreeRun
     }
-}
 
-impl Task for Suggest {
-    type Outcome = Suggestion;
-
-    fn progress(&self) -> f64 {
-        let all = (SHARES.len() + 4) as f64;
-        match self.stage {
-            // The course of the input is known: start values are made again.
-            Stage::Data | Stage::Gaps | Stage::Search if self.course.is_some() => 2.0 / all,
-            Stage::Data | Stage::Gaps => 0.0,
-            Stage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
-            Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
-            Stage::Likelihood(place) => (2 + place) as f64 / all,
-            Stage::WhiteForce => {
-                let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());
-                ((1 + SHARES.len()) as f64 + done) / all
-            }
-            Stage::FreeRun => (2 + SHARES.len()) as f64 / all,
-            Stage::ModelError => (3 + SHARES.len()) as f64 / all,
-            Stage::Done => 1.0,
-        }
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while self.stage != Stage::Done {
-            let Some(next) = self.follow(while_time) else { return false };
-            self.stage = next;
-            if !while_time() {
-                break;
-            }
-        }
-        self.stage == Stage::Done
-    }
-
-    fn finish(mut self) -> Suggestion {
-        let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
-        self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
-        self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
-        self.suggestion
-    }
-}
-
-impl Suggest {
     fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Stage> {
         Some(match self.stage {
             Stage::Data => {
@@ -348,5 +305,46 @@ impl Suggest {
             }
             Stage::Done => Stage::Done,
         })
+    }
+}
+
+impl Task for Suggest {
+    type Outcome = Suggestion;
+
+    fn progress(&self) -> f64 {
+        let all = (SHARES.len() + 4) as f64;
+        match self.stage {
+            // The course of the input is known: start values are made again.
+            Stage::Data | Stage::Gaps | Stage::Search if self.course.is_some() => 2.0 / all,
+            Stage::Data | Stage::Gaps => 0.0,
+            Stage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
+            Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
+            Stage::Likelihood(place) => (2 + place) as f64 / all,
+            Stage::WhiteForce => {
+                let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());
+                ((1 + SHARES.len()) as f64 + done) / all
+            }
+            Stage::FreeRun => (2 + SHARES.len()) as f64 / all,
+            Stage::ModelError => (3 + SHARES.len()) as f64 / all,
+            Stage::Done => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.stage != Stage::Done {
+            let Some(next) = self.follow(while_time) else { return false };
+            self.stage = next;
+            if !while_time() {
+                break;
+            }
+        }
+        self.stage == Stage::Done
+    }
+
+    fn finish(mut self) -> Suggestion {
+        let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
+        self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
+        self.plucked.iter().for_each(|plucked| plucked.apply(&mut self.suggestion));
+        self.suggestion
     }
 }

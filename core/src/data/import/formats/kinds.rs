@@ -1,38 +1,38 @@
 //! The kinds of files that are no text, by their first bytes.
 
 use super::super::{Dialect, ImportError, Table, sound};
-use super::binary::whole;
-use super::unpack::{gzip, has_entry, is_zip, zip};
-use super::{arrays, mat, series};
+use super::unpack::{gzip, has_entry, is_zip, whole, zip};
+use super::{arrays, series};
 
-enum Way {
+enum Handling {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
     /// They are not read; the words name what helps.
     Refuse(&'static str),
 }
 
-use Way::{Read, Refuse};
+use Handling::{Read, Refuse};
 
-const SHEET: Way = Refuse("save the sheet as CSV");
-const PICTURE: Way = Refuse("a record is a table of numbers: export the readings as CSV");
-const PACKED: Way = Refuse("unpack it, and open the table in it");
-const SOUND: Way = Refuse("save it as WAV");
-const FRAME: Way = Refuse("write its columns as CSV (pandas: to_csv)");
-const TOPICS: Way = Refuse("write the message with the readings as CSV (PlotJuggler, or the tool that comes with it)");
-const HDF5: Way = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
-const MATLAB: Way = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
-const SEISMOGRAM: Way =
+const SHEET: Handling = Refuse("save the sheet as CSV");
+const PICTURE: Handling = Refuse("a record is a table of numbers: export the readings as CSV");
+const PACKED: Handling = Refuse("unpack it, and open the table in it");
+const SOUND: Handling = Refuse("save it as WAV");
+const FRAME: Handling = Refuse("write its columns as CSV (pandas: to_csv)");
+const TOPICS: Handling =
+    Refuse("write the message with the readings as CSV (PlotJuggler, or the tool that comes with it)");
+const HDF5: Handling = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
+const MATLAB: Handling = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
+const SEISMOGRAM: Handling =
     Refuse("write it as text: SLIST, or SAC's alphanumeric form (ObsPy: write with format=\"SLIST\")");
 
 /// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
-type Kind = (&'static str, fn(&[u8]) -> bool, Way);
+type Kind = (&'static str, fn(&[u8]) -> bool, Handling);
 
 const KINDS: [Kind; 53] = [
     ("a sound", |b| b.starts_with(b"RIFF") && has(b, 8, b"WAVE"), Read(|b, _| sound::table(b))),
     ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
     ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
     ("a NumPy archive", |b| is_zip(b) && has_entry(b, |name| name.ends_with(".npy")), Read(|b, _| arrays::npz(b))),
-    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| mat::mat(b))),
+    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| arrays::mat(b))),
     ("a universal file with data set 58b", series::has_58b, Read(|b, _| series::uff58b(b))),
     ("a spreadsheet (.xlsx)", |b| is_zip(b) && has_entry(b, |name| name.starts_with("xl/")), SHEET),
     ("a spreadsheet or document (.ods, .odt)", |b| is_zip(b) && has_entry(b, |name| name == "content.xml"), SHEET),
@@ -96,10 +96,10 @@ const KINDS: [Kind; 53] = [
 ];
 
 pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
-    let (name, _, way) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
-    Some(match way {
+    let (name, _, handling) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
+    Some(match handling {
         Read(read) => read(bytes, dialect),
-        Refuse(way) => Err(ImportError::OtherKind(format!("this is {name}; {way}"))),
+        Refuse(help) => Err(ImportError::OtherKind(format!("this is {name}; {help}"))),
     })
 }
 
@@ -157,7 +157,7 @@ fn is_segy(bytes: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{arrays, mat, series, unpack};
+    use super::super::{arrays, series, unpack};
     use super::*;
     use crate::data::import::read;
 
@@ -195,7 +195,8 @@ mod tests {
         let array = arrays::tests::file("'>f4'", "(3, 3)", false, &[7; 36]);
         let text = b"t,x\n0,1\n1,2\n2,1\n3,2\n";
         let (zip, npz) = (unpack::tests::zip_of(&[("a.csv", text)]), unpack::tests::zip_of(&[("a.npy", &array)]));
-        let files = [unpack::tests::gzip_of(text), zip, npz, mat::tests::file(), series::tests::file_58b(), array];
+        let files =
+            [unpack::tests::gzip_of(text), zip, npz, arrays::tests::matlab_file(), series::tests::file_58b(), array];
         for file in &files {
             assert!(read(file.as_slice(), None).is_ok());
             for place in 0..file.len() {
