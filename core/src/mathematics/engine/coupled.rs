@@ -4,7 +4,7 @@
 use super::columns::combine;
 use super::columns::{add_times, multiply};
 use super::exponential::{Classes, INVERSE_FACTORIAL};
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::Number;
 
 /// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each of them, one a column, after a time, and its
@@ -111,10 +111,7 @@ impl<T: Number> Coupled<T> {
     /// After `dt` \[s\], from the derivatives of the rates by displacements and then velocities; p only `with_slope`.
     #[inline(always)]
     pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], dt: f64, with_slope: bool) {
-        let size = level.apart(
-            #[inline(always)]
-            || self.take(level, a),
-        );
+        let size = apart!(level, self.take(level, a));
         let size = Classes::<4>::counted(size * dt);
         let mut done = None;
         while let Some(class) = CLASSES.after(done, size) {
@@ -123,23 +120,20 @@ impl<T: Number> Coupled<T> {
                     kept.copy_from_slice(part);
                 }
             }
-            level.apart(
-                #[inline(always)]
-                || match self.count(level) {
+            apart!(
+                level,
+                match self.count(level) {
                     // Known to the compiler, also where no size is.
                     4 => self.sum(4, dt, with_slope, class),
                     m => self.sum(m, dt, with_slope, class),
-                },
+                }
             );
             if let Some(done) = done {
                 CLASSES.restore(done, size, &self.kept, [&mut self.value, &mut self.integral, &mut self.second]);
             }
             done = Some(class);
         }
-        level.apart(
-            #[inline(always)]
-            || self.take_products(self.count(level)),
-        );
+        apart!(level, self.take_products(self.count(level)));
     }
 
     /// Copies K and C; returns a bound on the rate at which terms grow \[1/s\]: the positive root of `s² = ‖C‖ s + ‖K‖`.

@@ -1,7 +1,7 @@
 //! The normalised estimation error squared.
 
 use super::columns::entry;
-use super::level::Level;
+use super::level::{Level, each};
 use super::number::{Mask, Number};
 
 /// Limits the rounding error of an estimate over a long record, relative to its largest value.
@@ -56,26 +56,21 @@ impl<T: Number> ErrorSquare<T> {
             factor[j * count + j] = variances[j];
         }
         let (mut sum, mut degrees, mut is_positive) = (zero, zero, T::Mask::of(true));
-        level.each(
-            0,
-            count,
-            #[inline(always)]
-            |j| {
-                let (variance, pivot) = (variances[j], factor[j * count + j]);
-                let counts = zero.lt(variance);
-                is_positive = is_positive & (!counts | (variance * (4.0 * count as f64 * f64::EPSILON)).lt(pivot));
-                let inverse = T::select(counts, one / pivot, zero);
-                degrees = degrees + T::select(counts, one, zero);
-                sum = sum + errors[j] * errors[j] * inverse;
-                for k in j + 1..count {
-                    let share = factor[j * count + k] * inverse;
-                    errors[k] = errors[k] - share * errors[j];
-                    for i in k..count {
-                        factor[k * count + i] = factor[k * count + i] - factor[j * count + i] * share;
-                    }
+        each!(level, 0, count, |j| {
+            let (variance, pivot) = (variances[j], factor[j * count + j]);
+            let counts = zero.lt(variance);
+            is_positive = is_positive & (!counts | (variance * (4.0 * count as f64 * f64::EPSILON)).lt(pivot));
+            let inverse = T::select(counts, one / pivot, zero);
+            degrees = degrees + T::select(counts, one, zero);
+            sum = sum + errors[j] * errors[j] * inverse;
+            for k in j + 1..count {
+                let share = factor[j * count + k] * inverse;
+                errors[k] = errors[k] - share * errors[j];
+                for i in k..count {
+                    factor[k * count + i] = factor[k * count + i] - factor[j * count + i] * share;
                 }
-            },
-        );
+            }
+        });
         let counts = is_positive & sum.is_number();
         (sum, T::select(counts, degrees, zero))
     }

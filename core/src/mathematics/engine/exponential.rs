@@ -4,7 +4,7 @@
 //! computed for all of them, and a lane takes its own.
 
 use super::columns::{multiply, norm};
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::Number;
 
 pub(super) const INVERSE_FACTORIAL: [f64; 18] = {
@@ -118,10 +118,7 @@ impl<T: Number> Exponential<T> {
     /// nonscalar multiplications necessary to evaluate polynomials.
     #[inline(always)]
     pub(crate) fn compute<L: Level>(&mut self, level: L, a: &[T], n: usize, dt: f64, with_slope: bool) {
-        let size = level.apart(
-            #[inline(always)]
-            || self.raise(a, level.moving(n), dt),
-        );
+        let size = apart!(level, self.raise(a, level.moving(n), dt));
         let size = Classes::<3>::counted(size);
         let mut done = None;
         while let Some(class) = CLASSES.after(done, size) {
@@ -130,10 +127,7 @@ impl<T: Number> Exponential<T> {
                     kept.copy_from_slice(part);
                 }
             }
-            level.apart(
-                #[inline(always)]
-                || self.sum(a, level.moving(n), dt, with_slope, class),
-            );
+            apart!(level, self.sum(a, level.moving(n), dt, with_slope, class));
             if let Some(done) = done {
                 let parts = [&mut self.transition, &mut self.constant, &mut self.slope];
                 CLASSES.restore(done, size, &self.kept, parts);

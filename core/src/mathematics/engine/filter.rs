@@ -10,7 +10,7 @@ use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
 use super::fault::{Held, of_root};
 use super::learning::{Learning, Learnt};
-use super::level::{Baseline, Level};
+use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
 use super::model::Step;
 use super::number::{Mask, Number};
@@ -224,22 +224,16 @@ impl<T: Number> Filter<T> {
                 let of_noise = &belief.cov;
                 root.spread(level, noise.fading, |i, row| (0..=i).for_each(|k| row[k] = of_noise[k * n + i]));
             }
-            (Some(root), true) if const { may_have_root::<T, L>() } => level.apart(
-                #[inline(always)]
-                || {
-                    root.spread(
-                        level,
-                        noise.fading,
-                        #[inline(always)]
-                        |i, row| row[i] = std(noise.process[i]),
-                    );
-                },
-            ),
+            (Some(root), true) if const { may_have_root::<T, L>() } => apart!(level, {
+                root.spread(
+                    level,
+                    noise.fading,
+                    #[inline(always)]
+                    |i, row| row[i] = std(noise.process[i]),
+                );
+            }),
             (Some(root), false) if const { may_have_root::<T, L>() } => root.spread(level, T::of(1.0), |_, _| ()),
-            (_, true) => level.apart(
-                #[inline(always)]
-                || belief.spread(level, noise),
-            ),
+            (_, true) => apart!(level, belief.spread(level, noise)),
             (_, false) => belief.clamp(),
         }
         if let Some(considered) = considered.as_deref().filter(|_| is_last) {

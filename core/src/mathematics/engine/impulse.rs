@@ -1,7 +1,7 @@
 //! The linear oscillator's response in closed form.
 
 use super::exponential::{Classes, INVERSE_FACTORIAL};
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::{Number, unrolled};
 
 /// The response of `ẍ = a x + b ẋ` to an impulse after a time, its integral, and the integral of that.
@@ -34,10 +34,7 @@ impl<T: Number> Impulse<T> {
         }
         let (mut response, mut done) = (Self { h: a, q: a, p: a }, None);
         while let Some(class) = CLASSES.after(done, size) {
-            let own = level.apart(
-                #[inline(always)]
-                || Self::of_class(a, b, dt, class, with_slope),
-            );
+            let own = apart!(level, Self::of_class(a, b, dt, class, with_slope));
             let shorter = done.map_or(f64::NEG_INFINITY, |done| CLASSES.upper(done));
             let is_own = T::of(shorter).lt(size);
             response = Self {

@@ -101,6 +101,30 @@ impl Level for Baseline {
     }
 }
 
+/// [`Level::apart`] with work that is inlined there.
+macro_rules! apart {
+    ($level:expr, $work:expr) => {
+        $level.apart(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+
+/// [`Level::each`] with a closure that is inlined there.
+macro_rules! each {
+    ($level:expr, $first:expr, $end:expr, $work:expr) => {
+        $level.each(
+            $first,
+            $end,
+            #[inline(always)]
+            $work,
+        )
+    };
+}
+
+pub(super) use {apart, each};
+
 /// The number of sensors that measure, which the compiler may know.
 pub(crate) trait Count: Copy {
     /// m

@@ -1,6 +1,6 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::{Function, Number, Real};
 use super::plants::{Plant, Rates, fits, with_equation};
 use crate::Channel;
@@ -174,10 +174,7 @@ impl<T: Number> Derivatives<T> {
     /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
     #[inline(always)]
     pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
-        level.apart(
-            #[inline(always)]
-            || self.take_inside(level, model, state, force),
-        );
+        apart!(level, self.take_inside(level, model, state, force));
     }
 
     #[inline(always)]

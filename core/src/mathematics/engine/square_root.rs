@@ -19,7 +19,7 @@
 use super::belief::Belief;
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Rule};
-use super::level::{Count, Level};
+use super::level::{Count, Level, apart};
 use super::model::{Model, Step, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
@@ -90,15 +90,9 @@ impl<T: Number> SquareRoot<T> {
     #[inline(always)]
     pub(super) fn advance<L: Level>(&mut self, level: L, model: &Model, belief: &mut Belief<T>, step: &Step<T>) {
         let Self { rule, points, rows, .. } = self;
-        level.apart(
-            #[inline(always)]
-            || points.place(level, *rule, &belief.mean, rows),
-        );
+        apart!(level, points.place(level, *rule, &belief.mean, rows));
         points.travel(level, model, step);
-        level.apart(
-            #[inline(always)]
-            || self.take_parts(level, belief),
-        );
+        apart!(level, self.take_parts(level, belief));
     }
 
     #[inline(always)]

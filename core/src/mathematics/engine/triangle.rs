@@ -1,7 +1,7 @@
 //! Arrays and their triangles: the roots of covariances that are sums of squares.
 
 use super::columns::take_times;
-use super::level::Level;
+use super::level::{Level, each};
 use super::number::Number;
 
 /// The product of two rows, of their first `length` numbers; rows are `width` numbers long.
@@ -60,33 +60,28 @@ pub(super) fn triangularise<T: Number, L: Level>(
 ) {
     let (width, zero) = (lead + base, T::of(0.0));
     let (array, triangle) = (&mut array[..count * width], &mut triangle[..count * count]);
-    level.each(
-        0,
-        count,
-        #[inline(always)]
-        |j| {
-            let whole_blocks = reach(j).div_ceil(4) * 4;
-            let used = lead + if whole_blocks <= base / 4 * 4 { whole_blocks } else { base };
-            let (before, after) = array.split_at_mut((j + 1) * width);
-            let own = &before[j * width..j * width + used];
-            let square = dot(own, own, [lead, base]);
-            // Not a number counts.
-            let counts = !square.lt(T::of(f64::MIN_POSITIVE));
-            let inverse = T::select(counts, T::of(1.0) / square, zero);
-            let length = T::select(counts, square.sqrt(), zero);
-            let scale = length * inverse;
-            for k in j + 1..count {
-                triangle[j * count + k] = zero;
-            }
-            triangle[j * count + j] = length;
-            for i in j + 1..count {
-                let row = &mut after[(i - j - 1) * width..(i - j - 1) * width + used];
-                let product = dot(own, row, [lead, base]);
-                triangle[i * count + j] = product * scale;
-                take_times(row, product * inverse, own);
-            }
-        },
-    );
+    each!(level, 0, count, |j| {
+        let whole_blocks = reach(j).div_ceil(4) * 4;
+        let used = lead + if whole_blocks <= base / 4 * 4 { whole_blocks } else { base };
+        let (before, after) = array.split_at_mut((j + 1) * width);
+        let own = &before[j * width..j * width + used];
+        let square = dot(own, own, [lead, base]);
+        // Not a number counts.
+        let counts = !square.lt(T::of(f64::MIN_POSITIVE));
+        let inverse = T::select(counts, T::of(1.0) / square, zero);
+        let length = T::select(counts, square.sqrt(), zero);
+        let scale = length * inverse;
+        for k in j + 1..count {
+            triangle[j * count + k] = zero;
+        }
+        triangle[j * count + j] = length;
+        for i in j + 1..count {
+            let row = &mut after[(i - j - 1) * width..(i - j - 1) * width + used];
+            let product = dot(own, row, [lead, base]);
+            triangle[i * count + j] = product * scale;
+            take_times(row, product * inverse, own);
+        }
+    });
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::columns::{add_times, divide, factor, mirror, square, subtract_product
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column, times_cov};
 use super::fault::Held;
-use super::level::{Baseline, Count, Exactly, Level};
+use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
@@ -116,17 +116,14 @@ impl<T: Number> Update<T> {
             gather(active, observation.measured);
         }
         if active.is_empty() {
-            return level.apart(
-                #[inline(always)]
-                || {
-                    if const { may_have_root::<T, L>() }
-                        && let Some(root) = root
-                    {
-                        root.square(level, &mut belief.cov);
-                    }
-                    untold(level, belief, held)
-                },
-            );
+            return apart!(level, {
+                if const { may_have_root::<T, L>() }
+                    && let Some(root) = root
+                {
+                    root.square(level, &mut belief.cov);
+                }
+                untold(level, belief, held)
+            });
         }
         match active.len() {
             1 if const { L::IS_KNOWN } => {
@@ -156,20 +153,14 @@ impl<T: Number> Update<T> {
         if const { may_have_root::<T, L>() }
             && let Some(root) = root
         {
-            return level.apart(
-                #[inline(always)]
-                || self.rotate(level, count, design, belief, root, noise, observation, held),
-            );
+            return apart!(level, self.rotate(level, count, design, belief, root, noise, observation, held));
         }
         let Self { active, expected, .. } = self;
         held.expected = expected.take(level, count, design, belief, active, observation.force);
-        level.apart(
-            #[inline(always)]
-            || {
-                let measured = self.compare(level, count, noise, observation.measured);
-                self.correct(level, count, design, belief, measured, held)
-            },
-        )
+        apart!(level, {
+            let measured = self.compare(level, count, noise, observation.measured);
+            self.correct(level, count, design, belief, measured, held)
+        })
     }
 
     #[inline(always)]
@@ -281,12 +272,7 @@ impl<T: Number> Update<T> {
         let (determinant, factored) = factor(lower, m);
         let cross = &expected.cross[..m * n];
         // One by one: a page would call its browser to copy more than a few.
-        level.each(
-            0,
-            m * n,
-            #[inline(always)]
-            |i| gain[i] = cross[i],
-        );
+        each!(level, 0, m * n, |i| gain[i] = cross[i]);
         divide(lower, m, gain, n);
         for row in 0..m {
             add_times(&mut belief.mean[..n], innovation[row], &gain[row * n..(row + 1) * n]);
