@@ -17,5 +17,4 @@ pub(crate) mod noise_scale;
 pub mod plant;
 pub(crate) mod quantity;
 pub(crate) mod random;
-pub(crate) mod runge_kutta;
 pub(crate) mod truncated_normal;

@@ -225,11 +225,9 @@ pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T
         is_finite = is_finite & (!holds | pivot.is_finite());
         holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
         let inverse = T::select(counts, T::of(1.0) / pivot, zero);
-        each!(level, j + 1, n, |k| take_times(
-            &mut after[(k - j - 1) * n + k..(k - j) * n],
-            column[k] * inverse,
-            &column[k..]
-        ));
+        each!(level, j + 1, n, |k| {
+            take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], column[k] * inverse, &column[k..]);
+        });
         let scale = inverse * pivot.sqrt();
         for i in j..n {
             column[i] = T::select(counts, column[i] * scale, zero);

@@ -6,7 +6,7 @@ use super::number::Mask;
 use crate::FilterError;
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held<M> {
+pub(super) struct Checks<M> {
     /// Sigma points can be drawn for the prediction.
     pub(super) predicted: Rooted<M>,
     /// Sigma points can be drawn for the update.
@@ -18,7 +18,7 @@ pub(super) struct Held<M> {
     pub(super) is_likely: M,
 }
 
-impl<M: Mask> Held<M> {
+impl<M: Mask> Checks<M> {
     pub(super) fn new() -> Self {
         let yes = M::of(true);
         let rooted = Rooted { holds: yes, is_finite: yes };

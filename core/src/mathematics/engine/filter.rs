@@ -8,7 +8,7 @@
 use super::belief::{Belief, Considered, Noise, Share};
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
-use super::fault::{Held, of_root};
+use super::fault::{Checks, of_root};
 use super::learning::{Learning, Learnt};
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
@@ -17,7 +17,7 @@ use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::update::{Observation, Told, Update};
+use super::update::{Observation, Target, Update, UpdateResult};
 use crate::FilterError;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
@@ -37,7 +37,7 @@ pub(crate) struct Filter<T: Number> {
     pub(crate) update: Update<T>,
     learning: Option<Box<Learning<T>>>,
     considered: Option<Box<Considered<T>>>,
-    held: Held<T::Mask>,
+    checks: Checks<T::Mask>,
 }
 
 pub(crate) struct Parts<'a> {
@@ -100,7 +100,7 @@ impl<T: Number> Filter<T> {
             update: Update::new(&design),
             learning: Learning::new(&design, &belief, &mut noise),
             considered: Considered::new(&design.considered, &belief),
-            held: Held::new(),
+            checks: Checks::new(),
             design,
             of_share: Share::new(&noise),
             noise,
@@ -135,12 +135,12 @@ impl<T: Number> Filter<T> {
             self.renew(level, place, [T::of(libm::exp(-whole.dt / time)), T::of(0.0)]);
         }
         let first = if parts == 1 { whole } else { whole.part(0, parts) };
-        self.held.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
+        self.checks.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
         // Apart from the first one, so that a step of one part has no loop.
         for i in 1..parts {
-            let before = self.held.predicted;
+            let before = self.checks.predicted;
             let rooted = self.pass(level, share, &whole.part(i, parts), i + 1 == parts, i + 1 == renewed);
-            self.held.predicted = before.and(rooted);
+            self.checks.predicted = before.and(rooted);
         }
         if self.update.passage.is_some() {
             self.square();
@@ -251,9 +251,9 @@ impl<T: Number> Filter<T> {
     }
 
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
-    /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
+    /// sensor. The last step holds for [some lanes](UpdateResult::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
-    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
+    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         if self.considered.is_some() {
             return self.update_but_for_considered(level, force, measured);
         }
@@ -261,33 +261,31 @@ impl<T: Number> Filter<T> {
     }
 
     #[inline(always)]
-    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
-        let Self { design, noise, belief, update, held, root, learning, .. } = self;
-        let observation = Observation { force, measured };
+    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
+        let Self { design, noise, belief, update, checks, root, learning, .. } = self;
+        let target = &mut Target { design, belief, root: root.as_mut(), checks };
         match learning {
-            None => update.condition(level, design, belief, root.as_mut(), noise, observation, held),
-            Some(learning) => {
-                learning.condition(level, design, belief, root.as_mut(), noise, observation, update, held)
-            }
+            None => update.condition(level, target, Observation { force, measured, variances: &noise.sensors }),
+            Some(learning) => learning.condition(level, update, target, noise, (force, measured)),
         }
     }
 
     #[inline(never)]
-    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
+    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         self.square();
         let mut considered = self.considered.take();
         if let Some(considered) = &mut considered {
             considered.store(&self.belief);
         }
-        let mut told = self.condition(level, force, measured);
+        let mut result = self.condition(level, force, measured);
         if let Some(considered) = &considered {
             considered.restore(&mut self.belief, self.update.gain_mut());
             let rooted = self.take_root();
-            told.holds = told.holds & rooted.holds;
-            self.held.is_positive = self.held.is_positive & rooted.holds;
+            result.holds = result.holds & rooted.holds;
+            self.checks.is_positive = self.checks.is_positive & rooted.holds;
         }
         self.considered = considered;
-        told
+        result
     }
 
     fn take_root(&mut self) -> Rooted<T::Mask> {
@@ -365,11 +363,11 @@ impl<T: Number> Filter<T> {
     }
 
     pub(crate) fn is_predicted(&self, lane: usize) -> bool {
-        self.held.predicted.holds.lane(lane)
+        self.checks.predicted.holds.lane(lane)
     }
 
     #[cold]
     pub(crate) fn reason(&self, lane: usize) -> FilterError {
-        self.held.reason(lane, &|| self.update.of_lane(lane))
+        self.checks.reason(lane, &|| self.update.of_lane(lane))
     }
 }

@@ -2,11 +2,9 @@
 
 use super::belief::{Belief, Noise};
 use super::design::Design;
-use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
-use super::square_root::SquareRoot;
-use super::update::{Observation, Told, Update};
+use super::update::{Observation, Target, Update, UpdateResult};
 use super::weighing::Weighing;
 use super::weights::Residuals;
 use crate::mathematics::filter::jump::Jump;
@@ -79,36 +77,33 @@ impl<T: Number> Learning<T> {
         self.narrow.iter().enumerate().for_each(|(i, variance)| *noise.variance(i) = *variance);
     }
 
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &mut Noise<T>,
-        observation: Observation<'_, T>,
         update: &mut Update<T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let told = match &mut self.weighing {
-            Some(weighing) => weighing.condition(level, design, belief, root, noise, observation, update, held),
-            None => update.condition(level, design, belief, root, noise, observation, held),
+        target: &mut Target<'_, T>,
+        noise: &mut Noise<T>,
+        (force, measured): (T, &[T]),
+    ) -> UpdateResult<T> {
+        let (design, observation) = (target.design, Observation { force, measured, variances: &noise.sensors });
+        let result = match &mut self.weighing {
+            Some(weighing) => weighing.condition(level, update, target, observation),
+            None => update.condition(level, target, observation),
         };
-        let has_measured = T::of(0.0).lt(told.measured);
+        let has_measured = T::of(0.0).lt(result.measured);
         let learns = design.adaptation.learns_at(self.sample, design.dt);
         if learns && design.adaptation.process_noise {
             self.adapt_process(design, noise, update, has_measured);
         }
         if learns && design.adaptation.sensor_noise {
-            self.adapt_sensors(design, noise, observation.measured, update);
+            self.adapt_sensors(design, noise, measured, update);
         }
         for (lane, jump) in self.jumps.iter_mut().enumerate() {
             if has_measured.lane(lane) {
-                jump.look(told.nis.lane(lane), told.measured.lane(lane) as usize);
+                jump.look(result.nis.lane(lane), result.measured.lane(lane) as usize);
             }
         }
-        told
+        result
     }
 
     /// `Q ← a Q + (1 - a) K e eᵀ Kᵀ`, as [`Adaptation`](crate::filter::Adaptation) has it.

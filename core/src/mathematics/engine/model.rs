@@ -2,7 +2,7 @@
 
 use super::level::{Level, apart};
 use super::number::{Function, Number, Real};
-use super::plants::{Plant, Rates, fits, with_equation};
+use super::plants::{Equation, Plant, fits, with_equation};
 use crate::Channel;
 use crate::mathematics::lists::places;
 use crate::mathematics::model::{Reading, Scale};
@@ -112,7 +112,7 @@ impl Model {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(
         &self,
-        equation: impl Rates<T>,
+        equation: impl Equation<T>,
         state: &[T],
         force: T,
         plain: &mut [T],
@@ -120,7 +120,7 @@ impl Model {
     ) {
         let acting = self.acting(state, force);
         let own = self.plain(state, plain);
-        equation.rates(own, acting, rate);
+        equation.rate(own, acting, rate);
         self.decay(own, rate);
     }
 

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::builder::Builder;
 use super::list::Node;
 use super::model::{Model, read};
-use super::number::{Function, Real};
+use super::number::{Function, Real, operators};
 use super::plants::{Equation as _, with_equation};
 use crate::mathematics::model::Reading;
 
@@ -78,63 +78,18 @@ impl<'a> Noted<'a> {
     }
 }
 
-impl Add for Noted<'_> {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        self.with(other, Builder::add, |a, b| a + b)
-    }
-}
-
-impl Sub for Noted<'_> {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self.with(other, Builder::subtract, |a, b| a - b)
-    }
-}
-
-impl Mul for Noted<'_> {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        self.with(other, Builder::multiply, |a, b| a * b)
-    }
-}
-
-impl Div for Noted<'_> {
-    type Output = Self;
-
-    fn div(self, other: Self) -> Self {
-        self.with(other, Builder::divide, |a, b| a / b)
-    }
-}
-
-impl Add<f64> for Noted<'_> {
-    type Output = Self;
-
-    fn add(self, other: f64) -> Self {
-        self + Self::Constant(other)
-    }
-}
-
-impl Mul<f64> for Noted<'_> {
-    type Output = Self;
-
-    fn mul(self, other: f64) -> Self {
-        self * Self::Constant(other)
-    }
-}
-
-impl Neg for Noted<'_> {
-    type Output = Self;
-
-    fn neg(self) -> Self {
-        match self {
-            Self::Constant(a) => Self::Constant(-a),
-            Self::Node(list, a) => Self::Node(list, list.borrow_mut().negative(a)),
-        }
-    }
+operators! {
+    ['a] Noted<'a>;
+    Add<Self> add = |a, b| a.with(b, Builder::add, |a, b| a + b);
+    Sub<Self> sub = |a, b| a.with(b, Builder::subtract, |a, b| a - b);
+    Mul<Self> mul = |a, b| a.with(b, Builder::multiply, |a, b| a * b);
+    Div<Self> div = |a, b| a.with(b, Builder::divide, |a, b| a / b);
+    Add<f64> add = |a, b| a + Self::Constant(b);
+    Mul<f64> mul = |a, b| a * Self::Constant(b);
+    Neg neg = |a| match a {
+        Noted::Constant(a) => Noted::Constant(-a),
+        Noted::Node(list, a) => Noted::Node(list, list.borrow_mut().negative(a)),
+    };
 }
 
 impl Real for Noted<'_> {

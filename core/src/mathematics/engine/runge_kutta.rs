@@ -3,7 +3,7 @@
 use super::level::Level;
 use super::model::{Model, Step};
 use super::number::Number;
-use super::plants::{FEW, Rates, fits, with_equation};
+use super::plants::{Equation, FEW, fits, with_equation};
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
 #[derive(Clone, Debug)]
@@ -20,8 +20,7 @@ impl<T: Number> RungeKutta<T> {
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
-    /// Moves a state by one step; components that do not move keep every bit. Source: Hairer, Nørsett and Wanner (1993),
-    /// *Solving Ordinary Differential Equations I*, section II.1.
+    /// Moves a state by one step; components that do not move keep every bit.
     #[inline(always)]
     pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
         with_equation!(model.plant, equation => {
@@ -39,7 +38,7 @@ impl<T: Number> RungeKutta<T> {
     }
 
     #[inline(always)]
-    fn advance_by(&mut self, equation: impl Rates<T>, model: &Model, state: &mut [T], step: &Step<T>) {
+    fn advance_by<E: Equation<T>>(&mut self, equation: E, model: &Model, state: &mut [T], step: &Step<T>) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
         if model.eta != 0.0 {
             classical(
@@ -53,12 +52,12 @@ impl<T: Number> RungeKutta<T> {
             return;
         }
         // Only the motion moves: parameters, and the parts of the force that are estimated, stay.
-        let (moving, own) = (equation.moving(), equation.components());
+        let [own, moving] = equation.sizes();
         let [begin, middle, end] = step.thrice();
         let forces = [model.acting(state, begin), model.acting(state, middle), model.acting(state, end)];
         // The compiler sees through numbers of a small plant's own, and does not always inline an array's own `map`.
         let mut small = [[T::of(0.0); FEW]; 6];
-        let (here, memory): (&mut [T], [&mut [T]; 5]) = if equation.is_small() {
+        let (here, memory): (&mut [T], [&mut [T]; 5]) = if E::IS_SMALL {
             let [here, start, k1, k2, k3, k4] = &mut small;
             here[..own].copy_from_slice(&model.plain(state, plain)[..own]);
             (here, [start, k1, k2, k3, k4])
@@ -71,7 +70,7 @@ impl<T: Number> RungeKutta<T> {
         let memory = [&mut start[..moving], &mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
         classical(
             #[inline(always)]
-            |state, force, rate| equation.rates(state, force, rate),
+            |state, force, rate| equation.rate(state, force, rate),
             here,
             forces,
             step.dt,
@@ -81,9 +80,11 @@ impl<T: Number> RungeKutta<T> {
     }
 }
 
-/// The memory is for where the step begins, and for four rates, of as many numbers as move.
+/// One classical step of fourth order, of as many numbers as `start` has, with the forces at its beginning, middle and end. The
+/// memory is for where the step begins, and for four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential
+/// Equations I*, section II.1.
 #[inline(always)]
-fn classical<T: Number>(
+pub(crate) fn classical<T: Number>(
     mut rate: impl FnMut(&[T], T, &mut [T]),
     state: &mut [T],
     [begin, middle, end]: [T; 3],
@@ -108,5 +109,37 @@ fn classical<T: Number>(
 fn put<T: Number>(state: &mut [T], start: &[T], rate: &[T], dt: f64) {
     for i in 0..start.len() {
         state[i] = start[i] + rate[i] * dt;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step over a share of which the rate is a function.
+    fn step(rate: impl Fn(f64, &[f64], &mut [f64]), state: &mut [f64], dt: f64) {
+        let mut memory = [const { [0.0; 2] }; 5];
+        let memory = memory.each_mut().map(|numbers| &mut numbers[..state.len()]);
+        classical(|y, share, out| rate(share, y, out), state, [0.0, 0.5, 1.0], dt, memory);
+    }
+
+    #[test]
+    fn runge_kutta_is_of_fourth_order() {
+        let error = |steps: u32| {
+            let (dt, mut y) = (1.0 / f64::from(steps), [1.0, 0.0]);
+            for _ in 0..steps {
+                step(|_, y, rate| rate.copy_from_slice(&[y[1], -4.0 * y[0]]), &mut y, dt);
+            }
+            (y[0] - libm::cos(2.0)).abs()
+        };
+        let order = libm::log2(error(20) / error(40));
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn a_rate_that_is_linear_in_time_is_integrated_exactly() {
+        let mut y = [0.0];
+        step(|share, _, rate| rate[0] = 2.0 + 3.0 * share, &mut y, 0.5);
+        assert_eq!(y[0], 0.5 * 3.5);
     }
 }

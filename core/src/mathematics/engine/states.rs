@@ -92,7 +92,7 @@ impl States {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mathematics::runge_kutta;
+    use crate::mathematics::engine::runge_kutta::classical;
     use crate::{Channel, PlantKind, Quantity};
 
     #[test]
@@ -112,10 +112,12 @@ mod tests {
                     engine.read(&states, -0.4, &readings.iter(), &mut values);
                     for place in 0..count {
                         let mut moved = begin[place * n..(place + 1) * n].to_vec();
-                        let force = |share: f64| 0.7 - 1.1 * share;
-                        runge_kutta::RungeKutta::default().advance(&mut moved, n, 0.01, |share, y, rate| {
-                            rate.copy_from_slice(model.rate(y, force(share)).as_slice());
-                        });
+                        let rate = |y: &[f64], force: f64, rate: &mut [f64]| {
+                            rate.copy_from_slice(model.rate(y, force).as_slice());
+                        };
+                        let mut memory: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
+                        let memory = memory.each_mut().map(Vec::as_mut_slice);
+                        classical(rate, &mut moved, [0.7, 0.15, -0.4], 0.01, memory);
                         for i in 0..n {
                             let (own, other) = (states[place * n + i], moved[i]);
                             assert!(

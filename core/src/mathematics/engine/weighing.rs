@@ -4,12 +4,11 @@
 
 use super::belief::{Belief, Noise};
 use super::columns::{factor, square};
-use super::design::Design;
-use super::fault::Held;
+use super::fault::Checks;
 use super::level::Level;
 use super::number::{Mask, Number};
-use super::square_root::{SquareRoot, may_have_root};
-use super::update::{Observation, Told, Update};
+use super::square_root::may_have_root;
+use super::update::{Observation, Target, Update, UpdateResult};
 use super::weights::Weights;
 use crate::mathematics::filter::robust::Robust;
 
@@ -18,7 +17,6 @@ pub(super) struct Weighing<T> {
     pub(super) weights: Weights<T>,
     before: Belief<T>,
     before_root: Vec<T>,
-    noise: Noise<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
     claimed: Vec<T>,
 }
@@ -26,56 +24,56 @@ pub(super) struct Weighing<T> {
 impl<T: Number> Weighing<T> {
     pub(super) fn new(rule: Robust, belief: &Belief<T>, noise: &Noise<T>) -> Self {
         let weights = Weights::new(rule, noise.sensors.len());
-        Self { weights, before: belief.clone(), before_root: Vec::new(), noise: noise.clone(), claimed: Vec::new() }
+        Self { weights, before: belief.clone(), before_root: Vec::new(), claimed: Vec::new() }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        mut root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
-        observation: Observation<'_, T>,
         update: &mut Update<T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        self.before.copy_from(belief);
+        target: &mut Target<'_, T>,
+        observation: Observation<'_, T>,
+    ) -> UpdateResult<T> {
+        self.before.copy_from(target.belief);
         if const { may_have_root::<T, L>() }
-            && let Some(root) = &root
+            && let Some(root) = &target.root
         {
             self.before_root.clear();
             self.before_root.extend_from_slice(&root.rows);
         }
-        let mut told = update.condition(level, design, belief, root.as_deref_mut(), noise, observation, held);
+        let mut result = update.condition(level, target, observation);
         if update.active.is_empty() {
             self.weights.clear();
-            return told;
+            return result;
         }
-        self.weights.begin(&update.innovations(), &noise.sensors, observation.measured);
-        let mut settled = !held.but_likely();
+        self.weights.begin(&update.innovations(), observation.variances, observation.measured);
+        let mut settled = !target.checks.but_likely();
         for _ in 0..self.weights.rule.info().passes {
-            settled = settled | !self.weights.weigh(&update.innovations(), &noise.sensors, settled);
+            settled = settled | !self.weights.weigh(&update.innovations(), observation.variances, settled);
             if settled.all() {
                 break;
             }
-            belief.copy_from(&self.before);
+            target.belief.copy_from(&self.before);
             if const { may_have_root::<T, L>() }
-                && let Some(root) = &mut root
+                && let Some(root) = &mut target.root
             {
                 root.rows.copy_from_slice(&self.before_root);
             }
-            self.noise.sensors.copy_from_slice(&self.weights.variances);
-            let observation = Observation { measured: &self.weights.measured, ..observation };
-            told = update.condition(level, design, belief, root.as_deref_mut(), &self.noise, observation, held);
-            settled = settled | !held.but_likely();
+            let Weights { measured, variances, .. } = &self.weights;
+            result = update.condition(level, target, Observation { measured, variances, ..observation });
+            settled = settled | !target.checks.but_likely();
         }
-        self.report(update, noise, told, held)
+        self.report(update, observation.variances, result, target.checks)
     }
 
     /// By S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of it.
-    fn report(&mut self, update: &mut Update<T>, noise: &Noise<T>, told: Told<T>, held: &mut Held<T::Mask>) -> Told<T> {
+    fn report(
+        &mut self,
+        update: &mut Update<T>,
+        variances: &[T],
+        result: UpdateResult<T>,
+        checks: &mut Checks<T::Mask>,
+    ) -> UpdateResult<T> {
         let Self { weights, claimed, .. } = self;
         // Whether a sensor still measures, with whatever weight.
         let is_there = |sensor: usize| weights.measured[sensor].is_number();
@@ -88,13 +86,13 @@ impl<T: Number> Weighing<T> {
             any | (is_there(sensor) & !is_one)
         });
         if (!is_weighed).all() {
-            return told;
+            return result;
         }
         claimed.clear();
         claimed.extend_from_slice(&innovation_cov[..m * m]);
         let mut counted = zero;
         for (row, &sensor) in active.iter().enumerate() {
-            let (own, weight) = (noise.sensors[sensor], weights[sensor]);
+            let (own, weight) = (variances[sensor], weights[sensor]);
             let counts = is_there(sensor) & T::of(Robust::LEFT_OUT).le(weight);
             counted = counted + T::select(counts, one, zero);
             innovation[row] = T::select(counts | !is_weighed, innovation[row], zero);
@@ -112,12 +110,12 @@ impl<T: Number> Weighing<T> {
         for (lower, claimed) in lower.iter_mut().zip(&*claimed) {
             *lower = T::select(is_weighed, *claimed, *lower);
         }
-        held.is_likely = (is_weighed & nis.is_finite()) | (!is_weighed & held.is_likely);
-        Told {
-            nis: T::select(is_weighed, nis, told.nis),
-            determinant: T::select(is_weighed, determinant, told.determinant),
-            measured: T::select(is_weighed, counted, told.measured),
-            holds: held.all(),
+        checks.is_likely = (is_weighed & nis.is_finite()) | (!is_weighed & checks.is_likely);
+        UpdateResult {
+            nis: T::select(is_weighed, nis, result.nis),
+            determinant: T::select(is_weighed, determinant, result.determinant),
+            measured: T::select(is_weighed, counted, result.measured),
+            holds: checks.all(),
         }
     }
 }

@@ -7,10 +7,10 @@ use crate::mathematics::channel::{ChannelInfo, Role, Sign, Usual};
 use crate::mathematics::engine::plants;
 
 /// Exponent 2.
-pub(super) const TWO: BuiltIn = BuiltIn { info: &TWO_INFO, plant: plants::Plant::BoucWen };
+pub(super) const TWO: BuiltIn = BuiltIn { info: &TWO_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
 
 /// Exponent 1, with β₁ and γ₁.
-pub(super) const ONE: BuiltIn = BuiltIn { info: &ONE_INFO, plant: plants::Plant::BoucWenOne };
+pub(super) const ONE: BuiltIn = BuiltIn { info: &ONE_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 
 static TWO_INFO: PlantInfo = info(
     "bouc_wen",

@@ -39,9 +39,9 @@ impl plants::Plant {
     }
 }
 
-pub(super) const SDOF: BuiltIn = BuiltIn { info: &SDOF_INFO, plant: plants::Plant::Sdof };
+pub(super) const SDOF: BuiltIn = BuiltIn { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
 
-pub(super) const DUFFING: BuiltIn = BuiltIn { info: &DUFFING_INFO, plant: plants::Plant::Duffing };
+pub(super) const DUFFING: BuiltIn = BuiltIn { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
 
 static NATURAL_FREQUENCY: ChannelInfo = ChannelInfo {
     keys: &["natural_frequency"],

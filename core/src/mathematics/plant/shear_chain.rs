@@ -98,7 +98,8 @@ const NAMES: [&str; MAX_MASSES] = [
 ];
 
 impl<const MASSES: usize> ShearChain<MASSES> {
-    pub(super) const PLANT: BuiltIn = BuiltIn { info: &Self::INFO, plant: plants::Plant::ShearChain(MASSES) };
+    pub(super) const PLANT: BuiltIn =
+        BuiltIn { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
     const CHANNELS: [Channel; MOST] = channels(MASSES);
     const INFO: PlantInfo = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],

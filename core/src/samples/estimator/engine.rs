@@ -6,7 +6,7 @@ use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
-use crate::mathematics::engine::update::Told;
+use crate::mathematics::engine::update::UpdateResult;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::lists::mapped;
 use crate::samples::estimator::in_units::InUnits;
@@ -44,7 +44,7 @@ trait Steps {
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
 
     /// Updates by the readings of the model's sensors.
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64>;
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
 impl<L: Level> Steps for L {
@@ -54,12 +54,12 @@ impl<L: Level> Steps for L {
     }
 
     #[inline(always)]
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64> {
-        let told = filter.update(*self, force, measured);
-        if told.holds {
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
+        let result = filter.update(*self, force, measured);
+        if result.holds {
             filter.complete(*self);
         }
-        told
+        result
     }
 }
 
@@ -349,11 +349,11 @@ fn condition(
     if is_infinite && filter.is_predicted(0) {
         return Err(FilterError::InfiniteMeasurement);
     }
-    let told = level.update(filter, force, own);
-    if !told.holds {
+    let result = level.update(filter, force, own);
+    if !result.holds {
         return Err(filter.reason(0));
     }
-    Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
+    Ok(if result.measured > 0.0 { [result.nis, result.determinant] } else { [f64::NAN; 2] })
 }
 
 #[inline(always)]

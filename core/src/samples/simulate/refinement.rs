@@ -1,8 +1,8 @@
 //! One step of a plant that is not linear, by Runge-Kutta steps that are halved where needed, such as around kinks of the rate.
 
 use super::TruthError;
+use crate::mathematics::engine::runge_kutta::classical;
 use crate::mathematics::model::Model;
-use crate::mathematics::runge_kutta::RungeKutta;
 
 /// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
 /// each component so far. After extrapolation the error is a hundredth of that, and below 1e-9 of the signal after a
@@ -24,15 +24,17 @@ pub(super) struct Motion<'a> {
 
 impl Motion<'_> {
     /// Makes `to` the state after one Runge-Kutta step from another one, over a share of the sample.
-    fn step(&self, method: &mut RungeKutta, to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
+    fn step(&self, memory: &mut [Vec<f64>; 5], to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
         let [begin, end] = self.forces;
         to.clear();
         to.extend_from_slice(state);
-        method.advance(to, state.len(), share * self.dt, |s, y, rate| {
+        memory.iter_mut().for_each(|numbers| numbers.resize(state.len(), 0.0));
+        let rate = |y: &[f64], s: f64, rate: &mut [f64]| {
             let force = if begin == end { begin } else { begin + (end - begin) * (from + share * s) };
             let acting = self.model.acting_force(y, force) + self.disturbance;
             self.model.rate_under_into(y, acting, rate);
-        });
+        };
+        classical(rate, to, [0.0, 0.5, 1.0], share * self.dt, memory.each_mut().map(Vec::as_mut_slice));
     }
 }
 
@@ -49,28 +51,29 @@ pub(super) struct Refinement {
     fine: Vec<f64>,
     rest: Vec<(f64, f64)>,
     pub(super) halved: u64,
-    method: RungeKutta,
+    /// Memory of a Runge-Kutta step.
+    memory: [Vec<f64>; 5],
 }
 
 impl Refinement {
     pub(super) fn begin(&mut self, motion: &Motion<'_>, from: &[f64]) {
-        let Self { state, part, coarse, rest, halved, method, .. } = self;
+        let Self { state, part, coarse, rest, halved, memory, .. } = self;
         state.clear();
         state.extend_from_slice(from);
         (*part, *halved) = ((0.0, 1.0), 0);
         rest.clear();
-        motion.step(method, coarse, state, *part);
+        motion.step(memory, coarse, state, *part);
     }
 
     /// Halves steps at most `most` times; returns whether all parts are done. `size` are the largest absolute values.
     pub(super) fn advance(&mut self, motion: &Motion<'_>, size: &[f64], most: u64) -> Result<bool, TruthError> {
-        let Self { state, part, coarse, middle, fine, rest, halved, method } = self;
+        let Self { state, part, coarse, middle, fine, rest, halved, memory } = self;
         let begin = *halved;
         loop {
             let (from, share) = *part;
             let half = 0.5 * share;
-            motion.step(method, middle, state, (from, half));
-            motion.step(method, fine, middle, (from + half, half));
+            motion.step(memory, middle, state, (from, half));
+            motion.step(memory, fine, middle, (from + half, half));
             let close = |i: usize| (fine[i] - coarse[i]).abs() <= ACCURACY * size[i].max(fine[i].abs());
             let is_close = (0..fine.len()).all(close);
             if is_close || fine.iter().any(|x| !x.is_finite()) {
@@ -79,7 +82,7 @@ impl Refinement {
                     *state = if is_close { fine + (fine - coarse) / 15.0 } else { *fine };
                 }
                 let Some(next) = rest.pop() else { return Ok(true) };
-                motion.step(method, coarse, state, next);
+                motion.step(memory, coarse, state, next);
                 *part = next;
                 continue;
             }

@@ -40,13 +40,8 @@ impl Typed {
 
     /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
-    pub fn linearise<T: Real>(&self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
-        self.rates.run(
-            state,
-            force,
-            #[inline(always)]
-            |place, value| rate[place] = value,
-        );
+    pub fn linearise<T: Real>(&'static self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
+        self.rate(state, force, rate);
         for column in columns[..self.size * rows].chunks_exact_mut(rows) {
             column[..self.motion].fill(T::of(0.0));
         }
@@ -59,21 +54,16 @@ impl Typed {
     }
 }
 
-impl Equation for &'static Typed {
+impl<T: Real> Equation<T> for &'static Typed {
     const IS_SMALL: bool = false;
 
     #[inline(always)]
-    fn size(self) -> usize {
-        self.size
+    fn sizes(self) -> [usize; 2] {
+        [self.size, self.motion]
     }
 
     #[inline(always)]
-    fn motion(self) -> usize {
-        self.motion
-    }
-
-    #[inline(always)]
-    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+    fn rate(self, state: &[T], force: T, rate: &mut [T]) {
         self.rates.run(
             state,
             force,
