@@ -5,7 +5,7 @@ use crate::judgement::analysis::Subject;
 use crate::judgement::study::forgotten_of;
 use crate::mathematics::lists::numbers;
 use crate::samples::run::revision::Revision;
-use crate::samples::tape::Tape;
+use crate::samples::sink::Tape;
 use crate::{Analysis, Record, RunError, Scenario, Source, Study, Update};
 
 /// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the

@@ -11,51 +11,37 @@
 
 pub(crate) mod adaptation;
 mod belief;
-mod ensemble;
 pub(crate) mod jump;
 pub mod kalman;
 mod kind;
-mod learning;
 mod linear;
 mod observation;
-mod particles;
 mod recursion;
 pub mod robust;
-mod system;
-mod white;
+mod sampled;
 
 use thiserror::Error;
 
 use crate::mathematics::linalg::RootError;
+use crate::mathematics::registry::registry;
 
 pub use crate::mathematics::engine::design::{Course, Propagation};
 pub use crate::mathematics::linalg::{Matrix, Vector};
 pub use crate::mathematics::random::Normal;
 pub use adaptation::Adaptation;
-pub use belief::{Belief, Gaussian, Noise, Step};
-pub use ensemble::Ensemble;
+pub use belief::{Belief, Gaussian, Noise, Step, White};
 pub use kalman::Expected;
 pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings, Way};
-pub use linear::{KalmanFilter, MeasurementModel};
+pub use linear::{KalmanFilter, MeasurementModel, Shape, SystemError};
 pub use observation::{Correction, Observation};
-pub use particles::Particles;
 pub use recursion::Filter;
 pub use robust::Robust;
-pub use system::{Shape, SystemError};
-pub use white::White;
+pub use sampled::{Ensemble, Particles};
 
-/// The registry: a constant for each kind, and the list of all of them. The file of its method describes a kind.
-macro_rules! registry {
-    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
-        impl FilterKind {
-            $($(#[$doc])* pub const $name: Self = Self::new(&$info);)*
-
-            /// Every kind of the registry.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-        }
-    };
-}
 registry! {
+    FilterKind by FilterKind::new,
+    /// Every kind of the registry.
+    ALL;
     /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
     KF = kind::KF;
     /// Extended Kalman filter: local linearisation.
@@ -69,9 +55,9 @@ registry! {
     /// Cubature Kalman filter.
     CKF = kind::CKF;
     /// Ensemble Kalman filter.
-    ENKF = ensemble::ENKF;
+    ENKF = sampled::ENKF;
     /// Bootstrap particle filter, regularised.
-    PF = particles::PF;
+    PF = sampled::PF;
 }
 
 /// Why a filter cannot go on.

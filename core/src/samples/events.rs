@@ -7,10 +7,10 @@ use thiserror::Error;
 use crate::data::record::Parts;
 use crate::mathematics::filter::FilterError;
 use crate::samples::estimator::{Estimator, FilterContext, counts_in_samples};
+use crate::samples::pass;
 use crate::samples::passage::{Adjoint, Passages};
-use crate::samples::select;
 use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::samples::smoother::forward::Hindsight;
+use crate::samples::smoother::Hindsight;
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
 use timeline::{Event, Timeline};
@@ -127,7 +127,7 @@ impl EventFilter {
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
-        let mut estimator = select::estimator(&settings, &context);
+        let mut estimator = pass::build(&settings, &context);
         let mut latest = Latest::default();
         estimator.begin(&mut latest)?;
         if look_ahead.is_some() {

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::noise_scale;
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::samples::sample::{AssumedNoise, Sample};
+use crate::samples::sink::{AssumedNoise, Sample};
 use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
 
 /// A problem that does not stop the filter.
@@ -114,7 +114,7 @@ const UNKNOWN: f64 = 1.0;
 /// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Monitor {
     channels: Vec<Channel>,
     sensors: Vec<Quantity>,
@@ -158,16 +158,9 @@ impl Monitor {
             known,
             suspicious: mapped(&limits, &|limit| limit.min(PRODUCT_LIMIT)),
             limits,
-            silent: [0; MAX_SENSORS],
             lasting: vec![LASTING; sensors.len()],
-            is_timed: false,
-            missing: [0; MAX_SENSORS],
-            any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
-            collapsed: 0,
-            at_end: 0,
-            initial_noise: None,
-            remarks: Vec::new(),
+            ..Self::default()
         }
     }
 

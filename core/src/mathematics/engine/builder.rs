@@ -163,16 +163,12 @@ impl Builder {
         if let Some(&known) = self.derivatives.get(&key) {
             return known;
         }
-        let derivative = match self.operations[node.place()] {
+        let operation = self.operations[node.place()];
+        let derivative = match operation {
             Operation::Constant(_) => self.constant(0.0),
             Operation::Input(_) => self.constant(1.0),
-            Operation::Add(a, b) => {
-                let (a, b) = (self.derivative(a, by), self.derivative(b, by));
-                self.add(a, b)
-            }
-            Operation::Subtract(a, b) => {
-                let (a, b) = (self.derivative(a, by), self.derivative(b, by));
-                self.subtract(a, b)
+            Operation::Add(..) | Operation::Subtract(..) | Operation::Negative(_) => {
+                self.rebuilt(operation, &|builder, a| builder.derivative(a, by))
             }
             Operation::Multiply(a, b) => {
                 let (da, db) = (self.derivative(a, by), self.derivative(b, by));
@@ -184,10 +180,6 @@ impl Builder {
                 let change = self.multiply(node, db);
                 let above = self.subtract(da, change);
                 self.divide(above, b)
-            }
-            Operation::Negative(a) => {
-                let a = self.derivative(a, by);
-                self.negative(a)
             }
             Operation::Call(function, a) => {
                 let (slope, a) = (self.slope(function, a, node), self.derivative(a, by));
@@ -239,35 +231,43 @@ impl Builder {
             return known;
         }
         let without = match self.operations[node.place()] {
-            Operation::Constant(_) => node,
             Operation::Input(_) => self.constant(0.0),
-            Operation::Add(a, b) => {
-                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
-                self.add(a, b)
-            }
-            Operation::Subtract(a, b) => {
-                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
-                self.subtract(a, b)
-            }
-            Operation::Multiply(a, b) => {
-                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
-                self.multiply(a, b)
-            }
-            Operation::Divide(a, b) => {
-                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
-                self.divide(a, b)
-            }
-            Operation::Negative(a) => {
-                let a = self.without(a, inputs);
-                self.negative(a)
-            }
-            Operation::Call(function, a) => {
-                let a = self.without(a, inputs);
-                self.call(function, a)
-            }
+            operation => self.rebuilt(operation, &|builder, a| builder.without(a, inputs)),
         };
         self.without.insert((node, inputs), without);
         without
+    }
+
+    /// The operation on other operands, each by a function.
+    fn rebuilt(&mut self, operation: Operation, of: &dyn Fn(&mut Self, Node) -> Node) -> Node {
+        let mut both = |a, b| (of(self, a), of(self, b));
+        match operation {
+            Operation::Constant(_) | Operation::Input(_) => self.push(operation),
+            Operation::Add(a, b) => {
+                let (a, b) = both(a, b);
+                self.add(a, b)
+            }
+            Operation::Subtract(a, b) => {
+                let (a, b) = both(a, b);
+                self.subtract(a, b)
+            }
+            Operation::Multiply(a, b) => {
+                let (a, b) = both(a, b);
+                self.multiply(a, b)
+            }
+            Operation::Divide(a, b) => {
+                let (a, b) = both(a, b);
+                self.divide(a, b)
+            }
+            Operation::Negative(a) => {
+                let a = of(self, a);
+                self.negative(a)
+            }
+            Operation::Call(function, a) => {
+                let a = of(self, a);
+                self.call(function, a)
+            }
+        }
     }
 
     /// The list that computes some numbers. `None` if they need more registers than there are.

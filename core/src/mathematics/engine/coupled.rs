@@ -15,7 +15,7 @@ use super::number::Number;
 /// exp(A dt) = [I + q K, h; h K, ḣ],  Γ₁ = [h - q C, q; q K, h],  Γ₂ = [q - p C, p; p K, q],  ḣ = I + q K + h C
 /// ```
 ///
-/// It is the closed form of one [oscillator](super::impulse) with matrices in place of numbers.
+/// It is the closed form of one [oscillator](super::exponential::Impulse) with matrices in place of numbers.
 ///
 /// K and C stand in bands, one for each distance of a row from its column, and a product is a sum over bands: `(A B)ᵢⱼ = Σ_d
 /// A_{i,j+d} B_{j+d,j}`.

@@ -8,7 +8,6 @@
 use super::belief::{Belief, Considered, Noise, Share};
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
-use super::fault::{Checks, of_root};
 use super::learning::{Learning, Learnt};
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
@@ -17,7 +16,7 @@ use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::update::{Observation, Target, Update, UpdateResult};
+use super::update::{Checks, Observation, Target, Update, UpdateResult, of_root};
 use crate::FilterError;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level

@@ -4,8 +4,7 @@ use super::belief::Belief;
 use super::columns::{add_times, apply, combine, congruence, multiply, product};
 use super::coupled::{Coupled, Parts};
 use super::design::Propagation;
-use super::exponential::Exponential;
-use super::impulse::Impulse;
+use super::exponential::{Exponential, Impulse};
 use super::level::{Level, apart};
 use super::model::{Derivatives, Model, Step};
 use super::number::Number;
@@ -219,9 +218,7 @@ impl<T: Number> Linearised<T> {
             add_times(&mut self.rows[place * moving..(place + 1) * moving], T::of(1.0), &self.effect);
         }
     }
-}
 
-impl<T: Number> Linearised<T> {
     /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
     #[inline(always)]
     fn euler<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {

@@ -5,15 +5,15 @@ mod descent;
 use descent::Descent;
 
 use super::belief::Belief;
-use super::columns::{add_times, divide, factor, mirror, square, subtract_products, take_times};
+use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column, times_cov};
-use super::fault::Checks;
+use super::learning::Innovations;
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
-use super::weights::Innovations;
+use crate::FilterError;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UpdateResult<T: Number> {
@@ -392,4 +392,67 @@ fn without_readings<T: Number, L: Level>(level: L, target: &mut Target<'_, T>) -
     }
     **checks = Checks { predicted: checks.predicted, ..Checks::new() };
     result(level, belief, [T::of(0.0), T::of(1.0)], T::of(0.0), checks)
+}
+
+/// Why a step does not hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checks<M> {
+    /// Sigma points can be drawn for the prediction.
+    pub(super) predicted: Rooted<M>,
+    /// Sigma points can be drawn for the update.
+    pub(super) expected: Rooted<M>,
+    /// S is positive definite.
+    pub(super) factored: M,
+    pub(super) is_finite: M,
+    pub(super) is_positive: M,
+    pub(super) is_likely: M,
+}
+
+impl<M: Mask> Checks<M> {
+    pub(super) fn new() -> Self {
+        let yes = M::of(true);
+        let rooted = Rooted { holds: yes, is_finite: yes };
+        Self { predicted: rooted, expected: rooted, factored: yes, is_finite: yes, is_positive: yes, is_likely: yes }
+    }
+
+    #[inline(always)]
+    pub(super) fn all(&self) -> M {
+        let Self { predicted, expected, factored, is_finite, is_positive, is_likely } = *self;
+        predicted.holds & expected.holds & factored & is_finite & is_positive & is_likely
+    }
+
+    pub(super) fn but_likely(&self) -> M {
+        Self { is_likely: M::of(true), ..*self }.all()
+    }
+
+    /// The first part that does not hold for a lane. `update` gives S of that lane with its size, and the innovation.
+    pub(super) fn reason(&self, lane: usize, update: &dyn Fn() -> (Vec<f64>, Vec<f64>)) -> FilterError {
+        for rooted in [self.predicted, self.expected] {
+            if !rooted.holds.lane(lane) {
+                return of_root(rooted.is_finite.lane(lane), FilterError::IndefiniteCovariance);
+            }
+        }
+        if !self.factored.lane(lane) {
+            let (cov, innovation) = update();
+            let rooted = lower_root(Baseline, &cov, &mut vec![0.0; cov.len()], innovation.len());
+            return if rooted.holds {
+                FilterError::SingularInnovation
+            } else {
+                of_root(rooted.is_finite, FilterError::IndefiniteInnovation)
+            };
+        }
+        if !self.is_finite.lane(lane) {
+            FilterError::NotFinite
+        } else if !self.is_positive.lane(lane) {
+            FilterError::IndefiniteCovariance
+        } else if update().1.iter().all(|innovation| innovation.is_finite()) {
+            FilterError::ImpossibleMeasurement
+        } else {
+            FilterError::NotFinite
+        }
+    }
+}
+
+pub(super) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
+    if is_finite { indefinite } else { FilterError::NotFinite }
 }

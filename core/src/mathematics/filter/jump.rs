@@ -20,7 +20,7 @@
 /// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution
 /// (the time between false alarms); Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and
 /// estimation of jumps in linear systems (a wider P after a jump).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Jump {
     /// The diagonal of P₀, in the state's units squared.
     initial: Vec<f64>,
@@ -70,17 +70,7 @@ const LEVEL_LIMIT: f64 = 5.0;
 
 impl Jump {
     pub(crate) fn new(initial: Vec<f64>) -> Self {
-        Self {
-            initial,
-            sum: 0.0,
-            level: 1.0,
-            learnt: 0,
-            blind: FIRST,
-            since: None,
-            factor: 1.0,
-            is_due: false,
-            has_widened: false,
-        }
+        Self { initial, level: 1.0, blind: FIRST, factor: 1.0, ..Self::default() }
     }
 
     /// The variances that this prediction adds to the diagonal of P⁻. `None` unless a change was found at the sample before.

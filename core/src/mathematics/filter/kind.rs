@@ -1,9 +1,8 @@
 //! The kind of a filter, as data; those that hold a mean and a covariance.
 
-use std::fmt;
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Deserializer, de};
 
 use super::{Belief, FilterError, Gaussian, Normal, Propagation, Step};
 use crate::Model;
@@ -13,6 +12,7 @@ use crate::mathematics::engine::linearised::Linearised;
 use crate::mathematics::engine::model;
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::lists::mapped;
+use crate::mathematics::registry::keyed;
 
 /// The description of a kind of filter.
 #[derive(Debug)]
@@ -162,17 +162,7 @@ impl PartialEq for FilterKind {
 
 impl Eq for FilterKind {}
 
-impl fmt::Debug for FilterKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key())
-    }
-}
-
-impl Serialize for FilterKind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
-    }
-}
+keyed!(FilterKind);
 
 impl<'de> Deserialize<'de> for FilterKind {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -2,7 +2,7 @@
 
 use super::chi_squared;
 use super::totals::Totals;
-use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::belief::ErrorSquare;
 use crate::mathematics::engine::level::Baseline;
 
 #[derive(Clone, Debug, Default)]

@@ -8,14 +8,12 @@ use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::engine::update::UpdateResult;
 use crate::mathematics::filter::Gaussian;
-use crate::mathematics::lists::mapped;
-use crate::samples::estimator::in_units::InUnits;
+use crate::mathematics::lists::{mapped, sort_numbers};
 use crate::samples::estimator::setup::{Setup, filter};
-use crate::samples::estimator::update::Update;
+use crate::samples::estimator::update::{InUnits, Update};
 use crate::samples::estimator::{Estimator, State};
-use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
-use crate::{FilterError, FilterSettings};
+use crate::{Channel, FilterError, FilterSettings};
 
 struct AtLevel<L> {
     level: L,
@@ -250,16 +248,10 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         self.followed.report_beginning(sink)
     }
 
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError> {
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { level, followed } = self;
         followed.next_sample();
-        followed.predict(level, 1.0, [force_before, force])?;
+        followed.predict(level, 1.0, [before, force])?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
             followed.keep_prior();
@@ -359,7 +351,7 @@ fn condition(
 #[inline(always)]
 fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     match in_units {
-        Some(in_units) => sink.push(&in_units.convert(sample).ok_or(FilterError::NotFinite)?),
+        Some(in_units) => sink.push(&in_units.convert_finite(sample).ok_or(FilterError::NotFinite)?),
         None => sink.push(&sample),
     }
     Ok(())
@@ -390,5 +382,41 @@ impl Learnt {
 impl<'a> Sample<'a> {
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
+    }
+}
+
+/// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.
+///
+/// ```text
+/// P ← P + P₀ of displacements, velocities and hidden states, before the prediction over the time of a pluck
+/// ```
+///
+/// The pull is an unknown force over a short time: it adds to the motion whatever was there before, about which nothing is known but its size.
+#[derive(Clone, Debug, Default)]
+struct Plucks {
+    /// In rising order \[s\].
+    times: Vec<f64>,
+    /// Places in the state, and the variances that are added there.
+    variances: Vec<(usize, f64)>,
+}
+
+impl Plucks {
+    fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
+        let mut times = mapped(&settings.plucks, &|time| time - start);
+        sort_numbers(&mut times);
+        let of = |(place, channel): (usize, &Channel)| {
+            let moves = !channel.is_parameter() && !channel.is_augmentation();
+            moves.then(|| (place, settings.initial_std[*channel].powi(2)))
+        };
+        let variances =
+            if times.is_empty() { Vec::new() } else { channels.iter().enumerate().filter_map(of).collect() };
+        Self { times, variances }
+    }
+
+    /// The places and the variances to add for a filter that goes on from one time to a later one \[s\], if it was plucked meanwhile.
+    fn between(&self, [from, to]: [f64; 2]) -> Option<impl Iterator<Item = (usize, f64)>> {
+        let count = self.times.partition_point(|time| *time <= to) - self.times.partition_point(|time| *time <= from);
+        let widened = move |&(place, variance): &(usize, f64)| (place, count as f64 * variance);
+        (count > 0).then(|| self.variances.iter().map(widened))
     }
 }

@@ -1,12 +1,11 @@
 //! A change of a run's scenario, computed beside the run.
 
-use super::{Run, Update};
+use super::{Bank, Run, Update, lookahead};
 use crate::data::scenario::cost;
 use crate::mathematics::lists::{mapped, sort_items, sorted_places};
-use crate::samples::bank::{Bank, lookahead};
-use crate::samples::source::Recording;
-use crate::samples::spare::Spare;
-use crate::samples::tape::Tape;
+use crate::samples::simulate::Recording;
+use crate::samples::sink::Tape;
+use crate::samples::waste::Spare;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
 /// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
