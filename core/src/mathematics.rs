@@ -10,7 +10,6 @@ pub(crate) mod gaussian_likelihood;
 pub(crate) mod least_squares;
 pub(crate) mod linalg;
 pub(crate) mod lists;
-pub(crate) mod mixed;
 pub(crate) mod model;
 pub(crate) mod noise_scale;
 pub mod plant;

@@ -5,7 +5,6 @@ pub(crate) mod estimator;
 pub(crate) mod events;
 pub(crate) mod mixture;
 pub(crate) mod pass;
-pub(crate) mod passage;
 pub(crate) mod remarks;
 pub(crate) mod run;
 pub(crate) mod simulate;

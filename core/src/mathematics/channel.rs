@@ -3,13 +3,12 @@
 pub mod augment;
 
 use std::cmp::Ordering;
-use std::hash::{Hash, Hasher};
 use std::sync::{PoisonError, RwLock};
 
 use serde::{Deserialize, Deserializer, de};
 
 use crate::PlantKind;
-use crate::mathematics::registry::keyed;
+use crate::mathematics::registry::{hashed, keyed};
 
 /// The most masses that a plant can have.
 pub const MAX_MASSES: usize = 10;
@@ -263,18 +262,6 @@ impl PartialEq for Channel {
 
 impl Eq for Channel {}
 
-impl Hash for Channel {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
-
-impl PartialOrd for Channel {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl Ord for Channel {
     fn cmp(&self, other: &Self) -> Ordering {
         self.key().cmp(other.key())
@@ -282,6 +269,7 @@ impl Ord for Channel {
 }
 
 keyed!(Channel);
+hashed!(Channel);
 
 /// The keys of first masses, for a message, with a hint to those of the other masses.
 pub(crate) fn expected<'a>(keys: impl Iterator<Item = &'a str>) -> String {

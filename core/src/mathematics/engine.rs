@@ -10,8 +10,7 @@
 //!   expected, update       the measurements, and the belief after them
 //!   learning               weights, noise and jumps from innovations
 //! belief                   mean and covariance, noise, what is considered, and a belief over logarithms in units
-//! list, builder, notes     equations as lists of operations
-//! states                   many states of one run, several at a time
+//! list, builder            equations as lists of operations
 //! ```
 //!
 //! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it (in a page, a pair).
@@ -40,14 +39,11 @@ pub(crate) mod level;
 pub(crate) mod linearised;
 pub(crate) mod list;
 pub(crate) mod model;
-pub(crate) mod notes;
 pub(crate) mod number;
 #[cfg(target_arch = "wasm32")]
 pub(crate) mod pair;
-pub(crate) mod passage;
 pub(crate) mod plants;
 pub(crate) mod runge_kutta;
 pub(crate) mod sigma_points;
 mod square_root;
-pub(crate) mod states;
 pub(crate) mod update;

@@ -182,24 +182,12 @@ impl Model {
     }
 
     fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
-        /// Limits the states that need no memory of their own: ten masses have 31 components.
-        const FEW: usize = 32;
         if self.logarithms.is_empty() {
             return take(&state[..self.own]);
         }
-        let undo = |plain: &mut [f64]| {
-            plain.copy_from_slice(&state[..self.own]);
-            self.logarithms.iter().for_each(|&place| plain[place] = libm::exp(plain[place]));
-        };
-        if self.own <= FEW {
-            let mut plain = [0.0; FEW];
-            undo(&mut plain[..self.own]);
-            take(&plain[..self.own])
-        } else {
-            let mut plain = vec![0.0; self.own];
-            undo(&mut plain);
-            take(&plain)
-        }
+        let mut plain = state[..self.own].to_vec();
+        self.logarithms.iter().for_each(|&place| plain[place] = libm::exp(plain[place]));
+        take(&plain)
     }
 
     /// F, the force over mass that acts in a state under the recorded force over mass `force`, both in m/s².

@@ -1,14 +1,13 @@
 //! The measurable quantities, and the aspects of a mass that a sensor can measure, as data.
 
 use std::cmp::Ordering;
-use std::hash::{Hash, Hasher};
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, de};
 
 use crate::Channel;
 use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Usual, by_mass, expected, symbols_by_mass};
-use crate::mathematics::registry::keyed;
+use crate::mathematics::registry::{hashed, keyed};
 
 /// The most sensors that one scenario can have.
 pub const MAX_SENSORS: usize = 12;
@@ -118,18 +117,6 @@ impl Quantity {
     }
 }
 
-impl Hash for Quantity {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
-
-impl PartialOrd for Quantity {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl Ord for Quantity {
     fn cmp(&self, other: &Self) -> Ordering {
         self.place().cmp(&other.place())
@@ -137,6 +124,7 @@ impl Ord for Quantity {
 }
 
 keyed!(Quantity);
+hashed!(Quantity);
 
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

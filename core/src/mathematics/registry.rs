@@ -12,7 +12,7 @@ macro_rules! registry {
     };
 }
 
-/// In debug output and in files these stand as their keys.
+/// In debug output and in files these stand as their keys, from which those of a registry are also read.
 macro_rules! keyed {
     ($type:ty) => {
         impl std::fmt::Debug for $type {
@@ -27,6 +27,36 @@ macro_rules! keyed {
             }
         }
     };
+    ($type:ty, also read) => {
+        $crate::mathematics::registry::keyed!($type);
+
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                static KEYS: std::sync::LazyLock<Vec<&'static str>> =
+                    std::sync::LazyLock::new(|| $crate::mathematics::lists::mapped(&<$type>::ALL, &|row| row.key()));
+                let key = String::deserialize(deserializer)?;
+                let row = Self::ALL.into_iter().find(|row| row.key() == key);
+                row.ok_or_else(|| serde::de::Error::unknown_variant(&key, &KEYS))
+            }
+        }
+    };
 }
 
-pub(crate) use {keyed, registry};
+/// These are hashed by their keys, and ordered.
+macro_rules! hashed {
+    ($type:ty) => {
+        impl std::hash::Hash for $type {
+            fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+                std::hash::Hash::hash(self.key(), state);
+            }
+        }
+
+        impl PartialOrd for $type {
+            fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+                Some(self.cmp(other))
+            }
+        }
+    };
+}
+
+pub(crate) use {hashed, keyed, registry};

@@ -46,16 +46,15 @@ pub struct Estimates {
     initial_mean: Vec<f64>,
     initial_std: Vec<f64>,
     history: History,
-    /// The means in canonical form and the diagonals of the covariances, as contiguous columns for plots and sums.
-    canonical: ByChannel,
-    variance: ByChannel,
+    /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
+    canonical: Vec<Vec<f64>>,
+    variance: Vec<Vec<f64>>,
     /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
     earlier: Vec<(usize, u32)>,
     /// The channels whose uncertainty the filter counts without estimating them.
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
-    /// Whether the filter weighs its readings.
     weighs: bool,
     /// Whether the filter learns R.
     learns: bool,
@@ -86,8 +85,8 @@ impl Estimates {
             initial_mean: Vec::new(),
             initial_std: Vec::new(),
             history: History::default(),
-            canonical: ByChannel::new(channels.len()),
-            variance: ByChannel::new(channels.len()),
+            canonical: vec![Vec::new(); channels.len()],
+            variance: vec![Vec::new(); channels.len()],
             earlier: Vec::new(),
             considered: settings.consider.clone(),
             sensor_delay: settings.sensor_delay.clone(),
@@ -211,12 +210,12 @@ impl Estimates {
     /// ```
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
-        self.canonical.of(channel)[k]
+        self.canonical[channel][k]
     }
 
     /// [`Self::canonical_mean`] of one channel at every sample.
     pub fn canonical_means(&self, channel: usize) -> &[f64] {
-        self.canonical.of(channel)
+        &self.canonical[channel]
     }
 
     /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
@@ -231,12 +230,12 @@ impl Estimates {
     /// The standard deviation of one channel at sample `k`.
     #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
-        self.variance.of(channel)[k].sqrt()
+        self.variance[channel][k].sqrt()
     }
 
     /// The variance of one channel at every sample.
     pub fn variances(&self, channel: usize) -> &[f64] {
-        self.variance.of(channel)
+        &self.variance[channel]
     }
 
     /// The covariance at sample `k`, n × n; empty where it has been dropped.
@@ -375,12 +374,12 @@ impl Estimates {
     /// Readings `dt` \[s\] apart, or with `apart` samples between two of each sensor. `option` makes the filter count in samples.
     pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
         let has_parts = self.delays(dt).sensors.iter().any(|steps| libm::trunc(*steps) != *steps);
-        let monitor = match (apart, option) {
-            (Some(apart), option) => self.monitor.with_clocks(apart, option),
-            (None, Some(option)) if has_parts => self.monitor.with_rounded_delays(option),
-            (None, _) => self.monitor,
+        let trouble = match (apart, option) {
+            (Some(_), option) => option.map(Trouble::Moved),
+            (None, Some(option)) if has_parts => Some(Trouble::Rounded(option)),
+            (None, _) => None,
         };
-        Self { monitor, ..self }
+        Self { monitor: self.monitor.with_clocks(apart, trouble), ..self }
     }
 
     /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
@@ -399,45 +398,4 @@ impl Estimates {
 
 fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
     &values[k * size..(k + 1) * size]
-}
-
-/// The numbers of one channel are contiguous, so that drawing or adding up a channel reads no other memory.
-#[derive(Clone, Debug)]
-pub(crate) struct ByChannel(Vec<Vec<f64>>);
-
-impl ByChannel {
-    pub(crate) fn new(channels: usize) -> Self {
-        Self(vec![Vec::new(); channels])
-    }
-
-    pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        self.0.iter_mut()
-    }
-
-    #[inline]
-    pub(crate) fn of(&self, channel: usize) -> &[f64] {
-        &self.0[channel]
-    }
-
-    #[inline]
-    pub(crate) fn push(&mut self, sample: impl Iterator<Item = f64>) {
-        for (values, value) in self.0.iter_mut().zip(sample) {
-            values.push(value);
-        }
-    }
-
-    pub(crate) fn forget(&mut self, samples: usize) {
-        for values in &mut self.0 {
-            values.drain(..samples.min(values.len()));
-        }
-    }
-
-    pub(crate) fn recycle(&mut self, old: Self, samples: usize) {
-        let mut old = old.0.into_iter();
-        for values in &mut self.0 {
-            *values = old.next().unwrap_or_default();
-            values.clear();
-            values.reserve(samples);
-        }
-    }
 }

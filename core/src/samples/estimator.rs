@@ -9,8 +9,8 @@ use crate::data::record::Parts;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::mathematics::truncated_normal::truncated;
-use crate::samples::passage::Passages;
 use crate::samples::sink::{Sample, Sink};
+use crate::samples::smoother::Passages;
 use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario, Stop};
 
 pub(crate) trait Estimator: Send {
@@ -109,11 +109,6 @@ impl FilterContext {
         Self { is_timed, start: record.time_of(0), ..self }
     }
 
-    /// Whether a reading does not tell of its sample.
-    pub(crate) fn is_late(&self, settings: &FilterSettings) -> bool {
-        self.is_timed || settings.delays(self.dt).is_of_sensors()
-    }
-
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
         settings.steps(self.plant, self.input, self.dt)
     }
@@ -186,14 +181,8 @@ impl Truncation {
 }
 
 pub(crate) struct Bounded {
-    inner: Box<dyn Estimator>,
-    truncation: Truncation,
-}
-
-impl Bounded {
-    pub(crate) fn new(inner: Box<dyn Estimator>, truncation: Truncation) -> Self {
-        Self { inner, truncation }
-    }
+    pub(crate) inner: Box<dyn Estimator>,
+    pub(crate) truncation: Truncation,
 }
 
 impl Estimator for Bounded {

@@ -11,8 +11,8 @@
 use std::f64::consts::TAU;
 
 use crate::data::record::Parts;
+use crate::mathematics::gaussian_likelihood::{Moments, mean, shares};
 use crate::mathematics::lists::{mapped, numbers, sort_items};
-use crate::mathematics::mixed::{Moments, mean, shares};
 use crate::mathematics::noise_scale::NoiseScale;
 use crate::samples::estimator::setup::Beginning;
 use crate::samples::estimator::update::Update;
@@ -287,7 +287,7 @@ impl Rule for Scales {
     }
 
     fn push(&self, members: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
-        let [u, std] = self.scale.moments();
+        let [u, std] = self.scale.moments;
         let process = mapped(&self.process, &|variance| libm::exp(2.0 * u) * variance);
         let samples = samples(members, self.weights());
         let learnt = samples.iter().filter_map(|(weight, sample)| Some((*weight, sample.noise?)));

@@ -80,14 +80,9 @@ impl Pass {
         Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
-    /// The same, which adds its passages to sinks that ask for them; `None` of a filter that has none.
-    pub(crate) fn with_passages(
-        settings: &FilterSettings,
-        context: &FilterContext,
-        sensors: Vec<usize>,
-    ) -> Option<Self> {
-        let mut pass = Self::with(settings, context, sensors);
-        pass.filter.estimator().keep_passages().then_some(pass)
+    /// Adds its passages to sinks that ask for them from now on. Returns false for a filter that has none.
+    pub(crate) fn keep_passages(&mut self) -> bool {
+        self.filter.estimator().keep_passages()
     }
 
     /// The same, but the filter is built with its first sample.
@@ -280,12 +275,11 @@ impl OnlineFilter {
     }
 }
 
-/// The filter of some settings.
 pub(crate) fn build(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if !settings.bounds.is_empty() {
         let truncation = Truncation::of(settings, context.model(settings).channels());
         let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
-        return Box::new(Bounded::new(build(&free, context), truncation));
+        return Box::new(Bounded { inner: build(&free, context), truncation });
     }
     if settings.process_scales > 1 {
         let rule = Scales::new(settings, context);

@@ -180,7 +180,7 @@ impl Run {
 
     /// Whether samples are still added to the record.
     pub fn is_live(&self) -> bool {
-        self.recording.is_live()
+        self.recording.is_live
     }
 
     /// Steps to the end of the record.
@@ -270,7 +270,7 @@ impl Run {
 
     /// The memory of the run's data. The run cannot be used before it has been given other data.
     fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
-        let empty = Recording::Given { record: Arc::new(self.record().emptied()), is_live: false };
+        let empty = Recording::given(Arc::new(self.record().emptied()), false);
         let record = std::mem::replace(&mut self.recording, empty).into_simulated();
         (record, std::mem::take(&mut self.bank.estimates))
     }

@@ -196,11 +196,11 @@ impl Simulator {
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            let told = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
-            if told.is_infinite() {
+            let reported = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
+            if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            measured.push(told);
+            measured.push(reported);
         }
         inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {
@@ -289,62 +289,61 @@ impl Source {
     }
 }
 
-pub(crate) enum Recording {
-    Simulated { simulator: Box<Simulator>, record: Record },
-    Given { record: Arc<Record>, is_live: bool },
+/// The record of a run: simulated, or given.
+pub(crate) struct Recording {
+    simulator: Option<Box<Simulator>>,
+    record: Arc<Record>,
+    pub(crate) is_live: bool,
 }
 
 impl Recording {
     /// The empty record of a valid scenario, in the memory of an old one; or a given one.
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
-            Source::Measured(record) => Self::Given { record, is_live: false },
-            Source::Live(record) => Self::Given { record, is_live: true },
+            Source::Measured(record) => Self::given(record, false),
+            Source::Live(record) => Self::given(record, true),
             Source::Simulated => {
                 let simulator = Box::new(Simulator::new(scenario));
                 let mut record = simulator.empty_record();
                 if let Some(spare) = spare {
                     record.recycle(spare);
                 }
-                Self::Simulated { simulator, record }
+                Self { simulator: Some(simulator), record: Arc::new(record), is_live: false }
             }
         }
     }
 
+    pub(crate) fn given(record: Arc<Record>, is_live: bool) -> Self {
+        Self { simulator: None, record, is_live }
+    }
+
     pub(crate) fn source(&self) -> Source {
-        match self {
-            Self::Simulated { .. } => Source::Simulated,
-            Self::Given { record, is_live: false } => Source::Measured(Arc::clone(record)),
-            Self::Given { record, is_live: true } => Source::Live(Arc::clone(record)),
+        match (&self.simulator, self.is_live) {
+            (Some(_), _) => Source::Simulated,
+            (None, false) => Source::Measured(Arc::clone(&self.record)),
+            (None, true) => Source::Live(Arc::clone(&self.record)),
         }
     }
 
     pub(crate) fn record(&self) -> &Record {
-        match self {
-            Self::Simulated { record, .. } => record,
-            Self::Given { record, .. } => record,
-        }
+        &self.record
     }
 
     pub(crate) fn into_simulated(self) -> Option<Record> {
-        match self {
-            Self::Simulated { record, .. } => Some(record),
-            Self::Given { .. } => None,
-        }
+        self.simulator.and_then(|_| Arc::into_inner(self.record))
     }
 
     /// Of a live record those that a filter can do, which may read the input of later ones.
     pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
-        match self {
-            Self::Simulated { .. } => scenario.samples(),
-            Self::Given { record, is_live: false } => record.len(),
-            Self::Given { record, is_live: true } => record.len().saturating_sub(lookahead(scenario, record.dt())),
+        match &self.simulator {
+            Some(_) => scenario.samples(),
+            None if self.is_live => self.record.len().saturating_sub(lookahead(scenario, self.record.dt())),
+            None => self.record.len(),
         }
     }
 
     pub(crate) fn len(&self) -> usize {
-        let record = self.record();
-        record.forgotten() + record.len()
+        place_of_next(&self.record)
     }
 
     /// Counted from the beginning. Returns false if the truth has diverged before.
@@ -359,36 +358,30 @@ impl Recording {
 
     /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
     pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
-        let Self::Simulated { simulator, record } = self else { return self.len() >= samples };
-        simulator.advance_some(record, samples)
+        let Some(simulator) = &mut self.simulator else { return self.len() >= samples };
+        simulator.advance_some(Arc::make_mut(&mut self.record), samples)
     }
 
-    pub(crate) fn is_live(&self) -> bool {
-        matches!(self, Self::Given { is_live: true, .. })
-    }
-
-    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not go on from it.
+    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.
     pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
-        let Self::Given { record, is_live: true } = self else { return false };
-        let goes_on = longer.goes_on_from(record);
-        if goes_on {
-            *record = longer;
+        let continues = self.is_live && longer.goes_on_from(&self.record);
+        if continues {
+            self.record = longer;
         }
-        goes_on
+        continues
     }
 
     /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
     pub(crate) fn forget(&mut self, samples: usize) -> bool {
-        let Self::Simulated { record, .. } = self else { return false };
-        record.forget(samples);
-        true
+        let is_simulated = self.simulator.is_some();
+        if is_simulated {
+            Arc::make_mut(&mut self.record).forget(samples);
+        }
+        is_simulated
     }
 
     pub(crate) fn stop(&self) -> Option<TruthStop> {
-        match self {
-            Self::Simulated { simulator, .. } => simulator.stop(),
-            Self::Given { .. } => None,
-        }
+        self.simulator.as_ref().and_then(|simulator| simulator.stop())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Samples of a filter's results, and their receivers.
 
 use crate::mathematics::gaussian_likelihood;
-use crate::samples::passage::Passages;
+use crate::samples::smoother::Passages;
 use crate::{Estimates, FilterError, Stop};
 
 /// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
@@ -158,16 +158,6 @@ pub trait Sink {
     }
 }
 
-impl Sink for Estimates {
-    fn push(&mut self, sample: &Sample<'_>) {
-        self.append(sample);
-    }
-
-    fn stop_at(&mut self, stop: Stop) {
-        self.set_stop(stop);
-    }
-}
-
 impl Sink for Passages {
     fn push(&mut self, _: &Sample<'_>) {}
 
@@ -320,17 +310,12 @@ impl Tape {
                 AssumedNoise { process, sensors, uncertainty, process_scale }
             });
             let &[nis, determinant, log_likelihood, effective_samples, earlier, widened] = scalars else { return None };
-            let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
-            let (has_widened, earlier) = (widened != 0.0, earlier as u32);
-            estimates.push(&Sample {
-                earlier,
-                log_likelihood,
-                effective_samples,
-                noise,
-                weights,
-                has_widened,
-                ..update
-            });
+            let mut sample =
+                Sample { innovation, innovation_cov, gain, weights, noise, ..Sample::unmeasured(mean, cov) };
+            (sample.nis, sample.determinant) = (nis, determinant);
+            (sample.log_likelihood, sample.effective_samples) = (log_likelihood, effective_samples);
+            (sample.earlier, sample.has_widened) = (earlier as u32, widened != 0.0);
+            estimates.push(&sample);
         }
         let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
         let stop = stop.map(|&reason| Stop { sample: at as usize, reason });

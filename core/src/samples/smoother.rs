@@ -1,13 +1,36 @@
 //! Smoothed estimates: each sample in the light of later ones, of all or of the next few.
+//!
+//! A filter on its way forward, and its way back: the modified Bryson-Frazier smoother runs the adjoint of the filter backward.
+//!
+//! ```text
+//! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
+//! Λ̃ₖ = Hᵀ S⁻¹ H + (I - K H)ᵀ Λ̂ₖ (I - K H),  λ̃ₖ = (I - K H)ᵀ λ̂ₖ - Hᵀ S⁻¹ e
+//! Pₖˢ = Pₖ - Pₖ Λ̂ₖ Pₖ,                       yₖˢ = yₖ - Pₖ λ̂ₖ
+//! ```
+//!
+//! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
+//! covariance, which becomes singular where a motion dies out and has no process noise: G then grows as the motion
+//! decays, so that the rounding of later samples grows backward until it is as large as the result. The adjoint decays
+//! backward as the motion does forward, and needs no inverse but that of S.
+//!
+//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next
+//! state and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers
+//! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
+//!
+//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
+//! jump ([`crate::mathematics::filter::jump`]) adds to P⁻.
+//!
+//! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
+//! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
 use std::collections::VecDeque;
 
-use crate::mathematics::engine;
-use crate::mathematics::filter::{FilterError, Gaussian};
-use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::{filter, model};
+use crate::mathematics::filter::{FilterError, Gaussian, kalman};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector, symmetric};
 use crate::samples::estimator::update::InUnits;
 use crate::samples::estimator::{FilterContext, Truncating, Truncation};
-use crate::samples::passage::{Adjoint, Passage, Passages, Update, congruence};
 use crate::samples::sink::{Sample, Sink};
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, FilterSettings, Pass, Record, Stop};
@@ -48,8 +71,12 @@ impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
-        let pass = Pass::with_passages(&one, context, sensors)?;
-        Some(Self { pass, sink: Passages::default(), hindsight: Hindsight::new(settings, context) })
+        let mut pass = Pass::with(&one, context, sensors);
+        pass.keep_passages().then(|| Self {
+            pass,
+            sink: Passages::default(),
+            hindsight: Hindsight::new(settings, context),
+        })
     }
 
     /// The belief after the next sample, and the passages to it in order: none for the first one, where the filter begins.
@@ -62,16 +89,12 @@ impl Forward {
             (stop, _) => Err(stop.unwrap_or(Stop { sample: pass.done(), reason: FilterError::NotFinite })),
         }
     }
-
-    pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
-        self.hindsight.report(belief, estimates);
-    }
 }
 
 impl Hindsight {
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        let in_units = InUnits::new(&engine::model::Model::of(&model).logarithms, model.size(), 0);
+        let in_units = InUnits::new(&model::Model::of(&model).logarithms, model.size(), 0);
         Self { in_units, truncation: Truncation::of(settings, model.channels()) }
     }
 
@@ -121,7 +144,7 @@ impl FixedInterval {
             *adjoint = Adjoint::nothing(beliefs[k].size());
         }
         passages[k].iter().rev().for_each(|passage| adjoint.pass(passage));
-        adjoint.tell(&mut beliefs[k]);
+        adjoint.correct(&mut beliefs[k]);
     }
 }
 
@@ -159,12 +182,12 @@ impl Smoother for FixedInterval {
                 }
                 Stage::Report(k) if k == self.beliefs.len() => {
                     if let Some(stop) = self.stop {
-                        estimates.set_stop(stop);
+                        estimates.stop_at(stop);
                     }
                     return true;
                 }
                 Stage::Report(k) => {
-                    self.forward.report(&self.beliefs[k], estimates);
+                    self.forward.hindsight.report(&self.beliefs[k], estimates);
                     self.stage = Stage::Report(k + 1);
                 }
             }
@@ -224,10 +247,10 @@ impl FixedLag {
     fn report(&mut self, estimates: &mut Estimates) {
         let Some(mut belief) = self.beliefs.pop_front() else { return };
         if self.reported >= estimates.forgotten() {
-            self.window.adjoint(belief.size()).tell(&mut belief);
-            self.forward.report(&belief, estimates);
+            self.window.adjoint(belief.size()).correct(&mut belief);
+            self.forward.hindsight.report(&belief, estimates);
         }
-        self.window.pop();
+        self.window.older.pop();
         self.reported += 1;
     }
 }
@@ -243,7 +266,7 @@ impl Smoother for FixedLag {
                 }
             } else if is_end || filtered == samples {
                 if let Some(stop) = self.stop {
-                    out.set_stop(stop);
+                    out.stop_at(stop);
                 }
                 return true;
             } else {
@@ -347,18 +370,120 @@ impl Window {
         true
     }
 
-    fn pop(&mut self) {
-        self.older.pop();
-    }
-
     /// All that the window tells about the sample before it.
     fn adjoint(&self, n: usize) -> Adjoint {
-        let told =
+        let adjoint_of =
             |WayBack { score, information, .. }: &WayBack| Adjoint { score: -score, information: information.clone() };
         match (self.older.last(), &self.over_newer) {
-            (Some(older), Some(newer)) => told(&older.after(newer)),
-            (Some(all), None) => told(all),
+            (Some(older), Some(newer)) => adjoint_of(&older.after(newer)),
+            (Some(all), None) => adjoint_of(all),
             (None, _) => Adjoint::nothing(n),
         }
     }
+}
+
+/// The passages of a filter from one sample to the next, and its belief there.
+#[derive(Default)]
+pub struct Passages {
+    pub(crate) belief: Option<Gaussian>,
+    /// Each part of the step that ends with a reading, and its last one.
+    pub(crate) all: Vec<Passage>,
+    pub(crate) stop: Option<Stop>,
+}
+
+impl Passages {
+    pub(crate) fn begin(&mut self, belief: &Belief<f64>) {
+        self.belief = Some(Gaussian::of(belief));
+    }
+
+    pub(crate) fn add(&mut self, passage: &filter::Passage<f64>, belief: &Belief<f64>) -> Result<(), FilterError> {
+        self.all.push(Passage::new(passage)?);
+        self.begin(belief);
+        Ok(())
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Passage {
+    /// Φ, n × n.
+    pub(crate) transition: Matrix,
+    /// The update at the latter sample. `None` if nothing was measured.
+    pub(crate) update: Option<Update>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Update {
+    /// `I - K H`, n × n.
+    pub(crate) kept: Matrix,
+    /// `Hᵀ S⁻¹ H`, n × n.
+    pub(crate) information: Matrix,
+    /// `Hᵀ S⁻¹ e`, n numbers.
+    pub(crate) score: Vector,
+}
+
+impl Passage {
+    fn new(of: &filter::Passage<f64>) -> Result<Self, FilterError> {
+        let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
+        let update = if m > 0 { Some(Update::new(of, n, m)?) } else { None };
+        Ok(Self { transition: Matrix::from_column_slice(n, n, &of.transition), update })
+    }
+}
+
+impl Update {
+    fn new(of: &filter::Passage<f64>, n: usize, m: usize) -> Result<Self, FilterError> {
+        let innovation_cov = symmetric(Matrix::from_column_slice(m, m, &of.innovation_cov));
+        let gain = Matrix::from_column_slice(n, m, &of.gain);
+        let transposed = if of.jacobian.is_empty() {
+            let predicted = symmetric(Matrix::from_column_slice(n, n, &of.predicted));
+            Ldl::semidefinite(&predicted).divide(&(&innovation_cov * gain.transpose())).transpose()
+        } else {
+            Matrix::from_column_slice(m, n, &of.jacobian).transpose()
+        };
+        let weighted = kalman::factor(&innovation_cov)?.divide(&transposed);
+        Ok(Self {
+            kept: Matrix::identity(n, n) - gain * transposed.transpose(),
+            information: &weighted * transposed.transpose(),
+            score: weighted * Vector::from_column_slice(&of.innovation),
+        })
+    }
+}
+
+/// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
+pub(crate) struct Adjoint {
+    pub(crate) score: Vector,
+    pub(crate) information: Matrix,
+}
+
+impl Adjoint {
+    pub(crate) fn nothing(n: usize) -> Self {
+        Self { score: Vector::zeros(n), information: Matrix::zeros(n, n) }
+    }
+
+    pub(crate) fn correct(&self, Gaussian { mean, cov }: &mut Gaussian) {
+        *mean -= &*cov * &self.score;
+        let mut less = self.information.clone();
+        congruence(&mut less, cov);
+        *cov -= less;
+        for i in 0..cov.nrows() {
+            // Zero up to rounding.
+            cov[(i, i)] = cov[(i, i)].max(0.0);
+        }
+    }
+
+    /// Goes back over an update, then over the step before it.
+    pub(crate) fn pass(&mut self, Passage { transition, update }: &Passage) {
+        let Self { score, information } = self;
+        if let Some(Update { kept, information: gained, score: gradient }) = update {
+            *score = kept.tr_mul(score) - gradient;
+            congruence(information, kept);
+            *information += gained;
+        }
+        *score = transition.tr_mul(score);
+        congruence(information, transition);
+    }
+}
+
+/// Replaces the symmetric X by `Aᵀ X A`.
+pub(crate) fn congruence(x: &mut Matrix, a: &Matrix) {
+    *x = symmetric(a.tr_mul(&(&*x * a)));
 }

@@ -196,7 +196,6 @@ pub(crate) struct Rooted<M> {
 }
 
 impl<M: Mask> Rooted<M> {
-    /// Of one root and a later one.
     #[inline(always)]
     pub(super) fn and(self, later: Self) -> Self {
         let is_finite = self.is_finite & (!self.holds | later.is_finite);

@@ -43,23 +43,6 @@ pub(super) struct Coupled<T> {
     kept: [Vec<T>; 3],
 }
 
-/// The matrices of a response, m × m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Parts<'a, T> {
-    /// h
-    pub(super) value: &'a [T],
-    /// q
-    pub(super) integral: &'a [T],
-    /// p
-    pub(super) second: &'a [T],
-    /// `q K`
-    pub(super) displaced: &'a [T],
-    /// `h K`
-    pub(super) pulled: &'a [T],
-    /// `q K + h C`
-    pub(super) kept: &'a [T],
-}
-
 /// Classes by the size of a step. The first term of a class that is left out is below rounding.
 const CLASSES: Classes<4> = Classes([0.05, 0.14, 0.3, 0.6]);
 
@@ -87,19 +70,14 @@ impl<T: Number> Coupled<T> {
         }
     }
 
+    /// h, q, p, `q K`, `h K` and `q K + h C`, m × m.
     #[inline(always)]
-    pub(super) fn parts<L: Level>(&self, level: L) -> Parts<'_, T> {
+    pub(super) fn parts<L: Level>(&self, level: L) -> [&[T]; 6] {
         let Self { reach, value, integral, second, products: [displaced, pulled, kept], .. } = self;
         let m = self.count(level);
-        let inner = reach * m..reach * m + m * m;
-        Parts {
-            value: &value[inner.clone()],
-            integral: &integral[inner.clone()],
-            second: &second[inner],
-            displaced: &displaced[..m * m],
-            pulled: &pulled[..m * m],
-            kept: &kept[..m * m],
-        }
+        let inner = *reach * m..*reach * m + m * m;
+        let [value, integral, second] = [&value[inner.clone()], &integral[inner.clone()], &second[inner]];
+        [value, integral, second, &displaced[..m * m], &pulled[..m * m], &kept[..m * m]]
     }
 
     /// m, which the compiler may know.
@@ -364,7 +342,7 @@ mod tests {
             let mut exponential = Exponential::new(6);
             exponential.compute(Baseline, &a, 6, 0.5, true);
             let coupled = of::<f64>(&[size], true, reach);
-            let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(Baseline);
+            let [value, integral, second, displaced, pulled, kept] = coupled.parts(Baseline);
             let whole = |matrix: &[f64]| {
                 matrix.iter().enumerate().map(|(i, x)| x + f64::from(u8::from(i.is_multiple_of(4)))).collect()
             };

@@ -101,7 +101,7 @@ impl<T: Number> Learning<T> {
         }
         for (lane, jump) in self.jumps.iter_mut().enumerate() {
             if has_measured.lane(lane) {
-                jump.look(result.nis.lane(lane), result.measured.lane(lane) as usize);
+                jump.observe(result.nis.lane(lane), result.measured.lane(lane) as usize);
             }
         }
         result

@@ -2,7 +2,7 @@
 
 use super::belief::Belief;
 use super::columns::{add_times, apply, combine, congruence, multiply, product};
-use super::coupled::{Coupled, Parts};
+use super::coupled::Coupled;
 use super::design::Propagation;
 use super::exponential::{Exponential, Impulse};
 use super::level::{Level, apart};
@@ -140,7 +140,7 @@ impl<T: Number> Linearised<T> {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
         let (n, m) = (level.size(model.size), level.moving(model.moving()) / 2);
-        let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(level);
+        let [value, integral, second, displaced, pulled, kept] = coupled.parts(level);
         let (rate, columns, rows) = (&rate[..2 * m], &columns[..2 * m * n], &mut rows[..2 * m * n]);
         let (effect, free) = (&mut effect[..2 * m], &mut self.begun[..m]);
 

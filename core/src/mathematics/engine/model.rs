@@ -2,7 +2,7 @@
 
 use super::level::{Level, apart};
 use super::number::{Function, Number, Real};
-use super::plants::{Equation, Plant, fits, with_equation};
+use super::plants::{Equation, Plant, Slopes, fits, with_equation};
 use crate::Channel;
 use crate::mathematics::lists::places;
 use crate::mathematics::model::{Reading, Scale};
@@ -183,7 +183,8 @@ impl<T: Number> Derivatives<T> {
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
         let own = model.plain(state, plain);
-        model.plant.linearise(level, own, model.acting(state, force), rate, columns, moving);
+        let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
+        model.plant.linearise(level, own, model.acting(state, force), out);
         model.decay(own, rate);
         if model.eta != 0.0 {
             for place in model.plant.motion()..moving {

@@ -92,26 +92,16 @@ impl Plant {
         }
     }
 
-    /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column.
     #[inline(always)]
-    pub fn linearise<T: Number, L: Level>(
-        self,
-        level: L,
-        state: &[T],
-        force: T,
-        rate: &mut [T],
-        columns: &mut [T],
-        rows: usize,
-    ) {
-        let out = Slopes { rate, columns, rows };
+    pub(crate) fn linearise<T: Number, L: Level>(self, level: L, state: &[T], force: T, out: Slopes<'_, T>) {
         match self {
             Self::Sdof(equation) => linearise(level, equation, state, force, out),
             Self::Duffing(equation) => linearise(level, equation, state, force, out),
             Self::BoucWen(equation) => linearise(level, equation, state, force, out),
             Self::BoucWenOne(equation) => linearise(level, equation, state, force, out),
-            Self::ShearChain(chain) => chain.linearise(state, force, rate, columns, rows),
-            Self::Typed(typed) => typed.linearise(state, force, rate, columns, rows),
-            Self::Own(own) => own.linearise(state, force, rate, columns, rows),
+            Self::ShearChain(chain) => chain.linearise(state, force, out),
+            Self::Typed(typed) => typed.linearise(state, force, out),
+            Self::Own(own) => own.linearise(state, force, out),
         }
     }
 
@@ -123,7 +113,8 @@ impl Plant {
     pub(crate) fn jacobian(self, state: &[f64], out: &mut [f64]) {
         let (own, motion) = (self.size(), self.motion());
         let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
-        self.linearise(Baseline, state, 0.0, &mut rate, &mut columns, motion);
+        let slopes = Slopes { rate: &mut rate, columns: &mut columns, rows: motion };
+        self.linearise(Baseline, state, 0.0, slopes);
         for (i, row) in out.chunks_exact_mut(own).enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry = columns[j * motion + i];
@@ -155,11 +146,11 @@ pub(super) fn fits<T, L: Level>(level: L, equation: impl Equation<T>) -> bool {
     own <= level.size(own) && motion <= level.moving(motion)
 }
 
-/// The rates and their derivatives, to be filled: `rows` numbers a column.
-struct Slopes<'a, T> {
-    rate: &'a mut [T],
-    columns: &'a mut [T],
-    rows: usize,
+/// The rates, and their derivatives by the plant's components, to be filled: column by column, `rows` numbers a column.
+pub(crate) struct Slopes<'a, T> {
+    pub(crate) rate: &'a mut [T],
+    pub(crate) columns: &'a mut [T],
+    pub(crate) rows: usize,
 }
 
 #[inline(always)]
@@ -298,9 +289,8 @@ impl ShearChain {
         numbers
     }
 
-    /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
-    fn linearise<T: Number>(self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
+    fn linearise<T: Number>(self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
         let m = self.masses;
         for column in columns[..(3 * m + 1) * rows].chunks_exact_mut(rows) {
             column[..2 * m].fill(T::of(0.0));
@@ -357,8 +347,7 @@ impl<T: Real> Equation<T> for ShearChain {
 pub struct Own(pub PlantKind);
 
 impl Own {
-    /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
-    pub fn linearise<T: Number>(self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
+    fn linearise<T: Number>(self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
         self.rate(state, force, rate);
         let Self(kind) = self;
         let (own, motion) = (kind.channels().len(), kind.motion());
@@ -436,9 +425,8 @@ impl Typed {
         jacobian.places().filter_map(of).max().unwrap_or(0)
     }
 
-    /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
-    pub fn linearise<T: Real>(&'static self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
+    fn linearise<T: Real>(&'static self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
         self.rate(state, force, rate);
         for column in columns[..self.size * rows].chunks_exact_mut(rows) {
             column[..self.motion].fill(T::of(0.0));

@@ -8,10 +8,10 @@ use super::belief::Belief;
 use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column, times_cov};
+use super::filter::Passage;
 use super::learning::Innovations;
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
-use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
 use crate::FilterError;
 
@@ -117,15 +117,15 @@ impl<T: Number> Update<T> {
         }
         match active.len() {
             0 => apart!(level, without_readings(level, target)),
-            1 if const { L::IS_KNOWN } => self.take_in(level, Exactly::<1>, target, observation),
-            2 if const { L::IS_KNOWN } => self.take_in(level, Exactly::<2>, target, observation),
+            1 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<1>, target, observation),
+            2 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<2>, target, observation),
             // More are rare.
-            count => self.take_in(level.plain(), count, target, observation),
+            count => self.condition_counted(level.plain(), count, target, observation),
         }
     }
 
     #[inline(always)]
-    fn take_in<L: Level, C: Count>(
+    fn condition_counted<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
@@ -453,6 +453,6 @@ impl<M: Mask> Checks<M> {
     }
 }
 
-pub(super) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
+pub(crate) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
     if is_finite { indefinite } else { FilterError::NotFinite }
 }

@@ -80,7 +80,7 @@ impl Jump {
         self.has_widened.then(|| self.initial.iter().map(move |variance| factor * variance))
     }
 
-    pub(crate) fn look(&mut self, nis: f64, measurements: usize) {
+    pub(crate) fn observe(&mut self, nis: f64, measurements: usize) {
         let m = measurements as f64;
         let mean = nis / m;
         if let Some(since) = &mut self.since {
@@ -127,7 +127,7 @@ mod tests {
         let mut jump = Jump::new(vec![1.0]);
         let look = |k: &usize| {
             let square: f64 = (0..m).map(|_| normal.sample()).map(|x| x * x).sum();
-            jump.look(square * size(*k), m);
+            jump.observe(square * size(*k), m);
             jump.widening().is_some()
         };
         (0..count).filter(look).collect()
@@ -175,7 +175,7 @@ mod tests {
         let mut jump = Jump::new(vec![2.0, 3.0]);
         let mut added = Vec::new();
         for k in 0..500 {
-            jump.look(if k < 300 { 1.0 } else { 50.0 }, 1);
+            jump.observe(if k < 300 { 1.0 } else { 50.0 }, 1);
             added.extend(jump.widening().map(Iterator::collect::<Vec<f64>>));
         }
         assert_eq!(added, [[2.0, 3.0], [8.0, 12.0], [32.0, 48.0], [128.0, 192.0]]);

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::kalman::{self, Expected};
 use super::{Correction, FilterError, Gaussian, Noise};
 use crate::mathematics::gaussian_likelihood;
-use crate::mathematics::linalg::{Matrix, RootError, Vector, lower_root, symmetric};
+use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
 use crate::mathematics::lists::places;
 
 /// A Kalman filter of any linear system, without a scenario: n components of the state x, p inputs u, m sensors.
@@ -428,8 +428,5 @@ fn covariance(name: &'static str, matrix: Matrix, n: usize, why: &'static str) -
         }
     }
     let matrix = symmetric(matrix);
-    match lower_root(&matrix) {
-        Ok(_) => Ok(matrix),
-        Err(RootError::Indefinite | RootError::NotFinite) => Err(SystemError::Indefinite(name)),
-    }
+    if lower_root(&matrix).is_ok() { Ok(matrix) } else { Err(SystemError::Indefinite(name)) }
 }

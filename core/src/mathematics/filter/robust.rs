@@ -8,11 +8,6 @@
 //! is divided by the usual one of the sensor's last readings, where that is large: otherwise a filter that is lost would take all
 //! readings for outliers. The registry below lists the rules.
 
-use std::sync::LazyLock;
-
-use serde::{Deserialize, Deserializer, de};
-
-use crate::mathematics::lists::mapped;
 use crate::mathematics::registry::{keyed, registry};
 
 /// The description of a rule for weights.
@@ -188,16 +183,7 @@ impl PartialEq for Robust {
     }
 }
 
-keyed!(Robust);
-
-impl<'de> Deserialize<'de> for Robust {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&Robust::ALL, &|rule| rule.key()));
-        let key = String::deserialize(deserializer)?;
-        let rule = Self::ALL.into_iter().find(|rule| rule.key() == key);
-        rule.ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
-    }
-}
+keyed!(Robust, also read);
 
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, Way, kalman};
 use crate::Model;
-use crate::mathematics::engine::states::States;
+use crate::mathematics::engine::runge_kutta::States;
 use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain

@@ -133,25 +133,16 @@ pub(super) const BOUC_WEN_1: BuiltIn =
     BuiltIn { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 
 static BOUC_WEN_INFO: PlantInfo = bouc_wen(
-    "bouc_wen",
-    "Bouc-Wen oscillator",
-    "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
+    ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
     &bouc_wen_channels(Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA),
 );
 
 static BOUC_WEN_1_INFO: PlantInfo = bouc_wen(
-    "bouc_wen_1",
-    "Bouc-Wen oscillator, exponent 1",
-    "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|",
+    ["bouc_wen_1", "Bouc-Wen oscillator, exponent 1", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|"],
     &bouc_wen_channels(Channel::YIELD_BETA, Channel::YIELD_GAMMA),
 );
 
-const fn bouc_wen(
-    key: &'static str,
-    name: &'static str,
-    equation: &'static str,
-    channels: &'static [Channel],
-) -> PlantInfo {
+const fn bouc_wen([key, name, equation]: [&'static str; 3], channels: &'static [Channel]) -> PlantInfo {
     let reference = "Wen (1976), Method for random vibration of hysteretic systems";
     let spring = Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT);
     PlantInfo { key, name, equation, reference, channels, is_linear: false, spring }

@@ -1,8 +1,10 @@
 //! Estimates in the making: samples are appended and forgotten, and memory is used again. Whole columns of a filter's history.
 
+use std::iter::repeat;
+
 use super::{Estimates, Stop};
 use crate::Channel;
-use crate::samples::sink::Sample;
+use crate::samples::sink::{Sample, Sink};
 use crate::samples::waste::Piecewise;
 
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
@@ -31,36 +33,35 @@ pub(super) struct History {
     pub(super) process_scale: Vec<f64>,
 }
 
-impl History {
+impl Estimates {
     /// Covariances and gains first. The NIS last: it has one number per sample, also without matrices.
     fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
-        let Self { determinant, log_likelihood, effective_samples, weights, learnt, process_scale, .. } = self;
+        let Self { history, canonical, variance, .. } = self;
+        let History { mean, cov, innovation, innovation_cov, gain, nis, .. } = history;
+        let History { determinant, log_likelihood, effective_samples, weights, learnt, process_scale, .. } = history;
         let first = [cov, gain, mean, innovation, innovation_cov, determinant];
-        first.into_iter().chain([log_likelihood, effective_samples, weights, learnt, process_scale, nis])
+        let then = [log_likelihood, effective_samples, weights, learnt, process_scale];
+        first.into_iter().chain(then).chain(canonical).chain(variance).chain([nis])
     }
-}
 
-impl Estimates {
-    /// The numbers of a sample in each of [`History::columns`].
-    fn widths(&self) -> [usize; 12] {
+    /// The numbers of a sample in the first columns; the others have one.
+    fn widths(&self) -> impl Iterator<Item = usize> + use<> {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let of = |does: bool, width: usize| if does { width } else { 0 };
         let own = of(self.kind.has_own_likelihood(), 1);
         let (weights, learnt, scales) = (of(self.weighs, m), of(self.learns, 2 * m), of(self.scales, 2));
-        [n * n, n * m, n, m, m * m, 1, own, own, weights, learnt, scales, 1]
+        [n * n, n * m, n, m, m * m, 1, own, own, weights, learnt, scales].into_iter().chain(repeat(1))
     }
 
     /// With room for `samples` or the kept part of a long run. Fresh pages cost more than filling them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (mut old, widths) = (old.unwrap_or_else(|| self.clone()), self.widths());
-        for ((new, old), width) in self.history.columns().zip(old.history.columns()).zip(widths) {
-            *new = std::mem::take(old);
+        let mut old = old.columns();
+        for (new, width) in self.columns().zip(widths) {
+            *new = old.next().map(std::mem::take).unwrap_or_default();
             new.clear();
             new.reserve(samples.min(ROOM) * width);
         }
-        self.canonical.recycle(old.canonical, samples.min(ROOM));
-        self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
     /// Drops the covariances and gains of all samples so far but the last, which is more than half of the memory. Diagnostics must
@@ -78,17 +79,14 @@ impl Estimates {
 
     /// Forgets the first `samples` in place; all of them if the filter has stopped before that.
     pub(crate) fn forget(&mut self, samples: usize) {
-        let (widths, mut counts) = (self.widths(), [samples; 12]);
-        counts[0] = samples.saturating_sub(self.dropped);
-        counts[1] = samples.saturating_sub(self.dropped_gains());
+        let (widths, dropped) = (self.widths(), [self.dropped, self.dropped_gains()]);
+        let counts = dropped.map(|dropped| samples.saturating_sub(dropped)).into_iter().chain(repeat(samples));
         self.dropped = self.dropped.saturating_sub(samples);
-        for ((values, width), count) in self.history.columns().zip(widths).zip(counts) {
+        for ((values, width), count) in self.columns().zip(widths).zip(counts) {
             values.drain(..(count * width).min(values.len()));
         }
         let first = self.forgotten + samples;
         self.earlier.drain(..self.earlier.partition_point(|(sample, _)| *sample < first));
-        self.canonical.forget(samples);
-        self.variance.forget(samples);
         self.forgotten += samples;
         self.monitor.forget_before(self.forgotten);
     }
@@ -104,12 +102,12 @@ impl Estimates {
         }
         self.history.mean.extend_from_slice(mean);
         self.history.cov.extend_from_slice(cov);
-        self.variance.push((0..n).map(|i| cov[i * n + i]));
+        push(&mut self.variance, (0..n).map(|i| cov[i * n + i]));
         if self.frequency.is_some_and(|place| mean[place] < 0.0) {
             let sign = |channel: &Channel| if channel.is_mirrored() { -1.0 } else { 1.0 };
-            self.canonical.push(mean.iter().zip(&self.channels).map(|(mean, channel)| mean * sign(channel)));
+            push(&mut self.canonical, mean.iter().zip(&self.channels).map(|(mean, channel)| mean * sign(channel)));
         } else {
-            self.canonical.push(mean.iter().copied());
+            push(&mut self.canonical, mean.iter().copied());
         }
         self.history.innovation.extend_from_slice(innovation);
         if sample.earlier > 0 {
@@ -132,19 +130,30 @@ impl Estimates {
                 self.history.process_scale.extend(noise.process_scale);
             }
         }
-        self.monitor.look(self.forgotten + self.history.nis.len() - 1, sample);
+        self.monitor.check(self.forgotten + self.history.nis.len() - 1, sample);
+    }
+}
+
+#[inline]
+fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
+    for (values, value) in columns.iter_mut().zip(sample) {
+        values.push(value);
+    }
+}
+
+impl Sink for Estimates {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.append(sample);
     }
 
-    pub(crate) fn set_stop(&mut self, stop: Stop) {
+    fn stop_at(&mut self, stop: Stop) {
         self.stop = Some(stop);
     }
 }
 
 impl Piecewise for Estimates {
     fn free_piece(&mut self) -> bool {
-        let Self { history, canonical, variance, .. } = self;
-        let mut all = canonical.columns().chain(variance.columns()).chain(history.columns());
-        let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
+        let Some(values) = self.columns().find(|values| values.capacity() > 0) else { return false };
         values.clear();
         values.shrink_to(values.capacity().saturating_sub(FREED));
         true

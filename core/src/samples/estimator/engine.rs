@@ -1,10 +1,10 @@
 //! A filter of the engine for one run, reporting its samples.
 
-use crate::data::record::Parts as PartsOfStep;
+use crate::data::record::Parts;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::design::Method;
-use crate::mathematics::engine::filter::{Filter, Parts};
+use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::engine::update::UpdateResult;
 use crate::mathematics::filter::Gaussian;
@@ -169,13 +169,12 @@ impl Followed {
     #[inline(never)]
     fn take_update(&mut self, squares: [f64; 2]) {
         let Self { filter, places, update, part, learnt, .. } = self;
-        let parts = filter.parts();
-        let active = &parts.update.active[..];
+        let active = &filter.update.active[..];
         part.clear();
-        part.take(places, active, parts.update.parts());
-        if let Some(weights) = parts.learnt.and_then(|learnt| learnt.weights) {
+        part.take(places, active, filter.update.parts());
+        if let Some(weights) = filter.learnt().and_then(|learnt| learnt.weights) {
             if active.iter().any(|sensor| weights[*sensor] != 1.0) {
-                part.claim(places, active, weights, &parts.noise.sensors);
+                part.claim(places, active, weights, &filter.noise.sensors);
             }
             for (&place, weight) in places.iter().zip(weights).filter(|(_, weight)| !weight.is_nan()) {
                 learnt.weights[place] = *weight;
@@ -188,22 +187,20 @@ impl Followed {
     /// In the channels' units. Fails where a number overflows in them.
     fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, prior, in_units, learnt, .. } = self;
-        let parts = filter.parts();
-        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        let sample = learnt.extend(update.sample(&filter.belief.mean, &filter.belief.cov), filter, places);
         push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
     fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, in_units, learnt, .. } = self;
-        let parts = filter.parts();
         let mut learnt = learnt.clone();
-        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
-        let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
+        let sample = learnt.extend(update.sample(&filter.belief.mean, &filter.belief.cov), filter, places);
+        let sample = if sink.wants_prior() { sample.with_prior(&filter.belief) } else { sample };
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     /// The belief before the update is that before the last reading.
-    fn step_through(&mut self, level: &dyn Steps, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, level: &dyn Steps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         if parts.times.is_none() {
             self.next_sample();
         }
@@ -286,7 +283,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         filter.set_belief(mean, cov)
     }
 
-    fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         self.followed.step_through(&self.level, parts, sink)
     }
 
@@ -358,15 +355,15 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
 }
 
 impl Learnt {
-    fn extend<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
-        let Some(learnt) = parts.learnt else { return sample };
-        let noise = parts.is_adaptive.then(|| {
+    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Filter<f64>, places: &[usize]) -> Sample<'a> {
+        let Some(learnt) = filter.learnt() else { return sample };
+        let noise = filter.design.adaptation.is_on().then(|| {
             let Self { process, sensors, uncertainty, .. } = &mut *self;
             process.clear();
-            process.extend(parts.noise.diagonal());
-            parts.white.into_iter().for_each(|(place, variance)| process[place] = variance);
+            process.extend(filter.noise.diagonal());
+            filter.design.white.into_iter().for_each(|(place, _)| process[place] = filter.white);
             for (own, &place) in places.iter().enumerate() {
-                (sensors[place], uncertainty[place]) = (parts.noise.sensors[own], learnt.uncertainty[own]);
+                (sensors[place], uncertainty[place]) = (filter.noise.sensors[own], learnt.uncertainty[own]);
             }
         });
         let noise = noise.map(|()| AssumedNoise {

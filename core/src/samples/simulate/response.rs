@@ -172,7 +172,6 @@ struct Refinement {
     fine: Vec<f64>,
     rest: Vec<(f64, f64)>,
     halved: u64,
-    /// Memory of a Runge-Kutta step.
     memory: [Vec<f64>; 5],
 }
 
