@@ -59,7 +59,7 @@ registry! {
     PF = sampled::PF;
 }
 
-/// Why a filter cannot go on.
+/// Why a filter cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FilterError {
@@ -103,7 +103,7 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
-    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. For
+    /// Whether the belief reports its own log likelihood and effective sample size, as particle filters do. For
     /// all other kinds the log likelihood follows from NIS and S.
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
@@ -216,7 +216,7 @@ impl FilterKind {
         matches!(self.0.way, Way::Gaussian(_))
     }
 
-    /// Whether the belief reports a log likelihood and an effective sample size of its own.
+    /// Whether the belief reports its own log likelihood and effective sample size.
     pub const fn has_own_likelihood(self) -> bool {
         self.0.has_own_likelihood
     }

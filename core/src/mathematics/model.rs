@@ -301,7 +301,7 @@ impl Model {
         self.by_force(state) * self.gain(state)
     }
 
-    /// A state where all is zero but the gains of sensors, as these are told by quantity.
+    /// A state where all is zero but the gains of sensors, which `gain` gives by quantity.
     pub(crate) fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
         let mut state = vec![0.0; self.size()];
         for &quantity in Quantity::all() {

@@ -43,7 +43,7 @@ const NODES: usize = 6;
 const NOTHING: f64 = 40.0;
 
 impl NoiseScale {
-    /// Before the first sample, over so many filters, at least two.
+    /// Before the first sample, over this many filters, at least two.
     pub(crate) fn new(filters: usize) -> Self {
         let reach = libm::log(REACH);
         let filters = filters.max(2);

@@ -352,7 +352,7 @@ impl Estimates {
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
     }
 
-    /// Whether the filter tells how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
     pub fn tells_process_scale(&self) -> bool {
         self.scales
     }
@@ -383,7 +383,7 @@ impl Estimates {
     }
 
     /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
-    /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
+    /// sample has its own, to the nearest sample. `None` where the record has no such sensor.
     pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
         let quantity = self.sensors.get(place)?;
         let column = quantity.place_in(record.sensors())?;

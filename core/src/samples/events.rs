@@ -1,4 +1,4 @@
-//! One filter of a scenario over readings that come at times of their own.
+//! One filter of a scenario over readings that come at their own times.
 
 mod timeline;
 
@@ -14,7 +14,7 @@ use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario,
 
 use timeline::{Event, Timeline};
 
-/// A filter of a scenario that follows events: readings and inputs with times of their own, sensors at rates of their own,
+/// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
 /// late ones too.
 ///
 /// ```text
@@ -30,7 +30,7 @@ use timeline::{Event, Timeline};
 /// again over what came after it. With [`Hold::First`](crate::Hold::First) the input is linear from one known value to the
 /// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
 ///
-/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also tells what it knows in hindsight
+/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also reports its estimates in hindsight
 /// ([`Self::hindsight`]).
 ///
 /// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
@@ -191,7 +191,7 @@ impl EventFilter {
         self.again
     }
 
-    /// Whether it tells what it knows in hindsight.
+    /// Whether it reports estimates in hindsight.
     pub fn looks_back(&self) -> bool {
         self.look_ahead.is_some()
     }
@@ -338,7 +338,7 @@ impl EventFilter {
         Ok(())
     }
 
-    /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
+    /// The readings of this time \[s\], and those of late or early sensors, each with the time that it is of. A reading of a
     /// time before the first event does not count, as no reading of the first does.
     fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
         let (mut own, mut others) = (readings.to_vec(), Vec::new());

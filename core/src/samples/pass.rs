@@ -111,7 +111,7 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
-    /// [`Self::history`] with memory for a whole record, whose readings may have times of their own: its remarks say so where the
+    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the
     /// filter does not follow them, and a sensor that measures seldom is not taken for a silent one.
     ///
     /// # Errors
@@ -209,7 +209,7 @@ impl Pass {
     }
 }
 
-/// The samples between two readings of each sensor, where the readings of a record have times of their own.
+/// The samples between two readings of each sensor, where the readings of a record have their own times.
 pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>> {
     let clocks = record.clocks()?;
     let readings = |quantity: &Quantity| {

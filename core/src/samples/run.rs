@@ -16,7 +16,7 @@ use revision::Revision;
 
 /// A scenario in progress.
 ///
-/// A simulated run can forget its first samples ([`Self::forget`]) and go on without limit in constant memory.
+/// A simulated run can forget its first samples ([`Self::forget`]) and continue without limit in constant memory.
 /// [`Self::done`] and [`Self::samples`] count from the run's beginning; [`Self::len`] and every index into
 /// [`Self::record`] and [`Self::estimates`] count from the first sample that is kept.
 pub struct Run {
@@ -109,7 +109,7 @@ impl Run {
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
     /// initial beliefs. A filter that fails keeps its estimates and reports the reason in [`Estimates::stop`]; the
-    /// others go on. Returns whether there was a sample left. A truth that diverges ends the record early and reports
+    /// others continue. Returns whether there was a sample left. A truth that diverges ends the record early and reports
     /// the reason in [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
         self.advance_to(self.done + 1) > 0
@@ -165,7 +165,7 @@ impl Run {
         forgets
     }
 
-    /// Takes in a live record that has more samples now. What is done stays, and [`Self::advance_to`] goes on with the same bits
+    /// Takes in a live record that has more samples now. What is done stays, and [`Self::advance_to`] continues with the same bits
     /// as over a record that had them from the beginning. Returns false, and changes nothing, if the source is not
     /// [`Source::Live`] or the record does not begin with the present one: then only a new run is right.
     ///

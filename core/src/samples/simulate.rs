@@ -16,7 +16,7 @@ use crate::{Channel, Force, Quantity, Record, Scenario, Signal};
 
 use response::{HALVED, Response};
 
-/// The reason why a truth cannot go on.
+/// The reason why a truth cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TruthError {
@@ -121,7 +121,7 @@ impl Simulator {
     }
 
     /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
-    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth goes on until
+    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth lasts until
     /// then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
         let end = self.response.halved + HALVED;
@@ -134,7 +134,7 @@ impl Simulator {
         true
     }
 
-    /// Goes on with the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
+    /// Computes the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
     /// is known. Returns whether the sample is done, or the truth has stopped.
     fn advance(&mut self, record: &mut Record, most: u64) -> bool {
         if self.stop.is_some() {

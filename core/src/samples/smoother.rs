@@ -37,7 +37,7 @@ use crate::{Estimates, FilterSettings, Pass, Record, Stop};
 
 /// A smoother in progress. If its filter stops, it ends with the last sample before.
 pub(crate) trait Smoother: Piecewise {
-    /// Goes on for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
+    /// Continues for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
     /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
@@ -370,7 +370,7 @@ impl Window {
         true
     }
 
-    /// All that the window tells about the sample before it.
+    /// All that the window knows about the sample before it.
     fn adjoint(&self, n: usize) -> Adjoint {
         let adjoint_of =
             |WayBack { score, information, .. }: &WayBack| Adjoint { score: -score, information: information.clone() };

@@ -54,7 +54,7 @@ impl<T: Number> Learning<T> {
         }))
     }
 
-    /// Goes on to the next sample, and adds the variances of jumps to Q for its prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
+    /// Begins the next sample, and adds the variances of jumps to Q for its prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
     pub(super) fn widen(&mut self, design: &Design, noise: &mut Noise<T>) -> bool {
         let Self { jumps, narrow, sample, .. } = self;
         *sample += 1;

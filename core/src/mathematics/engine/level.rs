@@ -14,7 +14,7 @@ pub trait Level: Copy {
     /// The level without known sizes.
     fn plain(self) -> Self::Plain;
 
-    /// Does some work in a function of its own, compiled for these instructions: a step then consists of functions of
+    /// Does some work in a separate function, compiled for these instructions: a step then consists of functions of
     /// moderate size, each once in the program. `work` must ask for sizes inside: the compiler does not know the values
     /// of captured variables.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;

@@ -171,7 +171,7 @@ impl<T: Number> Derivatives<T> {
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
-    /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
+    /// Takes them in a state under this recorded force, in a separate function: it is long, and called from many places.
     #[inline(always)]
     pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
         apart!(level, self.take_inside(level, model, state, force));

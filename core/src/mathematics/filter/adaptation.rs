@@ -21,7 +21,7 @@ use crate::mathematics::lists::{mapped, numbers};
 /// accelerometers, it is the residual of the linearised sensor, not `z - h(y⁺)`; these differ by the curvature of h. R
 /// stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
-/// R has an uncertainty of its own. `ε²` has the variance `2 (s R)²` where `s = R S⁻¹`, and R comes back in ε, which slows the
+/// R has its own uncertainty. `ε²` has the variance `2 (s R)²` where `s = R S⁻¹`, and R comes back in ε, which slows the
 /// forgetting down:
 ///
 /// ```text

@@ -410,7 +410,7 @@ impl Plucks {
         Self { times, variances }
     }
 
-    /// The places and the variances to add for a filter that goes on from one time to a later one \[s\], if it was plucked meanwhile.
+    /// The places and the variances to add for a step from one time to a later one \[s\], if the plant was plucked meanwhile.
     fn between(&self, [from, to]: [f64; 2]) -> Option<impl Iterator<Item = (usize, f64)>> {
         let count = self.times.partition_point(|time| *time <= to) - self.times.partition_point(|time| *time <= from);
         let widened = move |&(place, variance): &(usize, f64)| (place, count as f64 * variance);

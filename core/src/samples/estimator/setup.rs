@@ -80,7 +80,7 @@ impl Setup {
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
         let context = FilterContext::new(scenario, record.dt(), settings).over(record, settings);
-        // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one goes on by itself.
+        // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one iterates by itself.
         let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
@@ -134,7 +134,7 @@ impl Setup {
     }
 }
 
-/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion that goes on.
+/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion without plucks.
 fn is_single(settings: &FilterSettings) -> bool {
     settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
 }

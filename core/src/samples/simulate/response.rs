@@ -57,7 +57,7 @@ impl Response {
 
     /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
     /// `forces`, an unrecorded one is held \[m/s²\]. Halves steps at most `most` times, and returns whether the step is done;
-    /// otherwise the next call, with the same arguments, goes on with it, and the state stays as it is until then.
+    /// otherwise the next call, with the same arguments, continues it, and the state stays as it is until then.
     pub(crate) fn advance(
         &mut self,
         model: &Model,
