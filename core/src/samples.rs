@@ -1,23 +1,13 @@
 //! Simulates a scenario's record and runs its filters, sample by sample.
 
-pub(crate) mod bank;
 pub(crate) mod estimates;
 pub(crate) mod estimator;
 pub(crate) mod events;
 pub(crate) mod mixture;
-pub(crate) mod online;
 pub(crate) mod pass;
-pub(crate) mod passage;
-pub(crate) mod plucks;
 pub(crate) mod remarks;
 pub(crate) mod run;
-pub(crate) mod run_error;
-pub(crate) mod sample;
-pub(crate) mod select;
 pub(crate) mod simulate;
 pub(crate) mod sink;
 pub(crate) mod smoother;
-pub(crate) mod source;
-pub(crate) mod spare;
-pub(crate) mod tape;
 pub(crate) mod waste;

@@ -4,7 +4,7 @@ mod smoothing;
 
 use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::Depth;
-use crate::samples::bank::Bank;
+use crate::samples::run::Bank;
 use crate::samples::waste::Waste;
 use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 

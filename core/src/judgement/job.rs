@@ -5,7 +5,7 @@ use crate::judgement::analysis::Subject;
 use crate::judgement::study::forgotten_of;
 use crate::mathematics::lists::numbers;
 use crate::samples::run::revision::Revision;
-use crate::samples::tape::Tape;
+use crate::samples::sink::Tape;
 use crate::{Analysis, Record, RunError, Scenario, Source, Study, Update};
 
 /// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the
@@ -127,7 +127,7 @@ impl Job {
         let scenario = self.scenario();
         let goal = (*goal).min(revision.samples).max(1);
         let share = |samples: usize| (samples as f64 / goal as f64).min(1.0);
-        let one = |place| if revision.keeps(place) { 1.0 } else { share(revision.done(place)) };
+        let one = |place: usize| if revision.kept[place].is_some() { 1.0 } else { share(revision.done(place)) };
         let filters: Vec<f64> = numbers(scenario.filters.len(), &one);
         let (mut so_far, mut all) = analysis.work(&subject(revision, study, *stage, goal));
         if let Some(recorded) = revision.recorded() {
@@ -179,7 +179,7 @@ impl Job {
         let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario);
         let is_long = |place: &usize| is_whole && revision.done(*place) == 0 && time(*place) > seconds;
         let places: Vec<usize> = revision.order.iter().copied().filter(is_long).collect();
-        revision.leave(places.clone());
+        revision.away.clone_from(&places);
         places
     }
 

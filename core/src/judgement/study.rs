@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::data::scenario::cost;
 use crate::judgement::analysis::Subject;
-use crate::samples::spare::Spare;
+use crate::samples::waste::Spare;
 use crate::{Analysis, Record, Run, RunError, Scenario, Source, Wanted};
 
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.

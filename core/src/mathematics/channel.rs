@@ -3,10 +3,12 @@
 pub mod augment;
 
 use std::cmp::Ordering;
-use std::fmt;
-use std::hash::{Hash, Hasher};
+use std::sync::{PoisonError, RwLock};
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, de};
+
+use crate::PlantKind;
+use crate::mathematics::registry::{hashed, keyed};
 
 /// The most masses that a plant can have.
 pub const MAX_MASSES: usize = 10;
@@ -83,38 +85,40 @@ pub struct Channel {
 /// A word for each mass: as given for the first, with a number for the others.
 macro_rules! by_mass {
     ($word:literal, $space:literal) => {
-        &[
-            $word,
-            concat!($word, $space, "2"),
-            concat!($word, $space, "3"),
-            concat!($word, $space, "4"),
-            concat!($word, $space, "5"),
-            concat!($word, $space, "6"),
-            concat!($word, $space, "7"),
-            concat!($word, $space, "8"),
-            concat!($word, $space, "9"),
-            concat!($word, $space, "10"),
-        ]
+        by_mass!($word; $word, $space, "")
+    };
+    ($first:literal; $word:literal, $space:literal, $after:literal) => {
+        $crate::mathematics::channel::numbered!($first; concat!($word, $space); $after; "2" "3" "4" "5" "6" "7" "8" "9" "10")
     };
 }
 /// A symbol for each mass: as given for the first, with a subscript for the others.
 macro_rules! symbols_by_mass {
     ($first:literal, $symbol:literal) => {
-        &[
-            $first,
-            concat!($symbol, "₂"),
-            concat!($symbol, "₃"),
-            concat!($symbol, "₄"),
-            concat!($symbol, "₅"),
-            concat!($symbol, "₆"),
-            concat!($symbol, "₇"),
-            concat!($symbol, "₈"),
-            concat!($symbol, "₉"),
-            concat!($symbol, "₁₀"),
-        ]
+        $crate::mathematics::channel::numbered!($first; $symbol; ""; "₂" "₃" "₄" "₅" "₆" "₇" "₈" "₉" "₁₀")
     };
 }
-pub(crate) use {by_mass, symbols_by_mass};
+macro_rules! numbered {
+    ($first:literal; $before:expr; $after:literal; $($number:literal)*) => {
+        &[$first, $(concat!($before, $number, $after)),*]
+    };
+}
+pub(crate) use {by_mass, numbered, symbols_by_mass};
+
+impl ChannelInfo {
+    /// A parameter with keys, names and symbols, which does not change its sign.
+    pub(crate) const fn parameter(
+        [keys, names, symbols]: [&'static [&'static str]; 3],
+        unit: &'static str,
+        sign: Sign,
+        usual: Usual,
+    ) -> Self {
+        Self { keys, names, symbols, unit, role: Role::Parameter(sign), rate: None, mirrored: false, usual }
+    }
+
+    pub(crate) const fn augmentation(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
+        Self { role: Role::Augmentation, ..Self::parameter(words, unit, Sign::Any, usual) }
+    }
+}
 
 static DISPLACEMENT: ChannelInfo = ChannelInfo {
     keys: by_mass!("displacement", "_"),
@@ -258,38 +262,76 @@ impl PartialEq for Channel {
 
 impl Eq for Channel {}
 
-impl Hash for Channel {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
-
-impl PartialOrd for Channel {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl Ord for Channel {
     fn cmp(&self, other: &Self) -> Ordering {
         self.key().cmp(other.key())
     }
 }
 
-impl fmt::Debug for Channel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key())
-    }
-}
-
-impl Serialize for Channel {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
-    }
-}
+keyed!(Channel);
+hashed!(Channel);
 
 /// The keys of first masses, for a message, with a hint to those of the other masses.
 pub(crate) fn expected<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();
     format!("one of {}, and of other masses as in `displacement_2`", keys.join(", "))
+}
+
+impl Channel {
+    /// Every channel of every plant in the registry, every augmentation, and those of equations that have been read.
+    pub fn all() -> &'static [Self] {
+        static ALL: RwLock<(usize, &'static [Channel])> = RwLock::new((0, &[]));
+        let own = crate::mathematics::equation::channels();
+        let place = own.as_ptr() as usize;
+        let (of, all) = *ALL.read().unwrap_or_else(PoisonError::into_inner);
+        if of == place && !all.is_empty() {
+            return all;
+        }
+        let mut all = Vec::new();
+        let plants = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+        for channel in plants.chain(augment::all()).chain(own.iter().copied()) {
+            if !all.contains(&channel) {
+                all.push(channel);
+            }
+        }
+        let all: &'static [Channel] = all.leak();
+        *ALL.write().unwrap_or_else(PoisonError::into_inner) = (place, all);
+        all
+    }
+
+    /// The channel with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|channel| channel.key() == key)
+    }
+}
+
+impl<'de> Deserialize<'de> for Channel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let expected = || expected_channels(|_| true);
+        Self::from_key(&key)
+            .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
+    }
+}
+
+pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
+    expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mass_has_a_key_a_name_and_a_symbol_and_no_key_stands_twice() {
+        for &channel in Channel::all() {
+            let ChannelInfo { keys, names, symbols, .. } = channel.info();
+            assert!(keys.len() == names.len() && keys.len() == symbols.len(), "{channel:?}");
+            assert_eq!(Channel::from_key(channel.key()), Some(channel));
+            let same = Channel::all().iter().filter(|c| c.symbol() == channel.symbol());
+            assert_eq!(same.count(), 1, "the symbol of {channel:?}");
+        }
+        assert_eq!(Channel::displacement(9).key(), "displacement_10");
+        assert_eq!(Channel::displacement(3).rate(), Some(Channel::velocity(3)));
+    }
 }

@@ -4,15 +4,13 @@
 //! number, lanes, dual      the numbers that equations are written for
 //! plants, model            how a state moves, and what sensors read
 //! design, filter           predict and update
-//!   linearised             the prediction of KF and EKF        (impulse, coupled, exponential)
+//!   linearised             the prediction of KF and EKF        (exponential, coupled)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
-//!   square_root            the SR-UKF                          (triangle)
+//!   square_root            the SR-UKF
 //!   expected, update       the measurements, and the belief after them
-//!   learning               weights, noise and jumps from innovations   (weighing, weights)
-//!   fault                  why a step does not hold
+//!   learning               weights, noise and jumps from innovations
 //! belief                   mean and covariance, noise, what is considered, and a belief over logarithms in units
-//! list, builder, notes     equations as lists of operations
-//! states                   many states of one run, several at a time
+//! list, builder            equations as lists of operations
 //! ```
 //!
 //! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it (in a page, a pair).
@@ -32,29 +30,20 @@ pub(crate) mod columns;
 mod coupled;
 pub(crate) mod design;
 pub(crate) mod dual;
-pub(crate) mod error_square;
 mod expected;
 pub(crate) mod exponential;
-mod fault;
 pub(crate) mod filter;
-pub(crate) mod impulse;
 pub(crate) mod lanes;
-mod learning;
+pub(crate) mod learning;
 pub(crate) mod level;
 pub(crate) mod linearised;
 pub(crate) mod list;
 pub(crate) mod model;
-pub(crate) mod notes;
 pub(crate) mod number;
 #[cfg(target_arch = "wasm32")]
 pub(crate) mod pair;
-pub(crate) mod passage;
 pub(crate) mod plants;
 pub(crate) mod runge_kutta;
 pub(crate) mod sigma_points;
 mod square_root;
-pub(crate) mod states;
-mod triangle;
 pub(crate) mod update;
-mod weighing;
-pub(crate) mod weights;

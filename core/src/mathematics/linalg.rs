@@ -1,10 +1,11 @@
 //! Matrices of any size: nalgebra's, and the factorisations that filters also need.
 
 use nalgebra::{DMatrix, DVector};
-use thiserror::Error;
 
 use crate::mathematics::engine::columns::{self, Rooted};
 use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::engine::update::of_root;
+use crate::mathematics::filter::FilterError;
 
 /// A column of numbers.
 pub type Vector = DVector<f64>;
@@ -18,27 +19,12 @@ pub(crate) fn symmetric(mut matrix: Matrix) -> Matrix {
     matrix
 }
 
-/// Why a symmetric matrix has no root.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum RootError {
-    /// A number of it is infinite or undefined.
-    #[error("the matrix has an entry that is not a finite number")]
-    NotFinite,
-    /// It is negative in some direction, by more than rounding explains.
-    #[error("the matrix is not positive semidefinite")]
-    Indefinite,
-}
-
 /// The lower triangular `L` with `L Lᵀ = S` for a symmetric n × n matrix S, zero above the diagonal. A variance that is zero to
 /// rounding gives a column of zeros, so that a component known for certain stays so. Fails where a pivot is negative beyond
 /// rounding, or no finite number.
-pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
+pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, FilterError> {
     let (root, Rooted { holds, is_finite }) = partial_root(s);
-    match (holds, is_finite) {
-        (true, _) => Ok(root),
-        (false, true) => Err(RootError::Indefinite),
-        (false, false) => Err(RootError::NotFinite),
-    }
+    if holds { Ok(root) } else { Err(of_root(is_finite, FilterError::IndefiniteCovariance)) }
 }
 
 /// The same, with a column of zeros for each pivot that has no root, and whether there is such a one.
@@ -131,9 +117,9 @@ mod tests {
     #[test]
     fn an_indefinite_or_undefined_matrix_is_refused() {
         let of = |entries: [f64; 4]| lower_root(&Matrix::from_row_slice(2, 2, &entries));
-        assert_eq!(of([1.0, 2.0, 2.0, 1.0]), Err(RootError::Indefinite));
-        assert_eq!(of([f64::NAN, 0.0, 0.0, 1.0]), Err(RootError::NotFinite));
-        assert_eq!(of([f64::INFINITY, 0.0, 0.0, 1.0]), Err(RootError::NotFinite));
+        assert_eq!(of([1.0, 2.0, 2.0, 1.0]), Err(FilterError::IndefiniteCovariance));
+        assert_eq!(of([f64::NAN, 0.0, 0.0, 1.0]), Err(FilterError::NotFinite));
+        assert_eq!(of([f64::INFINITY, 0.0, 0.0, 1.0]), Err(FilterError::NotFinite));
     }
 
     #[test]

@@ -24,8 +24,8 @@ pub(crate) struct NoiseScale {
     log_likelihood: Vec<f64>,
     /// Each filter's share, all of them together 1.
     pub(crate) weights: Vec<f64>,
-    mean: f64,
-    std: f64,
+    /// Mean and standard deviation of u.
+    pub(crate) moments: [f64; 2],
     /// Σ aᵏ and Σ a²ᵏ.
     sums: [f64; 2],
 }
@@ -43,19 +43,15 @@ const NODES: usize = 6;
 const NOTHING: f64 = 40.0;
 
 impl NoiseScale {
-    /// Before the first sample, over so many filters, at least two.
+    /// Before the first sample, over this many filters, at least two.
     pub(crate) fn new(filters: usize) -> Self {
         let reach = libm::log(REACH);
         let filters = filters.max(2);
         let grid = numbers(filters, &|j| reach * (2.0 * j as f64 / (filters - 1) as f64 - 1.0));
         let mut scale =
-            Self { grid, log_likelihood: vec![0.0; filters], weights: Vec::new(), mean: 0.0, std: 0.0, sums: [0.0; 2] };
+            Self { grid, log_likelihood: vec![0.0; filters], weights: Vec::new(), moments: [0.0; 2], sums: [0.0; 2] };
         scale.weigh();
         scale
-    }
-
-    pub(crate) fn moments(&self) -> [f64; 2] {
-        [self.mean, self.std]
     }
 
     /// Takes in the log likelihood of a sample's measurements in each filter, -∞ where it has failed. `keep` is a.
@@ -110,8 +106,8 @@ impl NoiseScale {
         let [sum, first, second] = moments;
         if sum > 0.0 {
             weights.iter_mut().for_each(|weight| *weight /= sum);
-            self.mean = first / sum;
-            self.std = (second / sum - self.mean * self.mean).max(0.0).sqrt();
+            let mean = first / sum;
+            self.moments = [mean, (second / sum - mean * mean).max(0.0).sqrt()];
         }
     }
 }
@@ -175,7 +171,7 @@ mod tests {
                     one.take(grid.iter().map(|u| normal(*x, *u)), 0.99);
                 }
             }
-            let [[mean, std], [expected, width]] = [&coarse, &fine].map(NoiseScale::moments);
+            let [[mean, std], [expected, width]] = [&coarse, &fine].map(|one| one.moments);
             assert!((mean - expected).abs() < 0.1 * width, "{scale}: {mean} for {expected} ± {width}");
             assert!((std / width - 1.0).abs() < 0.06, "{scale}: {std} for {width}");
             assert!((coarse.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -195,7 +191,7 @@ mod tests {
                     let x = truth * random.sample();
                     scale.take(grid.iter().map(|u| normal(x, *u)), keep);
                 }
-                let [mean, std] = scale.moments();
+                let [mean, std] = scale.moments;
                 inside += usize::from((mean - libm::log(truth)).abs() <= 2.0 * std);
             }
             let share = inside as f64 / 600.0;
@@ -212,7 +208,7 @@ mod tests {
                 let of = |(j, u): (usize, &f64)| if j == 3 && k == 7 { wrong } else { 900.0 + normal(1.0, *u) };
                 scale.take(grid.iter().enumerate().map(of), 1.0);
             }
-            let [mean, std] = scale.moments();
+            let [mean, std] = scale.moments;
             assert!(mean.is_finite() && std.is_finite() && std < 1.0, "{wrong}: {mean} ± {std}");
             assert!((scale.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{wrong}");
         }
@@ -225,7 +221,7 @@ mod tests {
             let grid = scale.grid.to_vec();
             scale.take(grid.iter().map(|u| if *u < 1.0 { f64::NEG_INFINITY } else { normal(1.0, *u) }), 1.0);
         }
-        let [mean, std] = scale.moments();
+        let [mean, std] = scale.moments;
         assert!(mean >= 1.0 && std.is_finite());
         assert!(scale.grid.iter().zip(&scale.weights).all(|(u, weight)| *u >= 1.0 || *weight == 0.0));
     }

@@ -1,8 +1,6 @@
 //! Plants: their equations of motion and parameters.
 
-mod bouc_wen;
 mod built_in;
-mod shear_chain;
 
 use std::any::{Any, TypeId};
 use std::fmt;
@@ -10,6 +8,7 @@ use std::fmt;
 use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::lists::numbers;
 use crate::mathematics::quantity::Term;
+use crate::mathematics::registry::registry;
 use crate::{Channel, Quantity};
 
 /// A plant's data other than its equation.
@@ -66,17 +65,10 @@ pub trait Plant: Any + Send + Sync {
 #[derive(Clone, Copy)]
 pub struct PlantKind(&'static dyn Plant);
 
-macro_rules! registry {
-    ($($(#[$doc:meta])* $name:ident = $plant:expr;)*) => {
-        impl PlantKind {
-            $($(#[$doc])* pub const $name: Self = Self(&$plant);)*
-
-            /// Every plant of the registry.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-        }
-    };
-}
 registry! {
+    PlantKind by PlantKind::new,
+    /// Every plant of the registry.
+    ALL;
     /// A linear oscillator with a single degree of freedom.
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
@@ -114,9 +106,9 @@ registry! {
     /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
     /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
     /// benchmark with a dynamic nonlinearity (exponent 1).
-    BOUC_WEN = bouc_wen::TWO;
+    BOUC_WEN = built_in::BOUC_WEN;
     /// The same with exponent 1.
-    BOUC_WEN_1 = bouc_wen::ONE;
+    BOUC_WEN_1 = built_in::BOUC_WEN_1;
     /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
     ///
     /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
@@ -130,23 +122,23 @@ registry! {
     /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
     ///
     /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
-    SHEAR_2 = shear_chain::ShearChain::<2>::PLANT;
+    SHEAR_2 = built_in::ShearChain::<2>::PLANT;
     /// A chain of three masses.
-    SHEAR_3 = shear_chain::ShearChain::<3>::PLANT;
+    SHEAR_3 = built_in::ShearChain::<3>::PLANT;
     /// A chain of four masses.
-    SHEAR_4 = shear_chain::ShearChain::<4>::PLANT;
+    SHEAR_4 = built_in::ShearChain::<4>::PLANT;
     /// A chain of five masses.
-    SHEAR_5 = shear_chain::ShearChain::<5>::PLANT;
+    SHEAR_5 = built_in::ShearChain::<5>::PLANT;
     /// A chain of six masses.
-    SHEAR_6 = shear_chain::ShearChain::<6>::PLANT;
+    SHEAR_6 = built_in::ShearChain::<6>::PLANT;
     /// A chain of seven masses.
-    SHEAR_7 = shear_chain::ShearChain::<7>::PLANT;
+    SHEAR_7 = built_in::ShearChain::<7>::PLANT;
     /// A chain of eight masses.
-    SHEAR_8 = shear_chain::ShearChain::<8>::PLANT;
+    SHEAR_8 = built_in::ShearChain::<8>::PLANT;
     /// A chain of nine masses.
-    SHEAR_9 = shear_chain::ShearChain::<9>::PLANT;
+    SHEAR_9 = built_in::ShearChain::<9>::PLANT;
     /// A chain of ten masses.
-    SHEAR_10 = shear_chain::ShearChain::<10>::PLANT;
+    SHEAR_10 = built_in::ShearChain::<10>::PLANT;
 }
 
 impl PlantKind {

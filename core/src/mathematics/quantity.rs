@@ -1,20 +1,19 @@
 //! The measurable quantities, and the aspects of a mass that a sensor can measure, as data.
 
 use std::cmp::Ordering;
-use std::fmt;
-use std::hash::{Hash, Hasher};
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Deserializer, de};
 
 use crate::Channel;
-use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Usual, by_mass, expected, symbols_by_mass};
+use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Usual, by_mass, expected, symbols_by_mass};
+use crate::mathematics::registry::{hashed, keyed};
 
 /// The most sensors that one scenario can have.
 pub const MAX_SENSORS: usize = 12;
 
 /// A measurable quantity: an aspect of a mass.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {
     aspect: Aspect,
     mass: u8,
@@ -118,43 +117,14 @@ impl Quantity {
     }
 }
 
-impl PartialEq for Quantity {
-    fn eq(&self, other: &Self) -> bool {
-        self.mass == other.mass && self.aspect == other.aspect
-    }
-}
-
-impl Eq for Quantity {}
-
-impl Hash for Quantity {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
-
-impl PartialOrd for Quantity {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl Ord for Quantity {
     fn cmp(&self, other: &Self) -> Ordering {
         self.place().cmp(&other.place())
     }
 }
 
-impl fmt::Debug for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key())
-    }
-}
-
-impl Serialize for Quantity {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
-    }
-}
+keyed!(Quantity);
+hashed!(Quantity);
 
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -205,15 +175,10 @@ pub struct Aspect(&'static AspectInfo);
 
 macro_rules! bias {
     ($key:literal, $name:literal, $symbol:literal, $unit:literal, $noise:literal) => {
-        ChannelInfo {
-            keys: by_mass!($key, "_"),
-            names: by_mass!($name, " "),
-            symbols: symbols_by_mass!($symbol, $symbol),
-            unit: $unit,
-            role: Role::Augmentation,
-            rate: None,
-            mirrored: false,
-            usual: Usual {
+        ChannelInfo::augmentation(
+            [by_mass!($key, "_"), by_mass!($name, " "), symbols_by_mass!($symbol, $symbol)],
+            $unit,
+            Usual {
                 mean: 0.0,
                 std: 5.0 * $noise,
                 process: 0.0,
@@ -221,22 +186,17 @@ macro_rules! bias {
                 slider: (-20.0 * $noise, 20.0 * $noise),
                 decimals: 4,
             },
-        }
+        )
     };
 }
 
 macro_rules! gain {
     ($key:literal, $name:literal, $symbol:literal) => {
-        ChannelInfo {
-            keys: by_mass!($key, "_"),
-            names: by_mass!($name, " "),
-            symbols: symbols_by_mass!($symbol, $symbol),
-            unit: "",
-            role: Role::Augmentation,
-            rate: None,
-            mirrored: false,
-            usual: Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (-2.0, 3.0), decimals: 4 },
-        }
+        ChannelInfo::augmentation(
+            [by_mass!($key, "_"), by_mass!($name, " "), symbols_by_mass!($symbol, $symbol)],
+            "",
+            Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (-2.0, 3.0), decimals: 4 },
+        )
     };
 }
 

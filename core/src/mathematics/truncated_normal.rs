@@ -11,10 +11,10 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Beyond so many standard deviations what is left is an exponential distribution to less than a thousandth.
+/// Beyond this many standard deviations the rest is an exponential distribution to less than a thousandth.
 const FAR: f64 = 30.0;
 
-/// The other end of an exponential distribution matters no more from so many of its means on.
+/// The other end of an exponential distribution no longer matters beyond this many of its means.
 const MOST_WIDE: f64 = 700.0;
 
 /// In an interval of fewer standard deviations, over which the density falls by less than this share, it falls along an exponential.

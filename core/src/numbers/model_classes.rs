@@ -12,7 +12,7 @@
 //! approach, for filters that forget.
 
 use crate::Estimates;
-use crate::mathematics::mixed::{Moments, shares};
+use crate::mathematics::gaussian_likelihood::{Moments, shares};
 
 /// The log evidence of a filter over time: what all readings up to a sample say of it.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,5 @@
 //! The estimates of one filter, sample by sample.
 
-mod columns;
 mod growth;
 
 use crate::data::hash::Hash;
@@ -8,8 +7,10 @@ use crate::data::scenario::SMOOTHED;
 use crate::mathematics::gaussian_likelihood;
 use crate::record::Delays;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
-use crate::samples::sample::readings;
+use crate::samples::sink::readings;
 use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record};
+
+use growth::History;
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,34 +45,21 @@ pub struct Estimates {
     dropped: usize,
     initial_mean: Vec<f64>,
     initial_std: Vec<f64>,
-    mean: Vec<f64>,
-    cov: Vec<f64>,
-    /// The means in canonical form and the diagonals of the covariances, as contiguous columns for plots and sums.
-    canonical: ByChannel,
-    variance: ByChannel,
-    innovation: Vec<f64>,
+    history: History,
+    /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
+    canonical: Vec<Vec<f64>>,
+    variance: Vec<Vec<f64>>,
     /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
     earlier: Vec<(usize, u32)>,
-    innovation_cov: Vec<f64>,
-    gain: Vec<f64>,
-    nis: Vec<f64>,
-    determinant: Vec<f64>,
-    /// Recorded for a particle filter only.
-    log_likelihood: Vec<f64>,
-    effective_samples: Vec<f64>,
     /// The channels whose uncertainty the filter counts without estimating them.
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
-    /// Whether the filter weighs its readings; only then there are weights.
     weighs: bool,
-    weights: Vec<f64>,
-    /// Whether the filter learns R; only then there are these: R of each sensor, then the variance of each R.
+    /// Whether the filter learns R.
     learns: bool,
-    learnt: Vec<f64>,
-    /// Whether the filter knows how large Q is, and what it knows: two numbers a sample.
+    /// Whether the filter knows how large Q is.
     scales: bool,
-    process_scale: Vec<f64>,
     /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
     monitor: Monitor,
@@ -96,26 +84,15 @@ impl Estimates {
             dropped: 0,
             initial_mean: Vec::new(),
             initial_std: Vec::new(),
-            mean: Vec::new(),
-            cov: Vec::new(),
-            canonical: ByChannel::new(channels.len()),
-            variance: ByChannel::new(channels.len()),
-            innovation: Vec::new(),
+            history: History::default(),
+            canonical: vec![Vec::new(); channels.len()],
+            variance: vec![Vec::new(); channels.len()],
             earlier: Vec::new(),
-            innovation_cov: Vec::new(),
-            gain: Vec::new(),
-            nis: Vec::new(),
-            determinant: Vec::new(),
-            log_likelihood: Vec::new(),
-            effective_samples: Vec::new(),
             considered: settings.consider.clone(),
             sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on(),
-            weights: Vec::new(),
             learns: settings.adaptation.sensor_noise,
-            learnt: Vec::new(),
             scales: settings.process_scales > 1,
-            process_scale: Vec::new(),
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -178,12 +155,12 @@ impl Estimates {
 
     /// The number of samples with an estimate that are kept.
     pub fn len(&self) -> usize {
-        self.nis.len()
+        self.history.nis.len()
     }
 
     /// Whether there is no estimate.
     pub fn is_empty(&self) -> bool {
-        self.nis.is_empty()
+        self.history.nis.is_empty()
     }
 
     /// The number of forgotten samples, which is also the number of the first one that is kept.
@@ -221,13 +198,15 @@ impl Estimates {
     /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
     pub fn missing(&self, sensor: usize) -> usize {
         let m = self.sensors.len();
-        (usize::from(self.forgotten == 0)..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
+        (usize::from(self.forgotten == 0)..self.len())
+            .filter(|k| self.history.innovation[k * m + sensor].is_nan())
+            .count()
     }
 
     /// The mean at sample `k`, one number per channel.
     #[inline]
     pub fn mean(&self, k: usize) -> &[f64] {
-        chunk(&self.mean, k, self.channels.len())
+        chunk(&self.history.mean, k, self.channels.len())
     }
 
     /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
@@ -237,12 +216,12 @@ impl Estimates {
     /// ```
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
-        self.canonical.of(channel)[k]
+        self.canonical[channel][k]
     }
 
     /// [`Self::canonical_mean`] of one channel at every sample.
     pub fn canonical_means(&self, channel: usize) -> &[f64] {
-        self.canonical.of(channel)
+        &self.canonical[channel]
     }
 
     /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
@@ -257,25 +236,25 @@ impl Estimates {
     /// The standard deviation of one channel at sample `k`.
     #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
-        self.variance.of(channel)[k].sqrt()
+        self.variance[channel][k].sqrt()
     }
 
     /// The variance of one channel at every sample.
     pub fn variances(&self, channel: usize) -> &[f64] {
-        self.variance.of(channel)
+        &self.variance[channel]
     }
 
     /// The covariance at sample `k`, n × n; empty where it has been dropped.
     #[inline]
     pub fn cov(&self, k: usize) -> &[f64] {
         let n = self.channels.len();
-        k.checked_sub(self.dropped).map_or(&[], |k| chunk(&self.cov, k, n * n))
+        k.checked_sub(self.dropped).map_or(&[], |k| chunk(&self.history.cov, k, n * n))
     }
 
     /// The innovations e at sample `k`, one per sensor.
     #[inline]
     pub fn innovation(&self, k: usize) -> &[f64] {
-        chunk(&self.innovation, k, self.sensors.len())
+        chunk(&self.history.innovation, k, self.sensors.len())
     }
 
     /// The number of readings in the update at sample `k`: more than there are innovations where a sensor was read more than once
@@ -291,14 +270,14 @@ impl Estimates {
     #[inline]
     pub fn innovation_cov(&self, k: usize) -> &[f64] {
         let m = self.sensors.len();
-        chunk(&self.innovation_cov, k, m * m)
+        chunk(&self.history.innovation_cov, k, m * m)
     }
 
     /// The gain K at sample `k`: for each sensor in turn, n numbers; empty where it has been dropped.
     #[inline]
     pub fn gain(&self, k: usize) -> &[f64] {
         let size = self.channels.len() * self.sensors.len();
-        k.checked_sub(self.dropped_gains()).map_or(&[], |k| chunk(&self.gain, k, size))
+        k.checked_sub(self.dropped_gains()).map_or(&[], |k| chunk(&self.history.gain, k, size))
     }
 
     /// The number of kept samples without a gain: a particle filter keeps all, since its diagnosis reads them.
@@ -308,12 +287,12 @@ impl Estimates {
 
     /// The normalised innovation squared of every sample.
     pub fn nis(&self) -> &[f64] {
-        &self.nis
+        &self.history.nis
     }
 
     /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite beyond the range of numbers.
     pub fn determinant(&self) -> &[f64] {
-        &self.determinant
+        &self.history.determinant
     }
 
     /// The log likelihood of the measurements at sample `k`; NaN where there was none.
@@ -324,23 +303,23 @@ impl Estimates {
     ///
     /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
     pub fn log_likelihood(&self, k: usize) -> f64 {
-        if let Some(&own) = self.log_likelihood.get(k) {
+        if let Some(&own) = self.history.log_likelihood.get(k) {
             return own;
         }
         match self.readings(k) {
             0 => f64::NAN,
-            measured => gaussian_likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
+            measured => gaussian_likelihood::log_likelihood(self.history.nis[k], self.ln_determinant(k), measured),
         }
     }
 
     /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
     pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        gaussian_likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
+        gaussian_likelihood::ln_determinant(self.history.determinant[k], self.innovation_cov(k), self.sensors.len())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
     pub fn effective_samples(&self) -> &[f64] {
-        &self.effective_samples
+        &self.history.effective_samples
     }
 
     /// Whether the filter only counts the uncertainty of a channel, and does not estimate it.
@@ -356,57 +335,10 @@ impl Estimates {
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
     pub fn checksum(&self) -> u64 {
         let mut hash = Hash::default();
-        self.mean.iter().chain(&self.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
+        self.history.mean.iter().chain(&self.history.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
         hash.value()
     }
-}
 
-fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
-    &values[k * size..(k + 1) * size]
-}
-
-/// The numbers of one channel are contiguous, so that drawing or adding up a channel reads no other memory.
-#[derive(Clone, Debug)]
-pub(crate) struct ByChannel(Vec<Vec<f64>>);
-
-impl ByChannel {
-    pub(crate) fn new(channels: usize) -> Self {
-        Self(vec![Vec::new(); channels])
-    }
-
-    pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        self.0.iter_mut()
-    }
-
-    #[inline]
-    pub(crate) fn of(&self, channel: usize) -> &[f64] {
-        &self.0[channel]
-    }
-
-    #[inline]
-    pub(crate) fn push(&mut self, sample: impl Iterator<Item = f64>) {
-        for (values, value) in self.0.iter_mut().zip(sample) {
-            values.push(value);
-        }
-    }
-
-    pub(crate) fn forget(&mut self, samples: usize) {
-        for values in &mut self.0 {
-            values.drain(..samples.min(values.len()));
-        }
-    }
-
-    pub(crate) fn recycle(&mut self, old: Self, samples: usize) {
-        let mut old = old.0.into_iter();
-        for values in &mut self.0 {
-            *values = old.next().unwrap_or_default();
-            values.clear();
-            values.reserve(samples);
-        }
-    }
-}
-
-impl Estimates {
     /// Whether the filter weighs its readings.
     pub fn weighs(&self) -> bool {
         self.weighs
@@ -421,12 +353,12 @@ impl Estimates {
     /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
     pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
         let m = self.sensors.len();
-        let of_sample = self.learnt.get(2 * m * k..2 * m * (k + 1))?;
+        let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
         let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
     }
 
-    /// Whether the filter tells how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
     pub fn tells_process_scale(&self) -> bool {
         self.scales
     }
@@ -434,7 +366,7 @@ impl Estimates {
     /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
     /// with one scale of Q.
     pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
-        let &[mean, std] = self.process_scale.get(2 * k..2 * (k + 1))? else { return None };
+        let &[mean, std] = self.history.process_scale.get(2 * k..2 * (k + 1))? else { return None };
         Some([mean, std])
     }
 
@@ -442,24 +374,22 @@ impl Estimates {
     /// filter that weighs none.
     pub fn weights(&self, k: usize) -> &[f64] {
         let m = self.sensors.len();
-        self.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
+        self.history.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
     }
-}
 
-impl Estimates {
     /// Readings `dt` \[s\] apart, or with `apart` samples between two of each sensor. `option` makes the filter count in samples.
     pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
         let has_parts = self.delays(dt).sensors.iter().any(|steps| libm::trunc(*steps) != *steps);
-        let monitor = match (apart, option) {
-            (Some(apart), option) => self.monitor.with_clocks(apart, option),
-            (None, Some(option)) if has_parts => self.monitor.with_rounded_delays(option),
-            (None, _) => self.monitor,
+        let trouble = match (apart, option) {
+            (Some(_), option) => option.map(Trouble::Moved),
+            (None, Some(option)) if has_parts => Some(Trouble::Rounded(option)),
+            (None, _) => None,
         };
-        Self { monitor, ..self }
+        Self { monitor: self.monitor.with_clocks(apart, trouble), ..self }
     }
 
     /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
-    /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
+    /// sample has its own, to the nearest sample. `None` where the record has no such sensor.
     pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
         let quantity = self.sensors.get(place)?;
         let column = quantity.place_in(record.sensors())?;
@@ -470,4 +400,8 @@ impl Estimates {
     fn delays(&self, dt: f64) -> Delays {
         Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
     }
+}
+
+fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
+    &values[k * size..(k + 1) * size]
 }

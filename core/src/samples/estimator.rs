@@ -1,8 +1,6 @@
 //! Filters of any kind over any plant, with types and sizes erased.
 
-pub(crate) mod bounded;
 pub(crate) mod engine;
-pub(crate) mod in_units;
 pub(crate) mod sampled;
 pub(crate) mod setup;
 pub(crate) mod update;
@@ -10,15 +8,16 @@ pub(crate) mod update;
 use crate::data::record::Parts;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::model::{Hold, InputKind, Model};
-use crate::samples::sink::Sink;
-use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
+use crate::mathematics::truncated_normal::truncated;
+use crate::samples::sink::{Sample, Sink};
+use crate::samples::smoother::Passages;
+use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario, Stop};
 
 pub(crate) trait Estimator: Send {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
-    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports the result.
-    fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
-    -> Result<(), FilterError>;
+    /// Predicts from the last sample with the force before, updates with this sample's measurements, and reports the result.
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError>;
@@ -99,20 +98,9 @@ pub(crate) struct FilterContext {
 
 impl FilterContext {
     pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
-        let Scenario { seed, plant, input, hold, .. } = scenario;
-        let sensors = scenario.measured();
-        let stream = filter.id.saturating_sub(1) as usize;
-        Self {
-            plant: plant.kind,
-            input: *input,
-            hold: *hold,
-            sensors,
-            dt,
-            seed: *seed,
-            stream,
-            is_timed: false,
-            start: 0.0,
-        }
+        let &Scenario { seed, input, hold, .. } = scenario;
+        let (plant, sensors, stream) = (scenario.plant.kind, scenario.measured(), filter.id.saturating_sub(1) as usize);
+        Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
     }
 
     pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
@@ -121,16 +109,130 @@ impl FilterContext {
         Self { is_timed, start: record.time_of(0), ..self }
     }
 
-    /// Whether a reading does not tell of its sample.
-    pub(crate) fn is_late(&self, settings: &FilterSettings) -> bool {
-        self.is_timed || settings.delays(self.dt).is_of_sensors()
-    }
-
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
         settings.steps(self.plant, self.input, self.dt)
     }
 
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
+    }
+}
+
+/// Bounds of channels: a filter reports the moments of its belief between the ends.
+///
+/// ```text
+/// y ← y + k (μ - yᵢ),  P ← P + k (s² - Pᵢᵢ) kᵀ,  k = P eᵢ / Pᵢᵢ
+/// ```
+///
+/// for one channel after the other, with the mean μ and the standard deviation s of N(yᵢ, Pᵢᵢ) between the ends. The filter itself
+/// continues from its own belief. So the report is exact where that is: a constant with a normal prior that is cut at the ends has the
+/// normal posterior, cut there. If the filter continued from the report, the same end would count again at each sample.
+///
+/// Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Truncation {
+    /// Places among the channels, each with its ends.
+    places: Vec<(usize, [f64; 2])>,
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    along: Vec<f64>,
+}
+
+impl Truncation {
+    pub(crate) fn of(settings: &FilterSettings, channels: &[Channel]) -> Self {
+        let place = |channel: Channel| channel.place_in(channels);
+        let places = settings.bounds.iter().filter_map(|(channel, between)| Some((place(channel)?, between.ends())));
+        Self { places: places.collect(), ..Self::default() }
+    }
+
+    pub(crate) fn apply<'a>(&'a mut self, mean: &'a [f64], cov: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        if self.places.is_empty() {
+            return (mean, cov);
+        }
+        let Self { places, mean: own, cov: own_cov, along } = self;
+        own.clear();
+        own.extend_from_slice(mean);
+        own_cov.clear();
+        own_cov.extend_from_slice(cov);
+        let n = own.len();
+        for &(i, ends) in &*places {
+            let variance = own_cov[i * n + i];
+            if !(variance > 0.0 && own[i].is_finite()) {
+                continue;
+            }
+            let [mean, std] = truncated([own[i], variance.sqrt()], ends);
+            along.clear();
+            along.extend(own_cov[i * n..(i + 1) * n].iter().map(|entry| entry / variance));
+            let by = mean - own[i];
+            own.iter_mut().zip(&*along).for_each(|(mean, along)| *mean += along * by);
+            own[i] = mean;
+            let more = std * std - variance;
+            for row in 0..n {
+                for column in 0..=row {
+                    let entry = own_cov[row * n + column] + more * (along[row] * along[column]);
+                    (own_cov[row * n + column], own_cov[column * n + row]) = (entry, entry);
+                }
+            }
+        }
+        // A later channel may have moved one before it.
+        places.iter().for_each(|&(i, [least, most])| own[i] = own[i].clamp(least, most));
+        (own, own_cov)
+    }
+}
+
+pub(crate) struct Bounded {
+    pub(crate) inner: Box<dyn Estimator>,
+    pub(crate) truncation: Truncation,
+}
+
+impl Estimator for Bounded {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.inner.begin(&mut Truncating { truncation: &mut self.truncation.clone(), sink })
+    }
+
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { inner, truncation } = self;
+        inner.step(before, force, measured, &mut Truncating { truncation, sink })
+    }
+
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { inner, truncation } = self;
+        inner.step_through(parts, &mut Truncating { truncation, sink })
+    }
+
+    fn keep_passages(&mut self) -> bool {
+        self.inner.keep_passages()
+    }
+
+    fn state(&self) -> Option<State> {
+        self.inner.state()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), FilterError> {
+        self.inner.restore(state)
+    }
+}
+
+pub(crate) struct Truncating<'a> {
+    pub(crate) truncation: &'a mut Truncation,
+    pub(crate) sink: &'a mut dyn Sink,
+}
+
+impl Sink for Truncating<'_> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let (mean, cov) = self.truncation.apply(sample.mean, sample.cov);
+        self.sink.push(&Sample { mean, cov, ..*sample });
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.sink.stop_at(stop);
+    }
+
+    fn wants_prior(&self) -> bool {
+        self.sink.wants_prior()
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        self.sink.passages()
     }
 }

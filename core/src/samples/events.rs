@@ -1,4 +1,4 @@
-//! One filter of a scenario over readings that come at times of their own.
+//! One filter of a scenario over readings that come at their own times.
 
 mod timeline;
 
@@ -7,15 +7,14 @@ use thiserror::Error;
 use crate::data::record::Parts;
 use crate::mathematics::filter::FilterError;
 use crate::samples::estimator::{Estimator, FilterContext, counts_in_samples};
-use crate::samples::passage::{Adjoint, Passages};
-use crate::samples::select;
+use crate::samples::pass;
 use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::samples::smoother::forward::Hindsight;
+use crate::samples::smoother::{Adjoint, Hindsight, Passages};
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
 use timeline::{Event, Timeline};
 
-/// A filter of a scenario that follows events: readings and inputs with times of their own, sensors at rates of their own,
+/// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
 /// late ones too.
 ///
 /// ```text
@@ -28,10 +27,10 @@ use timeline::{Event, Timeline};
 /// longest step of a prediction.
 ///
 /// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
-/// again over what came after it. With [`Hold::First`](crate::Hold::First) the input is linear from one told value to the
+/// again over what came after it. With [`Hold::First`](crate::Hold::First) the input is linear from one known value to the
 /// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
 ///
-/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also tells what it knows in hindsight
+/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also reports its estimates in hindsight
 /// ([`Self::hindsight`]).
 ///
 /// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
@@ -61,14 +60,12 @@ pub struct EventFilter {
     look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
-    /// Taken from the times of each sensor's readings \[s\]; empty where none is late.
-    sensor_delay: Vec<f64>,
     latest: Latest,
     hindsight: Hindsight,
     in_hindsight: LastSample,
     stopped: Option<(f64, FilterError)>,
     again: usize,
-    /// The times of the first event and of the newest that was told \[s\]: a delayed input waits for its time.
+    /// The times of the first event and of the newest one \[s\]: a delayed input waits for its time.
     first: f64,
     now: f64,
     at: usize,
@@ -127,7 +124,7 @@ impl EventFilter {
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
-        let mut estimator = select::estimator(&settings, &context);
+        let mut estimator = pass::build(&settings, &context);
         let mut latest = Latest::default();
         estimator.begin(&mut latest)?;
         if look_ahead.is_some() {
@@ -141,7 +138,6 @@ impl EventFilter {
                 Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
             ),
             look_ahead,
-            sensor_delay: settings.sensor_delay.clone(),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
             latest,
             in_hindsight: LastSample::default(),
@@ -195,7 +191,7 @@ impl EventFilter {
         self.again
     }
 
-    /// Whether it tells what it knows in hindsight.
+    /// Whether it reports estimates in hindsight.
     pub fn looks_back(&self) -> bool {
         self.look_ahead.is_some()
     }
@@ -208,17 +204,17 @@ impl EventFilter {
         let newest = self.timeline.last_at(self.now);
         let then = self.now - self.look_ahead? * (1.0 - SAME);
         let place = self.timeline.place_until(then)?;
-        let mut belief = self.timeline.event(place).state.as_ref()?.belief.clone();
+        let mut belief = self.timeline.events[place].state.as_ref()?.belief.clone();
         let mut adjoint = Adjoint::nothing(belief.size());
         for later in (place + 1..=newest).rev() {
-            self.timeline.event(later).passages.iter().rev().for_each(|passage| adjoint.pass(passage));
+            self.timeline.events[later].passages.iter().rev().for_each(|passage| adjoint.pass(passage));
         }
-        adjoint.tell(&mut belief);
+        adjoint.correct(&mut belief);
         self.hindsight.report(&belief, &mut self.in_hindsight);
-        Some((self.timeline.event(place).time, self.in_hindsight.sample()))
+        Some((self.timeline.events[place].time, self.in_hindsight.sample()))
     }
 
-    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
+    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not known,
     /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
     /// event; innovations and NIS are NaN if that has no readings.
     ///
@@ -229,7 +225,7 @@ impl EventFilter {
         let force = (!input.is_nan()).then(|| self.scenario.input.force(input));
         // A delayed input acts at another time than the readings beside it.
         let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
-        let oldest = self.timeline.oldest().map(|event| event.time);
+        let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
         if let (Some(time), Some(oldest)) = (felt, oldest)
             && time < oldest
@@ -281,7 +277,7 @@ impl EventFilter {
         if let Some((&sensor, _)) = self.sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
             return Err(EventError::InfiniteReading(sensor));
         }
-        let Some(oldest) = self.timeline.oldest().map(|event| event.time) else { return Ok(()) };
+        let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
         if time < oldest {
             return Err(EventError::TooLate { time, oldest });
         }
@@ -296,7 +292,7 @@ impl EventFilter {
     fn begin(&mut self, event: Event) {
         (self.first, self.at) = (event.time, 0);
         self.timeline.insert(event);
-        self.timeline.event_mut(0).state = self.estimator.state();
+        self.timeline.events[0].state = self.estimator.state();
     }
 
     fn put(&mut self, event: Event) -> Result<(), EventError> {
@@ -305,17 +301,17 @@ impl EventFilter {
         if first <= before {
             self.again += before + 1 - first;
             self.at = first - 1;
-            if let Some(state) = &self.timeline.event(first - 1).state
+            if let Some(state) = &self.timeline.events[first - 1].state
                 && let Err(reason) = self.estimator.restore(state)
             {
-                return Err(self.stop(self.timeline.event(first).time, reason));
+                return Err(self.stop(self.timeline.events[first].time, reason));
             }
         }
         let newest = self.timeline.last_at(self.now);
         while self.at < newest {
             let place = self.at + 1;
             if let Err(reason) = self.follow(place) {
-                return Err(self.stop(self.timeline.event(place).time, reason));
+                return Err(self.stop(self.timeline.events[place].time, reason));
             }
             self.at = place;
         }
@@ -330,24 +326,24 @@ impl EventFilter {
     /// Takes the filter to an event and its readings, in parts of dt at most.
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let Self { estimator, timeline, latest, .. } = self;
-        let times = [place - 1, place].map(|place| timeline.event(place).time);
+        let times = [place - 1, place].map(|place| timeline.events[place].time);
         let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
         let steps = (times[1] - times[0]) / self.scenario.dt;
-        let parts = Parts::evenly(steps, times, forces, force, &timeline.event(place).readings);
+        let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
         latest.passages = Passages::default();
         estimator.step_through(&parts, latest)?;
-        let event = timeline.event_mut(place);
+        let event = &mut timeline.events[place];
         event.passages = std::mem::take(&mut latest.passages).all;
         event.state = estimator.state();
         Ok(())
     }
 
-    /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
+    /// The readings of this time \[s\], and those of late or early sensors, each with the time that it is of. A reading of a
     /// time before the first event does not count, as no reading of the first does.
     fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
         let (mut own, mut others) = (readings.to_vec(), Vec::new());
         let first = if self.first.is_finite() { self.first } else { time };
-        for (place, late) in self.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
+        for (place, late) in self.settings.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
             let reading = std::mem::replace(&mut own[place], f64::NAN);
             let then = time - late;
             if !reading.is_nan() && then > first + SAME * self.scenario.dt {

@@ -8,17 +8,17 @@
 //! Source: Magill (1965), Optimal adaptive estimation of sampled stochastic processes; Bar-Shalom, Li and Kirubarajan (2001),
 //! *Estimation with Applications to Tracking and Navigation*, section 11.6.
 
-pub(crate) mod guesses;
-pub(crate) mod scales;
-pub(crate) mod walk;
+use std::f64::consts::TAU;
 
 use crate::data::record::Parts;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::mixed::{Moments, mean};
-use crate::samples::estimator::Estimator;
+use crate::mathematics::gaussian_likelihood::{Moments, mean, shares};
+use crate::mathematics::lists::{mapped, numbers, sort_items};
+use crate::mathematics::noise_scale::NoiseScale;
+use crate::samples::estimator::setup::Beginning;
 use crate::samples::estimator::update::Update;
-use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::{FilterError, FilterSettings};
+use crate::samples::estimator::{Estimator, FilterContext};
+use crate::samples::sink::{AssumedNoise, LastSample, Sample, Sink};
+use crate::{Adaptation, Channel, FilterError, FilterSettings};
 
 /// The weights of filters. It fails where a filter has failed without which the others cannot continue.
 pub(crate) trait Rule: Send {
@@ -144,5 +144,273 @@ impl Estimator for Mixture {
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         self.step_all(sink, &|member, sink| member.step_through(parts, sink))
+    }
+}
+
+/// Several filters side by side from guesses of the natural frequency that are far apart.
+///
+/// The likeliest so far reports alone. Every 500 measured samples, each filter that is 30 behind it in log likelihood and has not
+/// gained on it since the last check is left out, so that one remains in the end.
+pub(crate) struct Guesses {
+    /// The log likelihood of each filter, and the amount by which it was below the likeliest at the last check.
+    each: Vec<[f64; 2]>,
+    leader: usize,
+    measured: usize,
+}
+
+/// The outermost guesses are e^±2 times the initial mean: 0.14 and 7.4 times.
+const FARTHEST: f64 = 2.0;
+
+/// The measured samples between two checks for filters that are far behind.
+const CHECKED: usize = 500;
+
+/// Limits the amount by which a guess may be below the likeliest in log likelihood.
+const FAR_BEHIND: f64 = 30.0;
+
+impl Guesses {
+    /// The settings of the filters of all guesses, evenly spread in the logarithm of ωₙ, the nearest to the initial mean first. A guess's
+    /// standard deviation is at least about half the distance to the next guess, in logarithms.
+    pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
+        let count = settings.guesses;
+        let place = |i: usize| 2.0 * FARTHEST * i as f64 / (count - 1) as f64 - FARTHEST;
+        let mut logarithms: Vec<f64> = numbers(count, &place);
+        sort_items(&mut logarithms, |a, b| a.abs().total_cmp(&b.abs()));
+        let of = |logarithm: f64| {
+            let mut member = FilterSettings { guesses: 1, ..settings.clone() };
+            let [mean, std] =
+                [&mut member.initial_mean, &mut member.initial_std].map(|of| &mut of[Channel::NATURAL_FREQUENCY]);
+            *mean *= libm::exp(logarithm);
+            *std = std.max(FARTHEST / count as f64 * *mean);
+            member
+        };
+        logarithms.into_iter().map(of).collect()
+    }
+
+    pub(crate) fn new(count: usize) -> Self {
+        Self { each: vec![[0.0, f64::INFINITY]; count], leader: 0, measured: 0 }
+    }
+}
+
+impl Rule for Guesses {
+    fn weights(&self) -> &[f64] {
+        &[]
+    }
+
+    fn leader(&self) -> Option<usize> {
+        Some(self.leader)
+    }
+
+    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+        let Self { each, leader, measured } = self;
+        for (member, [sum, _]) in members.iter_mut().zip(&mut *each) {
+            let gained = member.ln_likelihood();
+            *sum += if gained.is_nan() { 0.0 } else { gained };
+            if !sum.is_finite() {
+                (*sum, _) = (f64::NEG_INFINITY, member.failure.get_or_insert(FilterError::NotFinite));
+            }
+        }
+        if let (Some(reason), true) = (members[*leader].failure, members.iter().all(|member| member.failure.is_some()))
+        {
+            return Err(reason);
+        }
+        // The first of those that are alike, which is the nearest to the initial mean.
+        *leader = (0..each.len()).rev().max_by(|a, b| each[*a][0].total_cmp(&each[*b][0])).unwrap_or(0);
+        let is_measured = members.iter().any(Member::is_read);
+        *measured += usize::from(is_measured);
+        if is_measured && measured.is_multiple_of(CHECKED) {
+            let best = each[*leader][0];
+            for (member, [sum, before]) in members.iter_mut().zip(each) {
+                let behind = best - *sum;
+                if behind >= FAR_BEHIND && behind >= *before {
+                    (*sum, _) = (f64::NEG_INFINITY, member.failure.get_or_insert(FilterError::ImpossibleMeasurement));
+                }
+                *before = behind;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Filters that differ in the scale of Q alone, weighed by the posterior of the scale ([`NoiseScale`]).
+pub(crate) struct Scales {
+    scale: NoiseScale,
+    adaptation: Adaptation,
+    dt: f64,
+    sample: usize,
+    /// The diagonals of Q and R of the settings, and the variances of R.
+    process: Vec<f64>,
+    sensors: Vec<f64>,
+    uncertainty: Vec<f64>,
+}
+
+impl Scales {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
+        let noise = Beginning::of(settings, context).noise;
+        Self {
+            scale: NoiseScale::new(settings.process_scales),
+            adaptation: settings.adaptation,
+            dt: context.dt,
+            sample: 0,
+            process: noise.process.diagonal().as_slice().to_vec(),
+            uncertainty: mapped(&noise.sensors, &|r| settings.adaptation.initial_uncertainty(*r)),
+            sensors: noise.sensors,
+        }
+    }
+
+    pub(crate) fn members(&self, settings: &FilterSettings, channels: &[Channel]) -> Vec<FilterSettings> {
+        let of = |u: &f64| {
+            let mut member = FilterSettings { process_scales: 1, ..settings.clone() };
+            for &channel in channels {
+                member.process_std[channel] = libm::exp(*u) * settings.process_std[channel];
+            }
+            member
+        };
+        mapped(&self.scale.grid, &of)
+    }
+}
+
+impl Rule for Scales {
+    fn weights(&self) -> &[f64] {
+        &self.scale.weights
+    }
+
+    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+        self.sample += 1;
+        let learns = members.iter().any(Member::is_read) && self.adaptation.learns_at(self.sample, self.dt);
+        let has_failed = members.iter().zip(self.weights()).any(|(one, weight)| one.failure.is_some() && *weight > 0.0);
+        if has_failed || learns {
+            let counts = |member: &Member| learns || member.failure.is_some();
+            let keep = if learns { self.adaptation.forgetting } else { 1.0 };
+            self.scale.take(members.iter().map(|one| if counts(one) { one.ln_likelihood() } else { 0.0 }), keep);
+        }
+        Ok(())
+    }
+
+    fn push(&self, members: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+        let [u, std] = self.scale.moments;
+        let process = mapped(&self.process, &|variance| libm::exp(2.0 * u) * variance);
+        let samples = samples(members, self.weights());
+        let learnt = samples.iter().filter_map(|(weight, sample)| Some((*weight, sample.noise?)));
+        let (mut sensors, mut uncertainty) = (self.sensors.clone(), self.uncertainty.clone());
+        for place in 0..sensors.len() {
+            let mut own = Moments::default();
+            own.mix(learnt.clone().map(|(weight, AssumedNoise { sensors, uncertainty, .. })| {
+                (weight, [&sensors[place..=place], &uncertainty[place..=place]])
+            }));
+            if let ([r], [variance]) = (&own.mean[..], &own.cov[..]) {
+                (sensors[place], uncertainty[place]) = (*r, *variance);
+            }
+        }
+        let (process, sensors, uncertainty) = (&process[..], &sensors[..], &uncertainty[..]);
+        let noise = AssumedNoise { process, sensors, uncertainty, process_scale: [u, std] };
+        sink.push(&Sample { noise: Some(noise), ..sample });
+    }
+}
+
+/// Two filters that mix: one whose parameters are still, and one whose parameters walk.
+///
+/// An interacting multiple model filter (IMM) of two models of one plant. In the first, noise of the parameters is that of the
+/// settings; in the second each of them walks, too: by w times its initial standard deviation in a second.
+///
+/// ```text
+/// cⱼ = Σᵢ pᵢⱼ μᵢ          each filter begins from the mixture of both, with the weights pᵢⱼ μᵢ / cⱼ
+/// Λⱼ = N(eⱼ; 0, Sⱼ)       of its prediction and update
+/// μⱼ = cⱼ Λⱼ / Σ cᵢ Λᵢ
+/// ```
+///
+/// The weights before the measurement are cⱼ, those after it μⱼ.
+///
+/// Source: Blom and Bar-Shalom (1988), The interacting multiple model algorithm for systems with Markovian switching coefficients;
+/// Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 11.6.6.
+#[derive(Default)]
+pub(crate) struct Walk {
+    /// μ of both, or c before a measurement.
+    weights: [f64; 2],
+    /// p, from a row to a column.
+    transition: [[f64; 2]; 2],
+    is_walking: bool,
+    has_begun: bool,
+    has_samples: bool,
+}
+
+/// The mean time that parameters are still, and that they walk, in periods of the plant by the initial mean.
+const STILL: f64 = 30.0;
+const WALKS: f64 = 1.0;
+
+/// Limits the probability of a change between two samples.
+const MOST_CHANGE: f64 = 0.5;
+
+/// Parameters that walked are still again below this probability.
+const CALM: f64 = 0.1;
+
+impl Walk {
+    pub(crate) fn members(settings: &FilterSettings, context: &FilterContext) -> [FilterSettings; 2] {
+        let still = FilterSettings { walk: 0.0, ..settings.clone() };
+        let mut walking = still.clone();
+        let model = context.model(settings);
+        let is_parameter = |channel: &&Channel| channel.is_parameter() && !settings.knows(**channel);
+        for &channel in model.channels().iter().filter(is_parameter) {
+            let step = settings.walk * settings.initial_std[channel] * libm::sqrt(context.dt);
+            let own = settings.process_std[channel];
+            walking.process_std[channel] = libm::sqrt(own * own + step * step);
+        }
+        [still, walking]
+    }
+
+    /// Of a plant that turns by so much from a sample to the next \[rad\].
+    pub(crate) fn new(turn: f64) -> Self {
+        let [begins, ends] = [STILL, WALKS].map(|periods| (turn / (TAU * periods)).min(MOST_CHANGE));
+        Self { weights: [1.0, 0.0], transition: [[1.0 - begins, begins], [ends, 1.0 - ends]], ..Self::default() }
+    }
+}
+
+impl Rule for Walk {
+    fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+        let Self { weights, transition, has_samples, .. } = self;
+        let before = |j: usize| transition[0][j] * weights[0] + transition[1][j] * weights[1];
+        let before = [before(0), before(1)];
+        if std::mem::replace(has_samples, true) {
+            let mixed = [0, 1].map(|j| {
+                let mut mixed = Moments::default();
+                let of = |i: usize| (transition[i][j] * weights[i] / before[j], members[i].last.sample());
+                mixed.mix([of(0), of(1)].iter().map(|(weight, sample)| (*weight, [sample.mean, sample.cov])));
+                mixed
+            });
+            for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(&mixed) {
+                estimator.set_belief(mean, cov)?;
+            }
+        }
+        *weights = before;
+        Ok(())
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Without any measurement, nothing is learnt.
+    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+        if let Some(reason) = members.iter().find_map(|member| member.failure) {
+            return Err(reason);
+        }
+        let evidence = |j: usize| libm::log(self.weights[j]) + members[j].ln_likelihood();
+        let evidence = [evidence(0), evidence(1)];
+        if !evidence.iter().all(|ln| ln.is_nan()) {
+            let shares = shares(&evidence);
+            let [still, walks] = [shares[0], shares[1]];
+            if still + walks == 0.0 {
+                return Err(FilterError::ImpossibleMeasurement);
+            }
+            let walks = walks.clamp(LEAST, 1.0 - LEAST);
+            self.weights = [1.0 - walks, walks];
+        }
+        let walked = self.is_walking;
+        self.is_walking = self.weights[1] > if walked { CALM } else { 0.5 };
+        self.has_begun = self.is_walking && !walked;
+        Ok(())
+    }
+
+    fn push(&self, _: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+        sink.push(&Sample { has_widened: self.has_begun, ..sample });
     }
 }

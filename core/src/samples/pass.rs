@@ -1,14 +1,21 @@
-//! One filter over one record.
+//! One filter over one record, and how it is built.
+
+use thiserror::Error;
 
 use crate::data::record::{Delays, Parts};
+use crate::mathematics::filter::Way;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::samples::estimator::{Estimator, Failed, FilterContext, counts_in_samples};
-use crate::samples::run_error::sensor_places;
-use crate::samples::select;
-use crate::samples::sink::Sink;
-use crate::samples::tape::Tape;
-use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
+use crate::samples::estimator::setup::Setup;
+use crate::samples::estimator::{
+    Bounded, Estimator, Failed, FilterContext, Truncation, counts_in_samples, engine, sampled,
+};
+use crate::samples::mixture::{Guesses, Mixture, Scales, Walk};
+use crate::samples::sink::{Sink, Tape};
+use crate::scenario::Bounds;
+use crate::{
+    Channel, Estimates, FilterError, FilterSettings, InputKind, Quantity, Record, Scenario, ScenarioError, Stop,
+};
 
 /// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
 /// thousands of runs are loops over this.
@@ -33,11 +40,11 @@ struct Built {
 impl Built {
     fn estimator(&mut self) -> &mut dyn Estimator {
         let Self { recipe, estimator } = self;
-        let build = || match recipe.take() {
-            Some(recipe) => select::estimator(&recipe.0, &recipe.1),
+        let make = || match recipe.take() {
+            Some(recipe) => build(&recipe.0, &recipe.1),
             None => Box::new(Failed(FilterError::NotFinite)),
         };
-        estimator.get_or_insert_with(build).as_mut()
+        estimator.get_or_insert_with(make).as_mut()
     }
 }
 
@@ -69,18 +76,13 @@ impl Pass {
     }
 
     pub(crate) fn with(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Self {
-        let estimator = Some(select::estimator(settings, context));
+        let estimator = Some(build(settings, context));
         Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
-    /// The same, which adds its passages to sinks that ask for them; `None` of a filter that has none.
-    pub(crate) fn with_passages(
-        settings: &FilterSettings,
-        context: &FilterContext,
-        sensors: Vec<usize>,
-    ) -> Option<Self> {
-        let mut pass = Self::with(settings, context, sensors);
-        pass.filter.estimator().keep_passages().then_some(pass)
+    /// Adds its passages to sinks that ask for them from now on. Returns false for a filter that has none.
+    pub(crate) fn keep_passages(&mut self) -> bool {
+        self.filter.estimator().keep_passages()
     }
 
     /// The same, but the filter is built with its first sample.
@@ -109,7 +111,7 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
-    /// [`Self::history`] with memory for a whole record, whose readings may have times of their own: its remarks say so where the
+    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the
     /// filter does not follow them, and a sensor that measures seldom is not taken for a silent one.
     ///
     /// # Errors
@@ -207,7 +209,7 @@ impl Pass {
     }
 }
 
-/// The samples between two readings of each sensor, where the readings of a record have times of their own.
+/// The samples between two readings of each sensor, where the readings of a record have their own times.
 pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>> {
     let clocks = record.clocks()?;
     let readings = |quantity: &Quantity| {
@@ -215,4 +217,144 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
         column.map_or(0, |column| clocks.readings[column].times.len())
     };
     Some(mapped(sensors, &|quantity| record.len() / readings(quantity).max(1)))
+}
+
+/// A [`Pass`] over a record that grows: a sample comes in, an estimate goes out, with the bits of a pass over the whole record.
+///
+/// Samples follow each other after dt; of one that is lost, the readings are NaN. Clocks with gaps, and sensors with clocks of their
+/// own, are for [`EventFilter`](crate::EventFilter). Where the input or a sensor is late by d samples, the estimate of a sample comes
+/// with the d-th after it.
+pub struct OnlineFilter {
+    pass: Pass,
+    /// The samples that the filter has yet to read, and some before them.
+    record: Record,
+    /// The samples after the one that it filters, and before it, that it reads.
+    reach: [usize; 2],
+}
+
+/// Forgets samples only when there are this many, since forgetting moves all others.
+const FORGET: usize = 64;
+
+impl OnlineFilter {
+    /// The filter at `place` of a scenario, before its first sample.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`].
+    pub fn new(scenario: &Scenario, place: usize) -> Result<Self, RunError> {
+        let sensors = scenario.measured();
+        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors, Vec::new());
+        let pass = Pass::new(scenario, place, &record)?;
+        let delays = scenario.filters[place].delays(scenario.dt);
+        Ok(Self { pass, record, reach: [delays.lookahead(), delays.reach()] })
+    }
+
+    /// The pass, which says how many samples are done, and where and why the filter has stopped.
+    pub fn pass(&self) -> &Pass {
+        &self.pass
+    }
+
+    /// Takes in the input \[m/s²\] in the scenario's meaning, and a reading for each of its sensors in the unit of its quantity, NaN
+    /// where one is missing.
+    ///
+    /// # Panics
+    /// Panics where there is not one reading for each sensor.
+    pub fn step(&mut self, input: f64, readings: &[f64], sink: &mut dyn Sink) {
+        let Self { pass, record, reach: [after, before] } = self;
+        assert_eq!(readings.len(), record.sensors().len(), "a reading for each sensor");
+        record.push(input, readings.iter().copied(), []);
+        pass.follow(record, (record.forgotten() + record.len()).saturating_sub(*after), sink);
+        let read = pass.done().saturating_sub(record.forgotten() + *before + 1);
+        if read >= FORGET {
+            record.forget(read);
+        }
+    }
+
+    /// Computes the last samples as a record does at its end, where the last input holds from then on.
+    pub fn finish(&mut self, sink: &mut dyn Sink) {
+        self.pass.follow(&self.record, usize::MAX, sink);
+    }
+}
+
+pub(crate) fn build(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
+    if !settings.bounds.is_empty() {
+        let truncation = Truncation::of(settings, context.model(settings).channels());
+        let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
+        return Box::new(Bounded { inner: build(&free, context), truncation });
+    }
+    if settings.process_scales > 1 {
+        let rule = Scales::new(settings, context);
+        let members = rule.members(settings, context.model(settings).channels());
+        return Box::new(Mixture::new(&members, rule, |member| single(member, context)));
+    }
+    if settings.guesses > 1 {
+        let members = Guesses::members(settings);
+        return Box::new(Mixture::new(&members, Guesses::new(members.len()), |member| walking(member, context)));
+    }
+    walking(settings, context)
+}
+
+/// Builds the filter of one guess, or two where its parameters may walk.
+fn walking(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
+    if settings.walk == 0.0 {
+        return single(settings, context);
+    }
+    let members = Walk::members(settings, context);
+    let (model, frequency) = (context.model(settings), Channel::NATURAL_FREQUENCY);
+    let turn = match model.place(frequency) {
+        Some(_) => settings.initial_mean[frequency].abs() * context.dt,
+        None => settings.turn(&model, context.dt),
+    };
+    let rule = Walk::new(if turn > 0.0 { turn } else { context.dt });
+    Box::new(Mixture::new(&members, rule, |member| single(member, context)))
+}
+
+fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
+    match settings.kind.info().way {
+        Way::Belief(begin) => sampled::estimator(begin, settings, context),
+        Way::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
+            Some(setup) => engine::estimator(&setup, settings),
+            None => Box::new(Failed(FilterError::TooLarge)),
+        },
+    }
+}
+
+/// The reason why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scenario is impossible.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The record lacks a sensor of the scenario.
+    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
+    MissingSensor(Quantity),
+    /// The record's input is of another kind than the scenario's.
+    #[error("the record's input is {}, but the scenario's is {}", input_name(*.record), input_name(*.scenario))]
+    InputKind {
+        /// The kind of the record's input.
+        record: InputKind,
+        /// The kind that the scenario has.
+        scenario: InputKind,
+    },
+    /// There is no filter at this place.
+    #[error("the scenario has no filter number {}", .0 + 1)]
+    NoFilter(usize),
+    /// A smoother begins with the first sample, but this many of the record's first samples have been forgotten.
+    #[error("the record's first {0} samples have been forgotten, and a smoother begins with the first")]
+    Forgotten(usize),
+}
+
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "a force",
+        InputKind::GroundAcceleration => "the acceleration of the ground",
+    }
+}
+
+pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
+    if record.input_kind() != scenario.input {
+        return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });
+    }
+    let place = |q: Quantity| q.place_in(record.sensors()).ok_or(RunError::MissingSensor(q));
+    scenario.sensors.iter().map(|s| place(s.measures)).collect()
 }

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::noise_scale;
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::samples::sample::{AssumedNoise, Sample};
+use crate::samples::sink::{AssumedNoise, Sample};
 use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
 
 /// A problem that does not stop the filter.
@@ -102,7 +102,7 @@ const PRODUCT_LIMIT: f64 = 1e150;
 
 const LASTING: usize = 10;
 
-/// A slow sensor counts as silent when it has told nothing for this many of its usual gaps.
+/// A slow sensor counts as silent when it has read nothing for this many of its usual gaps.
 const SILENT: usize = 3;
 
 /// The number of successive samples at which the scale of Q may be beyond the end.
@@ -114,7 +114,7 @@ const UNKNOWN: f64 = 1.0;
 /// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Monitor {
     channels: Vec<Channel>,
     sensors: Vec<Quantity>,
@@ -158,30 +158,19 @@ impl Monitor {
             known,
             suspicious: mapped(&limits, &|limit| limit.min(PRODUCT_LIMIT)),
             limits,
-            silent: [0; MAX_SENSORS],
             lasting: vec![LASTING; sensors.len()],
-            is_timed: false,
-            missing: [0; MAX_SENSORS],
-            any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
-            collapsed: 0,
-            at_end: 0,
-            initial_noise: None,
-            remarks: Vec::new(),
+            ..Self::default()
         }
     }
 
-    /// `apart` are the samples between two readings of each sensor, `moved` the option for which they count at samples.
-    pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
-        self.lasting = mapped(apart, &|apart| LASTING.max(SILENT * apart));
-        self.is_timed = true;
-        self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
-        self
-    }
-
-    /// The same where late readings count at the nearest samples for this option.
-    pub(crate) fn with_rounded_delays(mut self, option: &'static str) -> Self {
-        self.remarks.push(Remark { what: Trouble::Rounded(option), sample: 0, last: 0 });
+    /// `apart` are the samples between two readings of each sensor, where these have times of their own.
+    pub(crate) fn with_clocks(mut self, apart: Option<&[usize]>, trouble: Option<Trouble>) -> Self {
+        if let Some(apart) = apart {
+            self.lasting = mapped(apart, &|apart| LASTING.max(SILENT * apart));
+            self.is_timed = true;
+        }
+        self.remarks.extend(trouble.map(|what| Remark { what, sample: 0, last: 0 }));
         self
     }
 
@@ -191,7 +180,7 @@ impl Monitor {
     }
 
     #[inline(always)]
-    pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
+    pub(crate) fn check(&mut self, k: usize, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, effective_samples, noise, has_widened, .. } = *sample;
         let n = mean.len();
         let wide = (0..n).zip(&self.suspicious).fold(false, |wide, (i, limit)| wide | (cov[i * n + i] > *limit));
@@ -204,10 +193,10 @@ impl Monitor {
             }
         }
         if wide | beyond {
-            self.look_at_covariance(k, cov);
+            self.check_covariance(k, cov);
         }
         if self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
-            self.look_at_sensors(k, innovation);
+            self.check_sensors(k, innovation);
         }
         if effective_samples < self.fewest_particles {
             self.collapsed += 1;
@@ -218,7 +207,7 @@ impl Monitor {
             self.collapsed = 0;
         }
         if let Some(noise) = noise {
-            self.look_at_noise(k, noise);
+            self.check_noise(k, noise);
         }
         if has_widened {
             self.note(Trouble::Widened, k, k);
@@ -226,7 +215,7 @@ impl Monitor {
     }
 
     #[cold]
-    fn look_at_covariance(&mut self, k: usize, cov: &[f64]) {
+    fn check_covariance(&mut self, k: usize, cov: &[f64]) {
         let n = self.channels.len();
         let channels = self.channels.clone();
         for j in 0..n {
@@ -243,7 +232,7 @@ impl Monitor {
     }
 
     #[cold]
-    fn look_at_sensors(&mut self, k: usize, innovation: &[f64]) {
+    fn check_sensors(&mut self, k: usize, innovation: &[f64]) {
         if k == 0 {
             return;
         }
@@ -265,14 +254,14 @@ impl Monitor {
         }
     }
 
-    /// So many of the gaps that a sensor usually had until its last reading before sample `k`, where readings have times of their own.
+    /// This many of the gaps that a sensor usually had until its last reading before sample `k`, where readings have times of their own.
     fn usual_gaps(&self, place: usize, k: usize) -> usize {
-        let told = k - self.missing[place];
-        if self.is_timed { SILENT * (k - self.silent[place]) / told.max(1) } else { 0 }
+        let read = k - self.missing[place];
+        if self.is_timed { SILENT * (k - self.silent[place]) / read.max(1) } else { 0 }
     }
 
     #[cold]
-    fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
+    fn check_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
         let AssumedNoise { process, process_scale: [mean, std], .. } = noise;
         let is_at_end = std < UNKNOWN && mean.abs() + 2.0 * std > libm::log(noise_scale::REACH);
         self.at_end = if is_at_end { self.at_end + 1 } else { 0 };

@@ -1,9 +1,9 @@
-//! The simulation of the truth: the plant's response and the sensors' measurements.
+//! Sources of samples, and the simulation of the truth: the plant's response and the sensors' measurements.
 
-mod refinement;
 pub(crate) mod response;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -11,11 +11,12 @@ use crate::data::scenario::fault::{Act, Moment};
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
+use crate::samples::run::lookahead;
 use crate::{Channel, Force, Quantity, Record, Scenario, Signal};
 
 use response::{HALVED, Response};
 
-/// The reason why a truth cannot go on.
+/// The reason why a truth cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TruthError {
@@ -120,7 +121,7 @@ impl Simulator {
     }
 
     /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
-    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth goes on until
+    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth lasts until
     /// then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
         let end = self.response.halved + HALVED;
@@ -133,7 +134,7 @@ impl Simulator {
         true
     }
 
-    /// Goes on with the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
+    /// Computes the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
     /// is known. Returns whether the sample is done, or the truth has stopped.
     fn advance(&mut self, record: &mut Record, most: u64) -> bool {
         if self.stop.is_some() {
@@ -161,19 +162,8 @@ impl Simulator {
     }
 
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
-        let Self {
-            scenario,
-            inputs,
-            disturbance_noise,
-            sensor_noise,
-            faults,
-            model,
-            signals,
-            readings,
-            measured,
-            state,
-            ..
-        } = self;
+        let Self { scenario, inputs, disturbance_noise, sensor_noise, faults, .. } = self;
+        let Self { model, signals, readings, measured, state, .. } = self;
         let response = &mut self.response;
         let t = k as f64 * scenario.dt;
         for (place, signal) in signals.iter().enumerate() {
@@ -206,11 +196,11 @@ impl Simulator {
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            let told = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
-            if told.is_infinite() {
+            let reported = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
+            if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            measured.push(told);
+            measured.push(reported);
         }
         inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {
@@ -269,6 +259,129 @@ impl Inputs {
         while self.first < k && self.kept.pop_front().is_some() {
             self.first += 1;
         }
+    }
+}
+
+/// The source of a run's samples.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// A simulation of the scenario's truth.
+    #[default]
+    Simulated,
+    /// A given record. Its time between samples replaces the scenario's.
+    Measured(Arc<Record>),
+    /// A given record to which samples are still added: [`Run::lengthen`](crate::Run::lengthen). Smoothers and free runs, which need the end, wait.
+    Live(Arc<Record>),
+}
+
+impl Source {
+    /// The record, if it is given.
+    pub fn record(&self) -> Option<&Arc<Record>> {
+        match self {
+            Self::Simulated => None,
+            Self::Measured(record) | Self::Live(record) => Some(record),
+        }
+    }
+
+    /// Whether the samples are measured, not simulated.
+    pub fn is_measured(&self) -> bool {
+        self.record().is_some()
+    }
+}
+
+/// The record of a run: simulated, or given.
+pub(crate) struct Recording {
+    simulator: Option<Box<Simulator>>,
+    record: Arc<Record>,
+    pub(crate) is_live: bool,
+}
+
+impl Recording {
+    /// The empty record of a valid scenario, in the memory of an old one; or a given one.
+    pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
+        match source {
+            Source::Measured(record) => Self::given(record, false),
+            Source::Live(record) => Self::given(record, true),
+            Source::Simulated => {
+                let simulator = Box::new(Simulator::new(scenario));
+                let mut record = simulator.empty_record();
+                if let Some(spare) = spare {
+                    record.recycle(spare);
+                }
+                Self { simulator: Some(simulator), record: Arc::new(record), is_live: false }
+            }
+        }
+    }
+
+    pub(crate) fn given(record: Arc<Record>, is_live: bool) -> Self {
+        Self { simulator: None, record, is_live }
+    }
+
+    pub(crate) fn source(&self) -> Source {
+        match (&self.simulator, self.is_live) {
+            (Some(_), _) => Source::Simulated,
+            (None, false) => Source::Measured(Arc::clone(&self.record)),
+            (None, true) => Source::Live(Arc::clone(&self.record)),
+        }
+    }
+
+    pub(crate) fn record(&self) -> &Record {
+        &self.record
+    }
+
+    pub(crate) fn into_simulated(self) -> Option<Record> {
+        self.simulator.and_then(|_| Arc::into_inner(self.record))
+    }
+
+    /// Of a live record those that a filter can do, which may read the input of later ones.
+    pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
+        match &self.simulator {
+            Some(_) => scenario.samples(),
+            None if self.is_live => self.record.len().saturating_sub(lookahead(scenario, self.record.dt())),
+            None => self.record.len(),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        place_of_next(&self.record)
+    }
+
+    /// Counted from the beginning. Returns false if the truth has diverged before.
+    pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
+        while self.len() < samples {
+            if !self.advance_some(samples) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
+    pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
+        let Some(simulator) = &mut self.simulator else { return self.len() >= samples };
+        simulator.advance_some(Arc::make_mut(&mut self.record), samples)
+    }
+
+    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.
+    pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
+        let continues = self.is_live && longer.goes_on_from(&self.record);
+        if continues {
+            self.record = longer;
+        }
+        continues
+    }
+
+    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
+    pub(crate) fn forget(&mut self, samples: usize) -> bool {
+        let is_simulated = self.simulator.is_some();
+        if is_simulated {
+            Arc::make_mut(&mut self.record).forget(samples);
+        }
+        is_simulated
+    }
+
+    pub(crate) fn stop(&self) -> Option<TruthStop> {
+        self.simulator.as_ref().and_then(|simulator| simulator.stop())
     }
 }
 

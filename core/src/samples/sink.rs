@@ -1,9 +1,114 @@
-//! Receivers of a filter's results.
+//! Samples of a filter's results, and their receivers.
 
-use crate::samples::passage::Passages;
-use crate::{Estimates, Stop};
+use crate::mathematics::gaussian_likelihood;
+use crate::samples::smoother::Passages;
+use crate::{Estimates, FilterError, Stop};
 
-pub use crate::samples::sample::{AssumedNoise, Sample};
+/// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
+/// channels, m sensors.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Mean, n numbers.
+    pub mean: &'a [f64],
+    /// Covariance, n × n, symmetric to the last bit.
+    pub cov: &'a [f64],
+    /// Mean before the update, n numbers; empty unless the sink wants it ([`Sink::wants_prior`](crate::Sink::wants_prior)). At the first sample and where
+    /// nothing was measured it is the mean.
+    pub prior_mean: &'a [f64],
+    /// Covariance before the update, n × n; empty unless the sink wants it.
+    pub prior_cov: &'a [f64],
+    /// The innovation e of each sensor in its unit, m numbers; NaN where a sensor measured nothing.
+    pub innovation: &'a [f64],
+    /// S, the covariance of e, m × m.
+    pub innovation_cov: &'a [f64],
+    /// K: for each sensor, the change of each channel by a unit of innovation; m × n.
+    pub gain: &'a [f64],
+    /// The readings of the step to this sample that one of the same sensor follows in it. e, S and K are those of the last one; NIS
+    /// and det S count all.
+    pub earlier: u32,
+    /// Normalised innovation squared.
+    pub nis: f64,
+    /// det S over the sensors with a measurement; zero or infinite where it underflows or overflows.
+    pub determinant: f64,
+    /// For a particle filter, the logarithm of the mean likelihood of its particles; NaN for other filters, where it
+    /// follows from NIS and det S.
+    pub log_likelihood: f64,
+    /// Effective sample size of a particle filter before it resampled; NaN for any other.
+    pub effective_samples: f64,
+    /// For an adaptive filter, the present variances of process and sensor noise.
+    pub noise: Option<AssumedNoise<'a>>,
+    /// For a filter that weighs its readings, the weight of each sensor's, from 0 for none to about 1, m numbers; NaN where a sensor
+    /// measured nothing, and empty for any other filter.
+    pub weights: &'a [f64],
+    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once; of a bank, whether it is
+    /// from this sample on more probable that its parameters walk.
+    pub has_widened: bool,
+}
+
+impl<'a> Sample<'a> {
+    /// A belief without a measurement, and without that before it.
+    pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
+        let nan = f64::NAN;
+        Self {
+            mean,
+            cov,
+            prior_mean: &[],
+            prior_cov: &[],
+            innovation: &[],
+            innovation_cov: &[],
+            gain: &[],
+            earlier: 0,
+            nis: nan,
+            determinant: nan,
+            log_likelihood: nan,
+            effective_samples: nan,
+            noise: None,
+            weights: &[],
+            has_widened: false,
+        }
+    }
+
+    /// The number of readings in its update.
+    pub fn readings(&self) -> u32 {
+        self.earlier + readings(self.innovation)
+    }
+
+    /// The log likelihood of the measurements, of every kind of filter; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    pub fn ln_likelihood(&self) -> f64 {
+        let Self { innovation, innovation_cov, nis, determinant, log_likelihood: own, .. } = *self;
+        match self.readings() {
+            0 => f64::NAN,
+            _ if !own.is_nan() => own,
+            measured => {
+                let ln_determinant = gaussian_likelihood::ln_determinant(determinant, innovation_cov, innovation.len());
+                gaussian_likelihood::log_likelihood(nis, ln_determinant, measured)
+            }
+        }
+    }
+}
+
+#[inline]
+pub(crate) fn readings(innovation: &[f64]) -> u32 {
+    innovation.iter().map(|e| u32::from(!e.is_nan())).sum()
+}
+
+/// The variances of an adaptive filter.
+#[derive(Clone, Copy, Debug)]
+pub struct AssumedNoise<'a> {
+    /// Diagonal of Q, n numbers, in the state's units squared.
+    pub process: &'a [f64],
+    /// Diagonal of R, m numbers, in the sensors' units squared.
+    pub sensors: &'a [f64],
+    /// The variance of each number of [`Self::sensors`]; zero where R is not learnt.
+    pub uncertainty: &'a [f64],
+    /// Mean and standard deviation of ln s, where s is the factor between √Q and the √Q of the settings; NaN for a filter with one scale
+    /// ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    pub process_scale: [f64; 2],
+}
 
 /// Receives the samples of one filter in turn: a full history ([`Estimates`]), or running sums
 /// ([`Scores`](crate::Scores)).
@@ -50,16 +155,6 @@ pub trait Sink {
     #[doc(hidden)]
     fn passages(&mut self) -> Option<&mut Passages> {
         None
-    }
-}
-
-impl Sink for Estimates {
-    fn push(&mut self, sample: &Sample<'_>) {
-        self.append(sample);
-    }
-
-    fn stop_at(&mut self, stop: Stop) {
-        self.set_stop(stop);
     }
 }
 
@@ -146,5 +241,141 @@ impl Sink for LastSample {
 
     fn wants_prior(&self) -> bool {
         !self.without_prior
+    }
+}
+
+/// Consecutive samples of one filter, for a history in another thread or worker. A history that takes them in has the
+/// same bits as one that the filter writes to.
+///
+/// The first numbers are the count of samples, and the sample and the reason of a [`Stop`]; NaN where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tape(Vec<f64>);
+
+const HEAD: usize = 3;
+
+/// The numbers of a sample that are not in vectors or matrices.
+const SCALARS: usize = 6;
+
+/// Every reason to stop; its place is its number.
+const REASONS: [FilterError; 8] = [
+    FilterError::TooLarge,
+    FilterError::NotFinite,
+    FilterError::IndefiniteCovariance,
+    FilterError::SingularInnovation,
+    FilterError::IndefiniteInnovation,
+    FilterError::ImpossibleMeasurement,
+    FilterError::InfiniteMeasurement,
+    FilterError::UndefinedForce,
+];
+
+impl Default for Tape {
+    fn default() -> Self {
+        Self(vec![0.0, f64::NAN, f64::NAN])
+    }
+}
+
+impl Tape {
+    /// All its numbers.
+    pub fn numbers(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// The tape with these numbers.
+    pub fn from_numbers(numbers: Vec<f64>) -> Self {
+        Self(numbers)
+    }
+
+    /// Appends its samples to a history. Returns their count and the stop, or none if they are not of the history's filter.
+    pub(crate) fn play(&self, estimates: &mut Estimates) -> Option<(usize, Option<Stop>)> {
+        let (&[count, at, reason], numbers) = self.0.split_first_chunk::<HEAD>()?;
+        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+        let count = count as usize;
+        let width = numbers.len() / count.max(1);
+        let plain = n + n * n + m + m * m + n * m + SCALARS;
+        let weights = if estimates.weighs() { m } else { 0 };
+        let plain = plain + weights;
+        let has_noise = width == plain + n + 2 * m + 2;
+        if width * count != numbers.len() || (count > 0 && width != plain && !has_noise) {
+            return None;
+        }
+        for numbers in numbers.chunks_exact(width.max(1)) {
+            let mut rest = numbers;
+            let mut next = |size| rest.split_off(..size).unwrap_or_default();
+            let (mean, cov, innovation) = (next(n), next(n * n), next(m));
+            let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
+            let weights = next(weights);
+            let noise = has_noise.then(|| {
+                let (process, sensors, uncertainty) = (next(n), next(m), next(m));
+                let process_scale = next(2).try_into().unwrap_or([f64::NAN; 2]);
+                AssumedNoise { process, sensors, uncertainty, process_scale }
+            });
+            let &[nis, determinant, log_likelihood, effective_samples, earlier, widened] = scalars else { return None };
+            let mut sample =
+                Sample { innovation, innovation_cov, gain, weights, noise, ..Sample::unmeasured(mean, cov) };
+            (sample.nis, sample.determinant) = (nis, determinant);
+            (sample.log_likelihood, sample.effective_samples) = (log_likelihood, effective_samples);
+            (sample.earlier, sample.has_widened) = (earlier as u32, widened != 0.0);
+            estimates.push(&sample);
+        }
+        let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
+        let stop = stop.map(|&reason| Stop { sample: at as usize, reason });
+        if let Some(stop) = stop {
+            estimates.stop_at(stop);
+        }
+        Some((count, stop))
+    }
+}
+
+impl Sink for Tape {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
+        let Self(numbers) = self;
+        numbers[0] += 1.0;
+        for part in [mean, cov, innovation, innovation_cov, gain] {
+            numbers.extend_from_slice(part);
+        }
+        let widened = f64::from(u8::from(sample.has_widened));
+        let earlier = f64::from(sample.earlier);
+        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, earlier, widened]);
+        numbers.extend_from_slice(sample.weights);
+        if let Some(AssumedNoise { process, sensors, uncertainty, process_scale }) = sample.noise {
+            numbers.extend(process.iter().chain(sensors).chain(uncertainty).chain(&process_scale));
+        }
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        let reason = REASONS.iter().position(|reason| *reason == stop.reason);
+        self.0[1] = stop.sample as f64;
+        self.0[2] = reason.map_or(f64::NAN, |reason| reason as f64);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pass, Robust, Run, Scenario};
+
+    #[test]
+    fn weights_go_along_with_or_without_learnt_noise() {
+        for learns in [false, true] {
+            let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
+            scenario.filters[0].robust = Robust::MIXTURE;
+            scenario.filters[0].adaptation.process_noise = learns;
+            let mut run = Run::new(&scenario).expect("it can be run");
+            run.finish();
+            let whole = &run.estimates()[0];
+            let mut pass = Pass::new(&scenario, 0, run.record()).expect("it can be run");
+            let mut tape = Tape::default();
+            pass.follow(run.record(), usize::MAX, &mut tape);
+            let mut played = Pass::history(&scenario, 0).expect("it can be run");
+            assert_eq!(tape.play(&mut played), Some((whole.len(), None)));
+            assert!(whole.weights(0).iter().all(|weight| weight.is_nan()), "the first sample has no update");
+            played.forget(100);
+            for k in 100..whole.len() {
+                assert_eq!(played.weights(k - 100), whole.weights(k), "{k}");
+                assert!(whole.weights(k).iter().all(|weight| (0.0..=1.0).contains(weight)), "{k}");
+            }
+            assert_eq!(run.estimates()[1].weights(5), [0.0; 0]);
+        }
     }
 }

@@ -6,9 +6,7 @@ use std::f64::consts::TAU;
 use super::periodogram::{Periodogram, window_length};
 use crate::judgement::words::short;
 use crate::samples::estimator::FilterContext;
-use crate::samples::smoother::Smoother;
-use crate::samples::smoother::forward::Forward;
-use crate::samples::smoother::interval::FixedInterval;
+use crate::samples::smoother::{FixedInterval, Forward, Smoother};
 use crate::{Channel, Estimates, Pass, Record, Scenario};
 
 #[derive(Clone, Debug, PartialEq)]

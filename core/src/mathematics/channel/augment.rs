@@ -14,52 +14,32 @@
 //! filtering; Simon (2006), *Optimal State Estimation*, section 7.1 (process noise that the measurement feels: the
 //! white force).
 
-use crate::mathematics::channel::{ChannelInfo, Role, Usual};
+use crate::mathematics::channel::{ChannelInfo, Usual};
 use crate::{Channel, PlantKind, Quantity};
 
-static INPUT_GAIN: ChannelInfo = ChannelInfo {
-    keys: &["input_gain"],
-    names: &["input gain"],
-    symbols: &["g"],
-    unit: "",
-    role: Role::Augmentation,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (0.0, 3.0), decimals: 4 },
-};
+static INPUT_GAIN: ChannelInfo = ChannelInfo::augmentation(
+    [&["input_gain"], &["input gain"], &["g"]],
+    "",
+    Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (0.0, 3.0), decimals: 4 },
+);
 
-static INPUT_OFFSET: ChannelInfo = ChannelInfo {
-    keys: &["input_offset"],
-    names: &["input offset"],
-    symbols: &["o"],
-    unit: "m/s²",
-    role: Role::Augmentation,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 1.0, process: 0.0, truth: &[0.0], slider: (-10.0, 10.0), decimals: 3 },
-};
+static INPUT_OFFSET: ChannelInfo = ChannelInfo::augmentation(
+    [&["input_offset"], &["input offset"], &["o"]],
+    "m/s²",
+    Usual { mean: 0.0, std: 1.0, process: 0.0, truth: &[0.0], slider: (-10.0, 10.0), decimals: 3 },
+);
 
-static UNKNOWN_FORCE: ChannelInfo = ChannelInfo {
-    keys: &["unknown_force"],
-    names: &["unknown force"],
-    symbols: &["u"],
-    unit: "m/s²",
-    role: Role::Augmentation,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 1.0, process: 0.3, truth: &[0.0], slider: (-20.0, 20.0), decimals: 3 },
-};
+static UNKNOWN_FORCE: ChannelInfo = ChannelInfo::augmentation(
+    [&["unknown_force"], &["unknown force"], &["u"]],
+    "m/s²",
+    Usual { mean: 0.0, std: 1.0, process: 0.3, truth: &[0.0], slider: (-20.0, 20.0), decimals: 3 },
+);
 
-static WHITE_FORCE: ChannelInfo = ChannelInfo {
-    keys: &["white_force"],
-    names: &["white force"],
-    symbols: &["w"],
-    unit: "m/s²",
-    role: Role::Augmentation,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 1.0, process: 1.0, truth: &[0.0], slider: (-20.0, 20.0), decimals: 3 },
-};
+static WHITE_FORCE: ChannelInfo = ChannelInfo::augmentation(
+    [&["white_force"], &["white force"], &["w"]],
+    "m/s²",
+    Usual { mean: 0.0, std: 1.0, process: 1.0, truth: &[0.0], slider: (-20.0, 20.0), decimals: 3 },
+);
 
 impl Channel {
     /// g \[-\], the true input over the recorded one

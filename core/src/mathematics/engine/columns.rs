@@ -1,7 +1,7 @@
 //! Columns of numbers: the linear algebra of a step. Matrices are stored column by column; only the lower triangle of a
 //! symmetric one is read.
 
-use super::level::{Baseline, Level};
+use super::level::{Baseline, Level, each};
 use super::number::{Mask, Number};
 
 /// `y + a x` in place of y.
@@ -34,16 +34,11 @@ const LONG: usize = 7;
 /// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
 #[inline(always)]
 pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
-    level.each(
-        1,
-        n,
-        #[inline(always)]
-        |j| {
-            for i in 0..j {
-                a[j * n + i] = a[i * n + j];
-            }
-        },
-    );
+    each!(level, 1, n, |j| {
+        for i in 0..j {
+            a[j * n + i] = a[i * n + j];
+        }
+    });
 }
 
 /// The numbers of a vector. Its types are few, so that the program has the sums below once for all callers.
@@ -201,7 +196,6 @@ pub(crate) struct Rooted<M> {
 }
 
 impl<M: Mask> Rooted<M> {
-    /// Of one root and a later one.
     #[inline(always)]
     pub(super) fn and(self, later: Self) -> Self {
         let is_finite = self.is_finite & (!self.holds | later.is_finite);
@@ -217,40 +211,27 @@ impl<M: Mask> Rooted<M> {
 pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
     let zero = T::of(0.0);
     let (mut holds, mut is_finite) = (T::Mask::of(true), T::Mask::of(true));
-    level.each(
-        0,
-        n,
-        #[inline(always)]
-        |j| {
-            root[j * n..j * n + j].fill(zero);
-            root[j * n + j..(j + 1) * n].copy_from_slice(&cov[j * n + j..(j + 1) * n]);
-        },
-    );
-    level.each(
-        0,
-        n,
-        #[inline(always)]
-        |j| {
-            let (before, after) = root.split_at_mut((j + 1) * n);
-            let column = &mut before[j * n..];
-            let pivot = column[j];
-            let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
-            let counts = rounding.lt(pivot) & pivot.is_normal();
-            is_finite = is_finite & (!holds | pivot.is_finite());
-            holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
-            let inverse = T::select(counts, T::of(1.0) / pivot, zero);
-            level.each(
-                j + 1,
-                n,
-                #[inline(always)]
-                |k| take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], column[k] * inverse, &column[k..]),
-            );
-            let scale = inverse * pivot.sqrt();
-            for i in j..n {
-                column[i] = T::select(counts, column[i] * scale, zero);
-            }
-        },
-    );
+    each!(level, 0, n, |j| {
+        root[j * n..j * n + j].fill(zero);
+        root[j * n + j..(j + 1) * n].copy_from_slice(&cov[j * n + j..(j + 1) * n]);
+    });
+    each!(level, 0, n, |j| {
+        let (before, after) = root.split_at_mut((j + 1) * n);
+        let column = &mut before[j * n..];
+        let pivot = column[j];
+        let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
+        let counts = rounding.lt(pivot) & pivot.is_normal();
+        is_finite = is_finite & (!holds | pivot.is_finite());
+        holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
+        let inverse = T::select(counts, T::of(1.0) / pivot, zero);
+        each!(level, j + 1, n, |k| {
+            take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], column[k] * inverse, &column[k..]);
+        });
+        let scale = inverse * pivot.sqrt();
+        for i in j..n {
+            column[i] = T::select(counts, column[i] * scale, zero);
+        }
+    });
     Rooted { holds, is_finite }
 }
 

@@ -4,7 +4,7 @@
 use super::columns::combine;
 use super::columns::{add_times, multiply};
 use super::exponential::{Classes, INVERSE_FACTORIAL};
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::Number;
 
 /// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each of them, one a column, after a time, and its
@@ -15,7 +15,7 @@ use super::number::Number;
 /// exp(A dt) = [I + q K, h; h K, ḣ],  Γ₁ = [h - q C, q; q K, h],  Γ₂ = [q - p C, p; p K, q],  ḣ = I + q K + h C
 /// ```
 ///
-/// It is the closed form of one [oscillator](super::impulse) with matrices in place of numbers.
+/// It is the closed form of one [oscillator](super::exponential::Impulse) with matrices in place of numbers.
 ///
 /// K and C stand in bands, one for each distance of a row from its column, and a product is a sum over bands: `(A B)ᵢⱼ = Σ_d
 /// A_{i,j+d} B_{j+d,j}`.
@@ -41,23 +41,6 @@ pub(super) struct Coupled<T> {
     products: [Vec<T>; 3],
     /// h, q and p of the lanes of the classes that are done.
     kept: [Vec<T>; 3],
-}
-
-/// The matrices of a response, m × m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Parts<'a, T> {
-    /// h
-    pub(super) value: &'a [T],
-    /// q
-    pub(super) integral: &'a [T],
-    /// p
-    pub(super) second: &'a [T],
-    /// `q K`
-    pub(super) displaced: &'a [T],
-    /// `h K`
-    pub(super) pulled: &'a [T],
-    /// `q K + h C`
-    pub(super) kept: &'a [T],
 }
 
 /// Classes by the size of a step. The first term of a class that is left out is below rounding.
@@ -87,19 +70,14 @@ impl<T: Number> Coupled<T> {
         }
     }
 
+    /// h, q, p, `q K`, `h K` and `q K + h C`, m × m.
     #[inline(always)]
-    pub(super) fn parts<L: Level>(&self, level: L) -> Parts<'_, T> {
+    pub(super) fn parts<L: Level>(&self, level: L) -> [&[T]; 6] {
         let Self { reach, value, integral, second, products: [displaced, pulled, kept], .. } = self;
         let m = self.count(level);
-        let inner = reach * m..reach * m + m * m;
-        Parts {
-            value: &value[inner.clone()],
-            integral: &integral[inner.clone()],
-            second: &second[inner],
-            displaced: &displaced[..m * m],
-            pulled: &pulled[..m * m],
-            kept: &kept[..m * m],
-        }
+        let inner = *reach * m..*reach * m + m * m;
+        let [value, integral, second] = [&value[inner.clone()], &integral[inner.clone()], &second[inner]];
+        [value, integral, second, &displaced[..m * m], &pulled[..m * m], &kept[..m * m]]
     }
 
     /// m, which the compiler may know.
@@ -111,10 +89,7 @@ impl<T: Number> Coupled<T> {
     /// After `dt` \[s\], from the derivatives of the rates by displacements and then velocities; p only `with_slope`.
     #[inline(always)]
     pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], dt: f64, with_slope: bool) {
-        let size = level.apart(
-            #[inline(always)]
-            || self.take(level, a),
-        );
+        let size = apart!(level, self.take(level, a));
         let size = Classes::<4>::counted(size * dt);
         let mut done = None;
         while let Some(class) = CLASSES.after(done, size) {
@@ -123,23 +98,20 @@ impl<T: Number> Coupled<T> {
                     kept.copy_from_slice(part);
                 }
             }
-            level.apart(
-                #[inline(always)]
-                || match self.count(level) {
+            apart!(
+                level,
+                match self.count(level) {
                     // Known to the compiler, also where no size is.
                     4 => self.sum(4, dt, with_slope, class),
                     m => self.sum(m, dt, with_slope, class),
-                },
+                }
             );
             if let Some(done) = done {
                 CLASSES.restore(done, size, &self.kept, [&mut self.value, &mut self.integral, &mut self.second]);
             }
             done = Some(class);
         }
-        level.apart(
-            #[inline(always)]
-            || self.take_products(self.count(level)),
-        );
+        apart!(level, self.take_products(self.count(level)));
     }
 
     /// Copies K and C; returns a bound on the rate at which terms grow \[1/s\]: the positive root of `s² = ‖C‖ s + ‖K‖`.
@@ -370,7 +342,7 @@ mod tests {
             let mut exponential = Exponential::new(6);
             exponential.compute(Baseline, &a, 6, 0.5, true);
             let coupled = of::<f64>(&[size], true, reach);
-            let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(Baseline);
+            let [value, integral, second, displaced, pulled, kept] = coupled.parts(Baseline);
             let whole = |matrix: &[f64]| {
                 matrix.iter().enumerate().map(|(i, x)| x + f64::from(u8::from(i.is_multiple_of(4)))).collect()
             };

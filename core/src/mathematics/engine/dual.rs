@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::number::{Function, Number, Real, unrolled};
+use super::number::{Function, Number, Real, operators, unrolled};
 
 /// A number and its K derivatives; `on` marks those that may not be zero: inlined, operations with zeros are left out.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +32,7 @@ impl<T: Number, const K: usize> Dual<T, K> {
     pub(crate) fn derivative(&self, k: usize) -> T {
         if self.on[k] { self.part[k] } else { T::of(0.0) }
     }
-}
 
-impl<T: Number, const K: usize> Dual<T, K> {
     /// Its derivatives times a factor, if there is one, with another value.
     // No closures: one that is not inlined has lost its vector instructions.
     #[inline(always)]
@@ -76,31 +74,14 @@ fn times<T: Number>(part: T, factor: Option<T>) -> T {
     if let Some(factor) = factor { part * factor } else { part }
 }
 
-impl<T: Number, const K: usize> Add for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.join(other, self.value + other.value, [None; 2])
-    }
-}
-
-impl<T: Number, const K: usize> Sub for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-impl<T: Number, const K: usize> Mul for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.join(other, self.value * other.value, [Some(other.value), Some(self.value)])
-    }
+operators! {
+    [T: Number, const K: usize] Dual<T, K>;
+    Add<Self> add = |a, b| a.join(b, a.value + b.value, [None; 2]);
+    Sub<Self> sub = |a, b| a + -b;
+    Mul<Self> mul = |a, b| a.join(b, a.value * b.value, [Some(b.value), Some(a.value)]);
+    Add<f64> add = |a, b| a.each(a.value + b, None);
+    Mul<f64> mul = |a, b| a.each(a.value * b, Some(T::of(b)));
+    Neg neg = |a| a.each(-a.value, Some(T::of(-1.0)));
 }
 
 impl<T: Number, const K: usize> Div for Dual<T, K> {
@@ -119,33 +100,6 @@ impl<T: Number, const K: usize> Div for Dual<T, K> {
             },
         );
         joined
-    }
-}
-
-impl<T: Number, const K: usize> Neg for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.each(-self.value, Some(T::of(-1.0)))
-    }
-}
-
-impl<T: Number, const K: usize> Add<f64> for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: f64) -> Self {
-        self.each(self.value + other, None)
-    }
-}
-
-impl<T: Number, const K: usize> Mul<f64> for Dual<T, K> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: f64) -> Self {
-        self.each(self.value * other, Some(T::of(other)))
     }
 }
 

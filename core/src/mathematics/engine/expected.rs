@@ -3,7 +3,7 @@
 use super::belief::Belief;
 use super::columns::{Rooted, add_times, entry, lower_root};
 use super::design::{Design, Method, Rule};
-use super::level::{Count, Level};
+use super::level::{Count, Level, apart};
 use super::model::{Derivatives, Model, gradient, read};
 use super::number::{Mask, Number};
 use crate::mathematics::model::Reading;
@@ -81,17 +81,11 @@ impl<T: Number> Expected<T> {
                 && let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method
             {
                 self.is_linear = false;
-                return level.apart(
-                    #[inline(always)]
-                    || self.transform(level, rule, design, belief, active, force),
-                );
+                return apart!(level, self.transform(level, rule, design, belief, active, force));
             }
             self.derivatives.take(level, &design.model, &belief.mean, force);
         }
-        level.apart(
-            #[inline(always)]
-            || self.linearise(level, count, design, belief, active, force, None),
-        );
+        apart!(level, self.linearise(level, count, design, belief, active, force, None));
         rooted
     }
 

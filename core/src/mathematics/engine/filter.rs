@@ -6,18 +6,16 @@
 //! ```
 
 use super::belief::{Belief, Considered, Noise, Share};
-use super::columns::{Rooted, lower_root};
+use super::columns::{Rooted, divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
-use super::fault::{Held, of_root};
 use super::learning::{Learning, Learnt};
-use super::level::{Baseline, Level};
+use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
 use super::model::Step;
 use super::number::{Mask, Number};
-use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::update::{Observation, Told, Update};
+use super::update::{Checks, Observation, Target, Update, UpdateResult, of_root};
 use crate::FilterError;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
@@ -25,10 +23,10 @@ use crate::FilterError;
 #[derive(Clone, Debug)]
 pub(crate) struct Filter<T: Number> {
     pub(crate) design: Design,
-    noise: Noise<T>,
+    pub(crate) noise: Noise<T>,
     of_share: Share<T>,
     /// The variance of the white force.
-    white: T,
+    pub(crate) white: T,
     /// The belief after the last predict or update.
     pub belief: Belief<T>,
     linearised: Linearised<T>,
@@ -37,17 +35,7 @@ pub(crate) struct Filter<T: Number> {
     pub(crate) update: Update<T>,
     learning: Option<Box<Learning<T>>>,
     considered: Option<Box<Considered<T>>>,
-    held: Held<T::Mask>,
-}
-
-pub(crate) struct Parts<'a> {
-    pub(crate) belief: &'a Belief<f64>,
-    pub(crate) update: &'a Update<f64>,
-    pub(crate) noise: &'a Noise<f64>,
-    /// The place of a white force and its variance.
-    pub(crate) white: Option<(usize, f64)>,
-    pub(crate) learnt: Option<Learnt<'a>>,
-    pub(crate) is_adaptive: bool,
+    checks: Checks<T::Mask>,
 }
 
 impl Filter<f64> {
@@ -63,16 +51,8 @@ impl Filter<f64> {
         }
     }
 
-    pub(crate) fn parts(&self) -> Parts<'_> {
-        let Self { design, belief, update, noise, learning, white, .. } = self;
-        Parts {
-            belief,
-            update,
-            noise,
-            white: design.white.map(|(place, _)| (place, *white)),
-            learnt: learning.as_ref().map(|learning| learning.learnt()),
-            is_adaptive: design.adaptation.is_on(),
-        }
+    pub(crate) fn learnt(&self) -> Option<Learnt<'_>> {
+        self.learning.as_ref().map(|learning| learning.learnt())
     }
 }
 
@@ -100,7 +80,7 @@ impl<T: Number> Filter<T> {
             update: Update::new(&design),
             learning: Learning::new(&design, &belief, &mut noise),
             considered: Considered::new(&design.considered, &belief),
-            held: Held::new(),
+            checks: Checks::new(),
             design,
             of_share: Share::new(&noise),
             noise,
@@ -135,12 +115,12 @@ impl<T: Number> Filter<T> {
             self.renew(level, place, [T::of(libm::exp(-whole.dt / time)), T::of(0.0)]);
         }
         let first = if parts == 1 { whole } else { whole.part(0, parts) };
-        self.held.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
+        self.checks.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
         // Apart from the first one, so that a step of one part has no loop.
         for i in 1..parts {
-            let before = self.held.predicted;
+            let before = self.checks.predicted;
             let rooted = self.pass(level, share, &whole.part(i, parts), i + 1 == parts, i + 1 == renewed);
-            self.held.predicted = before.and(rooted);
+            self.checks.predicted = before.and(rooted);
         }
         if self.update.passage.is_some() {
             self.square();
@@ -224,22 +204,16 @@ impl<T: Number> Filter<T> {
                 let of_noise = &belief.cov;
                 root.spread(level, noise.fading, |i, row| (0..=i).for_each(|k| row[k] = of_noise[k * n + i]));
             }
-            (Some(root), true) if const { may_have_root::<T, L>() } => level.apart(
-                #[inline(always)]
-                || {
-                    root.spread(
-                        level,
-                        noise.fading,
-                        #[inline(always)]
-                        |i, row| row[i] = std(noise.process[i]),
-                    );
-                },
-            ),
+            (Some(root), true) if const { may_have_root::<T, L>() } => apart!(level, {
+                root.spread(
+                    level,
+                    noise.fading,
+                    #[inline(always)]
+                    |i, row| row[i] = std(noise.process[i]),
+                );
+            }),
             (Some(root), false) if const { may_have_root::<T, L>() } => root.spread(level, T::of(1.0), |_, _| ()),
-            (_, true) => level.apart(
-                #[inline(always)]
-                || belief.spread(level, noise),
-            ),
+            (_, true) => apart!(level, belief.spread(level, noise)),
             (_, false) => belief.clamp(),
         }
         if let Some(considered) = considered.as_deref().filter(|_| is_last) {
@@ -257,9 +231,9 @@ impl<T: Number> Filter<T> {
     }
 
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
-    /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
+    /// sensor. The last step holds for [some lanes](UpdateResult::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
-    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
+    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         if self.considered.is_some() {
             return self.update_but_for_considered(level, force, measured);
         }
@@ -267,33 +241,31 @@ impl<T: Number> Filter<T> {
     }
 
     #[inline(always)]
-    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
-        let Self { design, noise, belief, update, held, root, learning, .. } = self;
-        let observation = Observation { force, measured };
+    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
+        let Self { design, noise, belief, update, checks, root, learning, .. } = self;
+        let target = &mut Target { design, belief, root: root.as_mut(), checks };
         match learning {
-            None => update.condition(level, design, belief, root.as_mut(), noise, observation, held),
-            Some(learning) => {
-                learning.condition(level, design, belief, root.as_mut(), noise, observation, update, held)
-            }
+            None => update.condition(level, target, Observation { force, measured, variances: &noise.sensors }),
+            Some(learning) => learning.condition(level, update, target, noise, (force, measured)),
         }
     }
 
     #[inline(never)]
-    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
+    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         self.square();
         let mut considered = self.considered.take();
         if let Some(considered) = &mut considered {
             considered.store(&self.belief);
         }
-        let mut told = self.condition(level, force, measured);
+        let mut result = self.condition(level, force, measured);
         if let Some(considered) = &considered {
             considered.restore(&mut self.belief, self.update.gain_mut());
             let rooted = self.take_root();
-            told.holds = told.holds & rooted.holds;
-            self.held.is_positive = self.held.is_positive & rooted.holds;
+            result.holds = result.holds & rooted.holds;
+            self.checks.is_positive = self.checks.is_positive & rooted.holds;
         }
         self.considered = considered;
-        told
+        result
     }
 
     fn take_root(&mut self) -> Rooted<T::Mask> {
@@ -323,7 +295,6 @@ impl<T: Number> Filter<T> {
         if holds.lane(0) { Ok(()) } else { Err(of_root(is_finite.lane(0), FilterError::IndefiniteCovariance)) }
     }
 
-    /// Notes from now on what a smoother needs.
     pub(crate) fn keep_passages(&mut self) {
         self.update.passage = Some(Box::new(Passage::new(self.belief.size())));
     }
@@ -371,11 +342,106 @@ impl<T: Number> Filter<T> {
     }
 
     pub(crate) fn is_predicted(&self, lane: usize) -> bool {
-        self.held.predicted.holds.lane(lane)
+        self.checks.predicted.holds.lane(lane)
     }
 
     #[cold]
     pub(crate) fn reason(&self, lane: usize) -> FilterError {
-        self.held.reason(lane, &|| self.update.of_lane(lane))
+        self.checks.reason(lane, &|| self.update.of_lane(lane))
     }
+}
+
+/// A step of a filter as its smoother reads it: the transition from the state before, and the update.
+#[derive(Clone, Debug)]
+pub(crate) struct Passage<T> {
+    /// Φ, n × n, of all steps: the derivative by the state, or the regression on it, without directions of no variance.
+    pub(crate) transition: Vec<T>,
+    /// P⁻, n × n; of it the lower triangle counts.
+    pub(crate) predicted: Vec<T>,
+    /// e, m numbers; S, m × m; K, n × m; of the last linearisation of the sensors.
+    pub(crate) innovation: Vec<T>,
+    pub(crate) innovation_cov: Vec<T>,
+    pub(crate) gain: Vec<T>,
+    /// H, m × n; empty where there is none.
+    pub(crate) jacobian: Vec<T>,
+    /// Φ of one step, and memory.
+    step: Vec<T>,
+    root: Vec<T>,
+    work: Belief<T>,
+}
+
+impl<T: Number> Passage<T> {
+    fn new(n: usize) -> Self {
+        let zeros = |count: usize| vec![T::of(0.0); count];
+        Self {
+            transition: zeros(n * n),
+            predicted: zeros(n * n),
+            innovation: Vec::new(),
+            innovation_cov: Vec::new(),
+            gain: Vec::new(),
+            jacobian: Vec::new(),
+            step: zeros(n * n),
+            root: zeros(n * n),
+            work: Belief { mean: zeros(n), cov: zeros(n * n) },
+        }
+    }
+
+    /// Begins at a belief: Φ is an identity.
+    fn begin(&mut self, belief: &Belief<T>) {
+        let n = self.work.size();
+        self.predicted.copy_from_slice(&belief.cov);
+        self.transition.iter_mut().enumerate().for_each(|(at, entry)| *entry = identity(at, n));
+        self.innovation.clear();
+        self.jacobian.clear();
+    }
+
+    fn follow(&mut self, linearised: &Linearised<T>, moving: usize) {
+        let n = self.work.size();
+        for j in 0..n {
+            for i in 0..n {
+                let entry = if i < moving { linearised.rows[j * moving + i] } else { identity(j * n + i, n) };
+                self.step[j * n + i] = entry;
+            }
+        }
+        self.compose();
+    }
+
+    /// Takes in the step that a belief is about to take by sigma points.
+    ///
+    /// ```text
+    /// Φ L = odd parts of the points
+    /// ```
+    fn regress<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        points: &mut SigmaPoints<T>,
+        belief: &Belief<T>,
+        step: &Step<T>,
+    ) {
+        let (Method::SigmaPoints(rule) | Method::SquareRoot(rule)) = design.method else { return };
+        let n = belief.size();
+        self.work.copy_from(belief);
+        lower_root(level, &belief.cov, &mut self.root, n);
+        points.advance(level, rule, &design.model, &mut self.work, step);
+        self.step.copy_from_slice(&points.root[..n * n]);
+        divide_by_root(&mut self.step, &self.root, n);
+        self.compose();
+    }
+
+    fn renew(&mut self, place: usize, kept: T) {
+        let n = self.work.size();
+        self.transition.iter_mut().skip(place).step_by(n).for_each(|entry| *entry = *entry * kept);
+    }
+
+    fn compose(&mut self) {
+        let n = self.work.size();
+        let Self { transition, step, root, .. } = self;
+        multiply(root, step, transition, n, n);
+        transition.copy_from_slice(root);
+    }
+}
+
+fn identity<T: Number>(at: usize, n: usize) -> T {
+    T::of(if at.is_multiple_of(n + 1) { 1.0 } else { 0.0 })
 }

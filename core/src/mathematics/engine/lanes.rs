@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::number::{Function, Mask, Number, Real, one_point};
+use super::number::{Function, Mask, Number, Real, one_point, operators};
 
 /// The numbers of L runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,51 +51,22 @@ impl<const L: usize> Bits<L> {
     }
 }
 
-macro_rules! operators {
-    ($type:ident: $($trait:ident $name:ident $operator:tt),*) => {
-        $(impl<const L: usize> $trait for $type<L> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                self.with(other, |a, b| a $operator b)
-            }
-        })*
-    };
-}
-operators!(Lanes: Add add +, Sub sub -, Mul mul *, Div div /);
-operators!(Bits: BitAnd bitand &, BitOr bitor |);
-
-macro_rules! operators_with_constant {
-    ($($trait:ident $name:ident $operator:tt),*) => {
-        $(impl<const L: usize> $trait<f64> for Lanes<L> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: f64) -> Self {
-                self.map(|a| a $operator other)
-            }
-        })*
-    };
-}
-operators_with_constant!(Add add +, Mul mul *);
-
-impl<const L: usize> Neg for Lanes<L> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|a| -a)
-    }
+operators! {
+    [const L: usize] Lanes<L>;
+    Add<Self> add = |a, b| a.with(b, |a, b| a + b);
+    Sub<Self> sub = |a, b| a.with(b, |a, b| a - b);
+    Mul<Self> mul = |a, b| a.with(b, |a, b| a * b);
+    Div<Self> div = |a, b| a.with(b, |a, b| a / b);
+    Add<f64> add = |a, b| a.map(|a| a + b);
+    Mul<f64> mul = |a, b| a.map(|a| a * b);
+    Neg neg = |a| a.map(|a| -a);
 }
 
-impl<const L: usize> Not for Bits<L> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        self.with(self, |a, _| !a)
-    }
+operators! {
+    [const L: usize] Bits<L>;
+    BitAnd<Self> bitand = |a, b| a.with(b, |a, b| a & b);
+    BitOr<Self> bitor = |a, b| a.with(b, |a, b| a | b);
+    Not not = |a| a.with(a, |a, _| !a);
 }
 
 impl<const L: usize> Mask for Bits<L> {

@@ -1,15 +1,14 @@
 //! Filters that learn from their innovations, lane by lane: they weigh measurements, estimate their noise, and jump.
 
 use super::belief::{Belief, Noise};
+use super::columns::{divide, factor, square};
 use super::design::Design;
-use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
-use super::square_root::SquareRoot;
-use super::update::{Observation, Told, Update};
-use super::weighing::Weighing;
-use super::weights::Residuals;
+use super::square_root::may_have_root;
+use super::update::{Checks, Observation, Target, Update, UpdateResult};
 use crate::mathematics::filter::jump::Jump;
+use crate::mathematics::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
 
 #[derive(Clone, Debug)]
 pub(super) struct Learning<T> {
@@ -55,7 +54,7 @@ impl<T: Number> Learning<T> {
         }))
     }
 
-    /// Goes on to the next sample, and adds the variances of jumps to Q for its prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
+    /// Begins the next sample, and adds the variances of jumps to Q for its prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
     pub(super) fn widen(&mut self, design: &Design, noise: &mut Noise<T>) -> bool {
         let Self { jumps, narrow, sample, .. } = self;
         *sample += 1;
@@ -79,36 +78,33 @@ impl<T: Number> Learning<T> {
         self.narrow.iter().enumerate().for_each(|(i, variance)| *noise.variance(i) = *variance);
     }
 
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &mut Noise<T>,
-        observation: Observation<'_, T>,
         update: &mut Update<T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let told = match &mut self.weighing {
-            Some(weighing) => weighing.condition(level, design, belief, root, noise, observation, update, held),
-            None => update.condition(level, design, belief, root, noise, observation, held),
+        target: &mut Target<'_, T>,
+        noise: &mut Noise<T>,
+        (force, measured): (T, &[T]),
+    ) -> UpdateResult<T> {
+        let (design, observation) = (target.design, Observation { force, measured, variances: &noise.sensors });
+        let result = match &mut self.weighing {
+            Some(weighing) => weighing.condition(level, update, target, observation),
+            None => update.condition(level, target, observation),
         };
-        let has_measured = T::of(0.0).lt(told.measured);
+        let has_measured = T::of(0.0).lt(result.measured);
         let learns = design.adaptation.learns_at(self.sample, design.dt);
         if learns && design.adaptation.process_noise {
             self.adapt_process(design, noise, update, has_measured);
         }
         if learns && design.adaptation.sensor_noise {
-            self.adapt_sensors(design, noise, observation.measured, update);
+            self.adapt_sensors(design, noise, measured, update);
         }
         for (lane, jump) in self.jumps.iter_mut().enumerate() {
             if has_measured.lane(lane) {
-                jump.look(told.nis.lane(lane), told.measured.lane(lane) as usize);
+                jump.observe(result.nis.lane(lane), result.measured.lane(lane) as usize);
             }
         }
-        told
+        result
     }
 
     /// `Q ← a Q + (1 - a) K e eᵀ Kᵀ`, as [`Adaptation`](crate::filter::Adaptation) has it.
@@ -153,5 +149,245 @@ impl Learning<f64> {
             uncertainty: &self.uncertainty,
             has_widened: self.jumps.iter().any(|jump| jump.has_widened),
         }
+    }
+}
+
+/// Updates that weigh measurements. A lane whose weights have settled keeps its measurements and R while others iterate, and so the same
+/// update.
+#[derive(Clone, Debug)]
+pub(super) struct Weighing<T> {
+    pub(super) weights: Weights<T>,
+    before: Belief<T>,
+    before_root: Vec<T>,
+    /// S with the R of the settings, m × m, and its factor in the end.
+    claimed: Vec<T>,
+}
+
+impl<T: Number> Weighing<T> {
+    pub(super) fn new(rule: Robust, belief: &Belief<T>, noise: &Noise<T>) -> Self {
+        let weights = Weights::new(rule, noise.sensors.len());
+        Self { weights, before: belief.clone(), before_root: Vec::new(), claimed: Vec::new() }
+    }
+
+    pub(super) fn condition<L: Level>(
+        &mut self,
+        level: L,
+        update: &mut Update<T>,
+        target: &mut Target<'_, T>,
+        observation: Observation<'_, T>,
+    ) -> UpdateResult<T> {
+        self.before.copy_from(target.belief);
+        if const { may_have_root::<T, L>() }
+            && let Some(root) = &target.root
+        {
+            self.before_root.clear();
+            self.before_root.extend_from_slice(&root.rows);
+        }
+        let mut result = update.condition(level, target, observation);
+        if update.active.is_empty() {
+            self.weights.clear();
+            return result;
+        }
+        self.weights.begin(&update.innovations(), observation.variances, observation.measured);
+        let mut settled = !target.checks.but_likely();
+        for _ in 0..self.weights.rule.info().passes {
+            settled = settled | !self.weights.weigh(&update.innovations(), observation.variances, settled);
+            if settled.all() {
+                break;
+            }
+            target.belief.copy_from(&self.before);
+            if const { may_have_root::<T, L>() }
+                && let Some(root) = &mut target.root
+            {
+                root.rows.copy_from_slice(&self.before_root);
+            }
+            let Weights { measured, variances, .. } = &self.weights;
+            result = update.condition(level, target, Observation { measured, variances, ..observation });
+            settled = settled | !target.checks.but_likely();
+        }
+        self.report(update, observation.variances, result, target.checks)
+    }
+
+    /// By S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of it.
+    fn report(
+        &mut self,
+        update: &mut Update<T>,
+        variances: &[T],
+        result: UpdateResult<T>,
+        checks: &mut Checks<T::Mask>,
+    ) -> UpdateResult<T> {
+        let Self { weights, claimed, .. } = self;
+        // Whether a sensor still measures, with whatever weight.
+        let is_there = |sensor: usize| weights.measured[sensor].is_number();
+        let weights = &weights.weights;
+        let (one, zero) = (T::of(1.0), T::of(0.0));
+        let Update { active, innovation_cov, factor: lower, innovation, white, .. } = update;
+        let m = active.len();
+        let is_weighed = active.iter().fold(T::Mask::of(false), |any, &sensor| {
+            let is_one = weights[sensor].le(one) & one.le(weights[sensor]);
+            any | (is_there(sensor) & !is_one)
+        });
+        if (!is_weighed).all() {
+            return result;
+        }
+        claimed.clear();
+        claimed.extend_from_slice(&innovation_cov[..m * m]);
+        let mut counted = zero;
+        for (row, &sensor) in active.iter().enumerate() {
+            let (own, weight) = (variances[sensor], weights[sensor]);
+            let counts = is_there(sensor) & T::of(Robust::LEFT_OUT).le(weight);
+            counted = counted + T::select(counts, one, zero);
+            innovation[row] = T::select(counts | !is_weighed, innovation[row], zero);
+            for other in 0..m {
+                for at in [row * m + other, other * m + row] {
+                    claimed[at] = T::select(counts, claimed[at], zero);
+                }
+            }
+            let variance = claimed[row * m + row] + (own - own / weight);
+            claimed[row * m + row] = T::select(counts, variance, one);
+        }
+        white[..m].copy_from_slice(&innovation[..m]);
+        let (determinant, _) = factor(claimed, m);
+        let nis = square(claimed, m, &mut white[..m]);
+        for (lower, claimed) in lower.iter_mut().zip(&*claimed) {
+            *lower = T::select(is_weighed, *claimed, *lower);
+        }
+        checks.is_likely = (is_weighed & nis.is_finite()) | (!is_weighed & checks.is_likely);
+        UpdateResult {
+            nis: T::select(is_weighed, nis, result.nis),
+            determinant: T::select(is_weighed, determinant, result.determinant),
+            measured: T::select(is_weighed, counted, result.measured),
+            holds: checks.all(),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Innovations<'a, T> {
+    /// The place of each measurement's sensor among all sensors.
+    pub(crate) sensors: &'a [usize],
+    /// e, m numbers.
+    pub(crate) innovation: &'a [T],
+    /// S, m × m, and its [factor](factor).
+    pub(crate) innovation_cov: &'a [T],
+    pub(crate) factor: &'a [T],
+    /// The diagonal of R.
+    pub(crate) variances: &'a [T],
+}
+
+/// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it.
+///
+/// ```text
+/// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
+/// ```
+#[derive(Clone, Debug)]
+pub(crate) struct Residuals<T> {
+    each: Vec<[T; 2]>,
+    inverse: Vec<T>,
+}
+
+impl<T> Default for Residuals<T> {
+    fn default() -> Self {
+        Self { each: Vec::new(), inverse: Vec::new() }
+    }
+}
+
+impl<T: Number> Residuals<T> {
+    pub(crate) fn of(&mut self, update: &Innovations<'_, T>) -> &[[T; 2]] {
+        let Self { each, inverse } = self;
+        let Innovations { innovation, factor, variances, .. } = *update;
+        let m = innovation.len();
+        inverse.clear();
+        inverse.extend((0..m * m).map(|at| T::of(if at % (m + 1) == 0 { 1.0 } else { 0.0 })));
+        divide(factor, m, inverse, m);
+        each.clear();
+        for (row, &r) in variances.iter().enumerate() {
+            let mut white = T::of(0.0);
+            for (k, &e) in innovation.iter().enumerate() {
+                white = white + inverse[k * m + row] * e;
+            }
+            each.push([r * white, (r - r * r * inverse[row * m + row]).max(T::of(0.0))]);
+        }
+        each
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Weights<T> {
+    pub(super) rule: Robust,
+    /// Of each sensor: the measurement, NaN where its weight is zero, and R over the weight.
+    pub(super) measured: Vec<T>,
+    pub(super) variances: Vec<T>,
+    /// The weight of each sensor in the last update; NaN for a sensor without a measurement.
+    pub(super) weights: Vec<T>,
+    /// Of each sensor: `e² / S` before any weight, and the usual one, which the next sample begins with.
+    predicted: Vec<T>,
+    pub(super) usual: Vec<T>,
+    residuals: Residuals<T>,
+}
+
+impl<T: Number> Weights<T> {
+    pub(crate) fn new(rule: Robust, sensors: usize) -> Self {
+        let numbers = |number: f64| vec![T::of(number); sensors];
+        Self {
+            rule,
+            measured: numbers(f64::NAN),
+            variances: numbers(1.0),
+            weights: numbers(f64::NAN),
+            predicted: numbers(0.0),
+            usual: numbers(FIRST_LEVEL),
+            residuals: Residuals::default(),
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.weights.fill(T::of(f64::NAN));
+    }
+
+    /// By the first update, in which each measurement counts as its R says. `variances` and `measured` are of all sensors.
+    pub(crate) fn begin(&mut self, update: &Innovations<'_, T>, variances: &[T], measured: &[T]) {
+        self.clear();
+        self.measured.fill(T::of(f64::NAN));
+        self.variances.copy_from_slice(variances);
+        let m = update.sensors.len();
+        for (row, &sensor) in update.sensors.iter().enumerate() {
+            let (value, e, usual) = (measured[sensor], update.innovation[row], self.usual[sensor]);
+            let (is_there, predicted) = (value.is_number(), e * e / update.innovation_cov[row * m + row]);
+            let next = T::from_lanes(|lane| usual_after(usual.lane(lane), predicted.lane(lane)));
+            self.measured[sensor] = value;
+            self.weights[sensor] = T::select(is_there, T::of(1.0), T::of(f64::NAN));
+            self.predicted[sensor] = predicted;
+            self.usual[sensor] = T::select(is_there, next, usual);
+        }
+    }
+
+    /// Settled lanes keep theirs. `unweighed` is the diagonal of R of all sensors. Returns the lanes with a changed weight.
+    pub(crate) fn weigh(&mut self, update: &Innovations<'_, T>, unweighed: &[T], settled: T::Mask) -> T::Mask {
+        let Self { rule, measured, variances, weights, predicted, usual, residuals } = self;
+        let mut changed = T::Mask::of(false);
+        for (&sensor, &[residual, uncertainty]) in update.sensors.iter().zip(residuals.of(update)) {
+            let r = unweighed[sensor];
+            let (residual, uncertainty) = (residual * residual / r, uncertainty / r);
+            let is_weighed = measured[sensor].is_number() & !settled;
+            let weight = T::from_lanes(|lane| {
+                let misfit = Misfit {
+                    predicted: predicted[sensor].lane(lane),
+                    residual: residual.lane(lane),
+                    uncertainty: uncertainty.lane(lane),
+                };
+                if is_weighed.lane(lane) { rule.weight(misfit, usual[sensor].lane(lane)) } else { f64::NAN }
+            });
+            // A sensor without noise has no misfit to weigh by.
+            let is_weighed = is_weighed & weight.is_finite() & T::of(0.0).lt(r);
+            let old = weights[sensor];
+            changed = changed | (is_weighed & (old * SETTLED).lt((weight - old).abs()));
+            weights[sensor] = T::select(is_weighed, weight, old);
+        }
+        for &sensor in update.sensors {
+            let (weight, nan) = (weights[sensor], T::of(f64::NAN));
+            variances[sensor] = T::select(changed, unweighed[sensor] / weight, variances[sensor]);
+            measured[sensor] = T::select(changed & weight.le(T::of(0.0)), nan, measured[sensor]);
+        }
+        changed
     }
 }

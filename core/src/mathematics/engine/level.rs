@@ -14,7 +14,7 @@ pub trait Level: Copy {
     /// The level without known sizes.
     fn plain(self) -> Self::Plain;
 
-    /// Does some work in a function of its own, compiled for these instructions: a step then consists of functions of
+    /// Does some work in a separate function, compiled for these instructions: a step then consists of functions of
     /// moderate size, each once in the program. `work` must ask for sizes inside: the compiler does not know the values
     /// of captured variables.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;
@@ -100,6 +100,30 @@ impl Level for Baseline {
         work()
     }
 }
+
+/// [`Level::apart`] with work that is inlined there.
+macro_rules! apart {
+    ($level:expr, $work:expr) => {
+        $level.apart(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+
+/// [`Level::each`] with a closure that is inlined there.
+macro_rules! each {
+    ($level:expr, $first:expr, $end:expr, $work:expr) => {
+        $level.each(
+            $first,
+            $end,
+            #[inline(always)]
+            $work,
+        )
+    };
+}
+
+pub(super) use {apart, each};
 
 /// The number of sensors that measure, which the compiler may know.
 pub(crate) trait Count: Copy {

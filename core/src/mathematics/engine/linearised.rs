@@ -2,11 +2,10 @@
 
 use super::belief::Belief;
 use super::columns::{add_times, apply, combine, congruence, multiply, product};
-use super::coupled::{Coupled, Parts};
+use super::coupled::Coupled;
 use super::design::Propagation;
-use super::exponential::Exponential;
-use super::impulse::Impulse;
-use super::level::Level;
+use super::exponential::{Exponential, Impulse};
+use super::level::{Level, apart};
 use super::model::{Derivatives, Model, Step};
 use super::number::Number;
 
@@ -54,15 +53,12 @@ impl<T: Number> Linearised<T> {
         step: &Step<T>,
     ) {
         self.step(level, propagation, model, &mut belief.mean, step);
-        level.apart(
-            #[inline(always)]
-            || {
-                // Inside the closure: the compiler does not know the values of captured variables.
-                let (n, moving) = (level.size(model.size), level.moving(model.moving()));
-                let (rows, half) = (&self.rows[..moving * n], &mut self.half[..moving * n]);
-                congruence(rows, &mut belief.cov[..n * n], half, n, moving);
-            },
-        );
+        apart!(level, {
+            // Inside the closure: the compiler does not know the values of captured variables.
+            let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+            let (rows, half) = (&self.rows[..moving * n], &mut self.half[..moving * n]);
+            congruence(rows, &mut belief.cov[..n * n], half, n, moving);
+        });
     }
 
     #[inline(always)]
@@ -101,26 +97,17 @@ impl<T: Number> Linearised<T> {
     fn linearise<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         self.derivatives.take(level, model, mean, step.forces[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
-            level.apart(
-                #[inline(always)]
-                || self.swing(level, model, mean, step),
-            );
+            apart!(level, self.swing(level, model, mean, step));
             return;
         }
         let moving = level.moving(model.moving());
         let block = &self.derivatives.columns[..moving * moving];
         if let Some(coupled) = self.coupled.as_mut().filter(|_| moving.is_multiple_of(2)) {
             coupled.compute(level, block, step.dt, step.has_slope);
-            level.apart(
-                #[inline(always)]
-                || self.swing_together(level, model, mean, step),
-            );
+            apart!(level, self.swing_together(level, model, mean, step));
         } else {
             self.exponential.compute(level, block, moving, step.dt, step.has_slope);
-            level.apart(
-                #[inline(always)]
-                || self.flow(level, model, mean, step),
-            );
+            apart!(level, self.flow(level, model, mean, step));
         }
     }
 
@@ -153,7 +140,7 @@ impl<T: Number> Linearised<T> {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
         let (n, m) = (level.size(model.size), level.moving(model.moving()) / 2);
-        let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(level);
+        let [value, integral, second, displaced, pulled, kept] = coupled.parts(level);
         let (rate, columns, rows) = (&rate[..2 * m], &columns[..2 * m * n], &mut rows[..2 * m * n]);
         let (effect, free) = (&mut effect[..2 * m], &mut self.begun[..m]);
 
@@ -231,23 +218,18 @@ impl<T: Number> Linearised<T> {
             add_times(&mut self.rows[place * moving..(place + 1) * moving], T::of(1.0), &self.effect);
         }
     }
-}
 
-impl<T: Number> Linearised<T> {
     /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
     #[inline(always)]
     fn euler<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
-        level.apart(
-            #[inline(always)]
-            || {
-                let Self { derivatives, rows, .. } = self;
-                let (moving, dt) = (model.moving(), T::of(step.dt));
-                derivatives.take(level, model, mean, step.forces[0]);
-                add_times(&mut mean[..moving], dt, &derivatives.rate);
-                begin(rows, moving);
-                add_times(rows, dt, &derivatives.columns);
-            },
-        );
+        apart!(level, {
+            let Self { derivatives, rows, .. } = self;
+            let (moving, dt) = (model.moving(), T::of(step.dt));
+            derivatives.take(level, model, mean, step.forces[0]);
+            add_times(&mut mean[..moving], dt, &derivatives.rate);
+            begin(rows, moving);
+            add_times(rows, dt, &derivatives.columns);
+        });
     }
 
     /// One Runge-Kutta step, and its derivative by the state that it starts from: the chain rule, stage by stage.
@@ -267,10 +249,7 @@ impl<T: Number> Linearised<T> {
         let stages =
             [(0.0, 1.0, begin_force), (0.5, 2.0, middle_force), (0.5, 2.0, middle_force), (1.0, 1.0, end_force)];
         for (share, weight, force) in stages {
-            level.apart(
-                #[inline(always)]
-                || self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], force),
-            );
+            apart!(level, self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], force));
         }
     }
 

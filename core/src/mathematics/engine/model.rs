@@ -1,8 +1,8 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
-use super::level::Level;
+use super::level::{Level, apart};
 use super::number::{Function, Number, Real};
-use super::plants::{Plant, Rates, fits, with_equation};
+use super::plants::{Equation, Plant, Slopes, fits, with_equation};
 use crate::Channel;
 use crate::mathematics::lists::places;
 use crate::mathematics::model::{Reading, Scale};
@@ -112,7 +112,7 @@ impl Model {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(
         &self,
-        equation: impl Rates<T>,
+        equation: impl Equation<T>,
         state: &[T],
         force: T,
         plain: &mut [T],
@@ -120,7 +120,7 @@ impl Model {
     ) {
         let acting = self.acting(state, force);
         let own = self.plain(state, plain);
-        equation.rates(own, acting, rate);
+        equation.rate(own, acting, rate);
         self.decay(own, rate);
     }
 
@@ -171,13 +171,10 @@ impl<T: Number> Derivatives<T> {
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
-    /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
+    /// Takes them in a state under this recorded force, in a separate function: it is long, and called from many places.
     #[inline(always)]
     pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
-        level.apart(
-            #[inline(always)]
-            || self.take_inside(level, model, state, force),
-        );
+        apart!(level, self.take_inside(level, model, state, force));
     }
 
     #[inline(always)]
@@ -186,7 +183,8 @@ impl<T: Number> Derivatives<T> {
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
         let own = model.plain(state, plain);
-        model.plant.linearise(level, own, model.acting(state, force), rate, columns, moving);
+        let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
+        model.plant.linearise(level, own, model.acting(state, force), out);
         model.decay(own, rate);
         if model.eta != 0.0 {
             for place in model.plant.motion()..moving {

@@ -129,7 +129,36 @@ macro_rules! one_point {
         }
     };
 }
-pub(super) use one_point;
+/// Operators of a type with these generics, each by an expression.
+macro_rules! operators {
+    ([$($generics:tt)*] $type:ty;) => {};
+    ([$($generics:tt)*] $type:ty; $trait:ident<$other:ty> $name:ident = |$a:ident, $b:ident| $work:expr; $($rest:tt)*) => {
+        impl<$($generics)*> $trait<$other> for $type {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, $b: $other) -> Self {
+                let $a = self;
+                $work
+            }
+        }
+        operators! { [$($generics)*] $type; $($rest)* }
+    };
+    ([$($generics:tt)*] $type:ty; $trait:ident $name:ident = |$a:ident| $work:expr; $($rest:tt)*) => {
+        impl<$($generics)*> $trait for $type {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self) -> Self {
+                let $a = self;
+                $work
+            }
+        }
+        operators! { [$($generics)*] $type; $($rest)* }
+    };
+}
+
+pub(super) use {one_point, operators};
 
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -7,7 +7,7 @@ use std::arch::wasm32::{
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::number::{Function, Mask, Number, Real, one_point};
+use super::number::{Function, Mask, Number, Real, one_point, operators};
 
 /// The numbers of two runs.
 #[derive(Clone, Copy, Debug)]
@@ -17,46 +17,22 @@ pub struct LanePair(v128);
 #[derive(Clone, Copy, Debug)]
 pub struct LaneBits(v128);
 
-macro_rules! operators {
-    ($($trait:ident<$other:ty> $name:ident for $type:ident = |$a:ident, $b:ident| $work:expr;)*) => {
-        $(impl $trait<$other> for $type {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, $b: $other) -> Self {
-                let $a = self.0;
-                Self($work)
-            }
-        })*
-    };
-}
 operators! {
-    Add<Self> add for LanePair = |a, b| f64x2_add(a, b.0);
-    Sub<Self> sub for LanePair = |a, b| f64x2_sub(a, b.0);
-    Mul<Self> mul for LanePair = |a, b| f64x2_mul(a, b.0);
-    Div<Self> div for LanePair = |a, b| f64x2_div(a, b.0);
-    Add<f64> add for LanePair = |a, b| f64x2_add(a, f64x2_splat(b));
-    Mul<f64> mul for LanePair = |a, b| f64x2_mul(a, f64x2_splat(b));
-    BitAnd<Self> bitand for LaneBits = |a, b| v128_and(a, b.0);
-    BitOr<Self> bitor for LaneBits = |a, b| v128_or(a, b.0);
+    [] LanePair;
+    Add<Self> add = |a, b| Self(f64x2_add(a.0, b.0));
+    Sub<Self> sub = |a, b| Self(f64x2_sub(a.0, b.0));
+    Mul<Self> mul = |a, b| Self(f64x2_mul(a.0, b.0));
+    Div<Self> div = |a, b| Self(f64x2_div(a.0, b.0));
+    Add<f64> add = |a, b| Self(f64x2_add(a.0, f64x2_splat(b)));
+    Mul<f64> mul = |a, b| Self(f64x2_mul(a.0, f64x2_splat(b)));
+    Neg neg = |a| Self(f64x2_neg(a.0));
 }
 
-impl Neg for LanePair {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(f64x2_neg(self.0))
-    }
-}
-
-impl Not for LaneBits {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(v128_not(self.0))
-    }
+operators! {
+    [] LaneBits;
+    BitAnd<Self> bitand = |a, b| Self(v128_and(a.0, b.0));
+    BitOr<Self> bitor = |a, b| Self(v128_or(a.0, b.0));
+    Not not = |a| Self(v128_not(a.0));
 }
 
 impl Mask for LaneBits {

@@ -3,7 +3,7 @@
 use super::belief::Belief;
 use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
-use super::level::Level;
+use super::level::{Level, apart, each};
 use super::model::{Model, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
@@ -59,18 +59,12 @@ impl<T: Number> SigmaPoints<T> {
         belief: &mut Belief<T>,
         step: &Step<T>,
     ) -> Rooted<T::Mask> {
-        let rooted = level.apart(
-            #[inline(always)]
-            || self.draw(level, rule, model, belief),
-        );
+        let rooted = apart!(level, self.draw(level, rule, model, belief));
         self.travel(level, model, step);
-        level.apart(
-            #[inline(always)]
-            || {
-                self.take_parts(level, rule, model);
-                self.sum(level, rule, model, belief);
-            },
-        );
+        apart!(level, {
+            self.take_parts(level, rule, model);
+            self.sum(level, rule, model, belief);
+        });
         rooted
     }
 
@@ -78,20 +72,14 @@ impl<T: Number> SigmaPoints<T> {
     pub(super) fn travel<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
-            level.apart(
-                #[inline(always)]
-                || of_centre.advance(level, model, centre, step),
-            );
+            apart!(level, of_centre.advance(level, model, centre, step));
         }
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
         let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
-            level.apart(
-                #[inline(always)]
-                || method.advance(level, model, points, &step),
-            );
+            apart!(level, method.advance(level, model, points, &step));
         }
     }
 
@@ -257,21 +245,16 @@ fn place<T: Number, L: Level>(
     if first == 1 {
         centre[..n].copy_from_slice(mean);
     }
-    level.each(
-        0,
-        packs,
-        #[inline(always)]
-        |pack| {
-            for i in 0..n {
-                points[pack * n + i] = T::pack(
-                    #[inline(always)]
-                    |k| match pack * T::POINTS + k + first {
-                        point if point == 0 || point > 2 * n => mean[i],
-                        point if point % 2 == 1 => mean[i] + root((point - 1) / 2, i) * distance,
-                        point => mean[i] - root((point - 1) / 2, i) * distance,
-                    },
-                );
-            }
-        },
-    );
+    each!(level, 0, packs, |pack| {
+        for i in 0..n {
+            points[pack * n + i] = T::pack(
+                #[inline(always)]
+                |k| match pack * T::POINTS + k + first {
+                    point if point == 0 || point > 2 * n => mean[i],
+                    point if point % 2 == 1 => mean[i] + root((point - 1) / 2, i) * distance,
+                    point => mean[i] - root((point - 1) / 2, i) * distance,
+                },
+            );
+        }
+    });
 }

@@ -4,19 +4,19 @@ mod descent;
 
 use descent::Descent;
 
-use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, mirror, square, subtract_products, take_times};
+use super::belief::Belief;
+use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column, times_cov};
-use super::fault::Held;
-use super::level::{Baseline, Count, Exactly, Level};
+use super::filter::Passage;
+use super::learning::Innovations;
+use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
-use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
-use super::weights::Innovations;
+use crate::FilterError;
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Told<T: Number> {
+pub(crate) struct UpdateResult<T: Number> {
     /// `eᵀ S⁻¹ e`; zero without a measurement.
     pub nis: T,
     /// det S; one without a measurement.
@@ -27,12 +27,22 @@ pub(crate) struct Told<T: Number> {
     pub holds: T::Mask,
 }
 
+/// The belief that an update conditions, with the root of its covariance if it has one, and whether the step holds.
+pub(super) struct Target<'a, T: Number> {
+    pub(super) design: &'a Design,
+    pub(super) belief: &'a mut Belief<T>,
+    pub(super) root: Option<&'a mut SquareRoot<T>>,
+    pub(super) checks: &'a mut Checks<T::Mask>,
+}
+
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub(super) force: T,
     /// A number for each sensor; NaN where it is missing.
     pub(super) measured: &'a [T],
+    /// The diagonal of R.
+    pub(super) variances: &'a [T],
 }
 
 #[derive(Clone, Debug)]
@@ -75,37 +85,27 @@ impl<T: Number> Update<T> {
         }
     }
 
-    /// Conditions a belief, and the root of its covariance if it has one, on the measurements that are not NaN.
+    /// Conditions a belief on the measurements that are not NaN.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
+        target: &mut Target<'_, T>,
         observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
+    ) -> UpdateResult<T> {
         if self.descent.is_none() && self.passage.is_none() {
-            return self.condition_once(level, design, belief, root, noise, observation, held);
+            return self.condition_once(level, target, observation);
         }
-        self.descend(level.plain(), design, belief, root, noise, observation, held)
+        self.descend(level.plain(), target, observation)
     }
 
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     fn condition_once<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
+        target: &mut Target<'_, T>,
         observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
+    ) -> UpdateResult<T> {
         let active = &mut self.active;
         let measured = observation.measured;
         let mut is_whole = active.len() == measured.len();
@@ -115,117 +115,90 @@ impl<T: Number> Update<T> {
         if !is_whole {
             gather(active, observation.measured);
         }
-        if active.is_empty() {
-            return level.apart(
-                #[inline(always)]
-                || {
-                    if const { may_have_root::<T, L>() }
-                        && let Some(root) = root
-                    {
-                        root.square(level, &mut belief.cov);
-                    }
-                    untold(level, belief, held)
-                },
-            );
-        }
         match active.len() {
-            1 if const { L::IS_KNOWN } => {
-                self.take_in(level, Exactly::<1>, design, belief, root, noise, observation, held)
-            }
-            2 if const { L::IS_KNOWN } => {
-                self.take_in(level, Exactly::<2>, design, belief, root, noise, observation, held)
-            }
+            0 => apart!(level, without_readings(level, target)),
+            1 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<1>, target, observation),
+            2 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<2>, target, observation),
             // More are rare.
-            count => self.take_in(level.plain(), count, design, belief, root, noise, observation, held),
+            count => self.condition_counted(level.plain(), count, target, observation),
         }
     }
 
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
-    fn take_in<L: Level, C: Count>(
+    fn condition_counted<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
+        target: &mut Target<'_, T>,
         observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
+    ) -> UpdateResult<T> {
         if const { may_have_root::<T, L>() }
-            && let Some(root) = root
+            && let Some(root) = target.root.take()
         {
-            return level.apart(
-                #[inline(always)]
-                || self.rotate(level, count, design, belief, root, noise, observation, held),
-            );
+            let result = apart!(level, self.rotate(level, count, target, root, observation));
+            target.root = Some(root);
+            return result;
         }
         let Self { active, expected, .. } = self;
-        held.expected = expected.take(level, count, design, belief, active, observation.force);
-        level.apart(
-            #[inline(always)]
-            || {
-                let measured = self.compare(level, count, noise, observation.measured);
-                self.correct(level, count, design, belief, measured, held)
-            },
-        )
+        let Target { design, belief, checks, .. } = target;
+        checks.expected = expected.take(level, count, design, belief, active, observation.force);
+        apart!(level, {
+            let measured = self.compare(level, count, observation);
+            self.correct(level, count, design, belief, measured, checks)
+        })
     }
 
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
     fn rotate<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
-        design: &Design,
-        belief: &mut Belief<T>,
+        target: &mut Target<'_, T>,
         root: &mut SquareRoot<T>,
-        noise: &Noise<T>,
         observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
+    ) -> UpdateResult<T> {
         let Self { active, expected, innovation_cov, innovation, variances, .. } = self;
+        let Target { design, belief, checks, .. } = target;
         let (m, zero) = (count.number(), T::of(0.0));
         let (active, innovation, mean) = (&active[..m], &mut innovation[..m], &mut expected.mean[..m]);
         expected.is_linear = false;
         root.read(level, count, design, belief, active, observation.force, mean);
         let mut measured = zero;
         for row in 0..m {
-            let value = observation.measured[active[row]];
+            let (value, variance) = (observation.measured[active[row]], observation.variances[active[row]]);
             let is_there = value.is_number();
             measured = measured + T::select(is_there, T::of(1.0), zero);
             innovation[row] = T::select(is_there, value - mean[row], zero);
-            variances[row] = T::select(is_there, noise.sensors[active[row]], T::of(1.0));
-            root.add_noise(level, count, row, noise.sensors[active[row]], is_there);
+            variances[row] = T::select(is_there, variance, T::of(1.0));
+            root.add_noise(level, count, row, variance, is_there);
         }
         root.condition(level, count, innovation_cov, &mut expected.cross);
-        let scores = self.weigh(level, count, belief, held);
+        let scores = self.weigh(level, count, belief, checks);
         root.square(level, &mut belief.cov);
-        told(level, belief, scores, measured, held)
+        result(level, belief, scores, measured, checks)
     }
 
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
     /// information: e = 0, R = 1, without covariance.
     #[inline(always)]
-    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, noise: &Noise<T>, measured: &[T]) -> T {
+    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, observation: Observation<'_, T>) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
         let (m, n) = (count.number(), level.size(expected.size()));
         let (zero, one) = (T::of(0.0), T::of(1.0));
-        let mut told = zero;
+        let mut number = zero;
         let (active, innovation, variances) = (&active[..m], &mut innovation[..m], &mut variances[..m]);
         let (s, mean) = (&mut s[..m * m], &expected.mean[..m]);
         s.copy_from_slice(&expected.cov[..m * m]);
         for row in 0..m {
-            let value = measured[active[row]];
+            let value = observation.measured[active[row]];
             let is_there = value.is_number();
             innovation[row] = value - mean[row];
-            variances[row] = noise.sensors[active[row]];
+            variances[row] = observation.variances[active[row]];
             if is_there.all() {
-                told = told + one;
+                number = number + one;
                 continue;
             }
-            told = told + T::select(is_there, one, zero);
+            number = number + T::select(is_there, one, zero);
             innovation[row] = T::select(is_there, innovation[row], zero);
             variances[row] = T::select(is_there, variances[row], one);
             for cross in &mut expected.cross[row * n..(row + 1) * n] {
@@ -239,7 +212,7 @@ impl<T: Number> Update<T> {
         for row in 0..m {
             s[row * m + row] = s[row * m + row] + variances[row];
         }
-        told
+        number
     }
 
     /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
@@ -251,15 +224,15 @@ impl<T: Number> Update<T> {
         design: &Design,
         belief: &mut Belief<T>,
         measured: T,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let scores = self.weigh(level, count, belief, held);
+        checks: &mut Checks<T::Mask>,
+    ) -> UpdateResult<T> {
+        let scores = self.weigh(level, count, belief, checks);
         if self.expected.is_linear {
             self.joseph(level, count, design, belief);
         } else {
             self.subtract(level, count, belief);
         }
-        told(level, belief, scores, measured, held)
+        result(level, belief, scores, measured, checks)
     }
 
     /// `K = P⁻ Hᵀ S⁻¹` and `y = y⁻ + K e`. Returns NIS and det S.
@@ -271,7 +244,7 @@ impl<T: Number> Update<T> {
         level: L,
         count: C,
         belief: &mut Belief<T>,
-        held: &mut Held<T::Mask>,
+        checks: &mut Checks<T::Mask>,
     ) -> [T; 2] {
         let Self { expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
@@ -281,19 +254,14 @@ impl<T: Number> Update<T> {
         let (determinant, factored) = factor(lower, m);
         let cross = &expected.cross[..m * n];
         // One by one: a page would call its browser to copy more than a few.
-        level.each(
-            0,
-            m * n,
-            #[inline(always)]
-            |i| gain[i] = cross[i],
-        );
+        each!(level, 0, m * n, |i| gain[i] = cross[i]);
         divide(lower, m, gain, n);
         for row in 0..m {
             add_times(&mut belief.mean[..n], innovation[row], &gain[row * n..(row + 1) * n]);
         }
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
-        (held.factored, held.is_likely) = (factored, nis.is_finite());
+        (checks.factored, checks.is_likely) = (factored, nis.is_finite());
         if const { T::LANES == 1 } {
             mirror(Baseline, &mut innovation_cov[..m * m], m);
         }
@@ -403,21 +371,88 @@ fn gather<T: Number>(active: &mut Vec<usize>, measured: &[T]) {
 }
 
 #[inline(always)]
-fn told<T: Number, L: Level>(
+fn result<T: Number, L: Level>(
     level: L,
     belief: &Belief<T>,
     [nis, determinant]: [T; 2],
     measured: T,
-    held: &mut Held<T::Mask>,
-) -> Told<T> {
-    [held.is_finite, held.is_positive] = belief.check(level);
-    Told { nis, determinant, measured, holds: held.all() }
+    checks: &mut Checks<T::Mask>,
+) -> UpdateResult<T> {
+    [checks.is_finite, checks.is_positive] = belief.check(level);
+    UpdateResult { nis, determinant, measured, holds: checks.all() }
 }
 
 #[inline(always)]
-fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
-    let predicted = held.predicted;
-    *held = Held { predicted, ..Held::new() };
-    [held.is_finite, held.is_positive] = belief.check(level);
-    Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
+fn without_readings<T: Number, L: Level>(level: L, target: &mut Target<'_, T>) -> UpdateResult<T> {
+    let Target { belief, root, checks, .. } = target;
+    if const { may_have_root::<T, L>() }
+        && let Some(root) = root
+    {
+        root.square(level, &mut belief.cov);
+    }
+    **checks = Checks { predicted: checks.predicted, ..Checks::new() };
+    result(level, belief, [T::of(0.0), T::of(1.0)], T::of(0.0), checks)
+}
+
+/// Why a step does not hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checks<M> {
+    /// Sigma points can be drawn for the prediction.
+    pub(super) predicted: Rooted<M>,
+    /// Sigma points can be drawn for the update.
+    pub(super) expected: Rooted<M>,
+    /// S is positive definite.
+    pub(super) factored: M,
+    pub(super) is_finite: M,
+    pub(super) is_positive: M,
+    pub(super) is_likely: M,
+}
+
+impl<M: Mask> Checks<M> {
+    pub(super) fn new() -> Self {
+        let yes = M::of(true);
+        let rooted = Rooted { holds: yes, is_finite: yes };
+        Self { predicted: rooted, expected: rooted, factored: yes, is_finite: yes, is_positive: yes, is_likely: yes }
+    }
+
+    #[inline(always)]
+    pub(super) fn all(&self) -> M {
+        let Self { predicted, expected, factored, is_finite, is_positive, is_likely } = *self;
+        predicted.holds & expected.holds & factored & is_finite & is_positive & is_likely
+    }
+
+    pub(super) fn but_likely(&self) -> M {
+        Self { is_likely: M::of(true), ..*self }.all()
+    }
+
+    /// The first part that does not hold for a lane. `update` gives S of that lane with its size, and the innovation.
+    pub(super) fn reason(&self, lane: usize, update: &dyn Fn() -> (Vec<f64>, Vec<f64>)) -> FilterError {
+        for rooted in [self.predicted, self.expected] {
+            if !rooted.holds.lane(lane) {
+                return of_root(rooted.is_finite.lane(lane), FilterError::IndefiniteCovariance);
+            }
+        }
+        if !self.factored.lane(lane) {
+            let (cov, innovation) = update();
+            let rooted = lower_root(Baseline, &cov, &mut vec![0.0; cov.len()], innovation.len());
+            return if rooted.holds {
+                FilterError::SingularInnovation
+            } else {
+                of_root(rooted.is_finite, FilterError::IndefiniteInnovation)
+            };
+        }
+        if !self.is_finite.lane(lane) {
+            FilterError::NotFinite
+        } else if !self.is_positive.lane(lane) {
+            FilterError::IndefiniteCovariance
+        } else if update().1.iter().all(|innovation| innovation.is_finite()) {
+            FilterError::ImpossibleMeasurement
+        } else {
+            FilterError::NotFinite
+        }
+    }
+}
+
+pub(crate) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
+    if is_finite { indefinite } else { FilterError::NotFinite }
 }

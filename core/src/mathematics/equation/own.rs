@@ -5,7 +5,7 @@ use super::settings::{EquationSettings, Numbers, ParameterSettings, size};
 use super::solve::{Component, Solved, solve};
 use super::word::{key, symbol};
 use crate::mathematics::channel::{ChannelInfo, Role, Usual};
-use crate::mathematics::engine::plants::typed::Typed;
+use crate::mathematics::engine::plants::Typed;
 use crate::mathematics::plant::{Plant, PlantInfo, Spring};
 use crate::{Channel, PlantKind};
 

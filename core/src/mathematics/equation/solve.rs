@@ -9,7 +9,7 @@ use super::parse::{Sides, Tree, parse};
 use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::engine::builder::Builder;
 use crate::mathematics::engine::list::Node;
-use crate::mathematics::engine::plants::typed::Typed;
+use crate::mathematics::engine::plants::Typed;
 use crate::mathematics::lists::sort_items;
 
 const COMPONENTS: usize = 32;

@@ -1,11 +1,14 @@
-//! Beliefs, and what moves them: the noise that a filter assumes, and a step from one sample to the next.
+//! Beliefs; the noise that a filter assumes, and a step from one sample to the next; the measurements of a sample, and the result of an
+//! update by them.
 
 use std::borrow::Cow;
 
-use super::{Correction, FilterError, Observation};
+use super::{Course, FilterError};
+use crate::mathematics::engine::runge_kutta::States;
 use crate::mathematics::engine::{self, model};
-use crate::mathematics::linalg::{Matrix, Vector, symmetric};
-use crate::mathematics::model::{Hold, Model};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector, symmetric};
+use crate::mathematics::model::{Hold, Model, Moving, Reading};
+use crate::{Channel, Quantity};
 
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.
 pub trait Belief: Send {
@@ -27,7 +30,7 @@ pub trait Belief: Send {
     ) -> Result<(), FilterError>;
 
     /// Keeps a share of a component of the state and adds an independent one of mean zero and this variance: of a
-    /// [`White`](super::White) force nothing is kept at the next sample. See [`Gaussian::renew`].
+    /// [`White`] force nothing is kept at the next sample. See [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -154,5 +157,237 @@ impl Step {
     pub(super) fn of_engine(self) -> model::Step<f64> {
         let Self { forces, hold, dt } = self;
         model::Step { forces, has_slope: hold == Hold::First, dt }
+    }
+}
+
+/// A force over mass that is not recorded and is independent from sample to sample: wind, traffic, ground noise. It is
+/// the component w of the state ([`Channel::WHITE_FORCE`]), so that a sensor that feels it, such as an accelerometer,
+/// reads the same force that moves the plant.
+///
+/// ```text
+/// w ~ N(0, s²) drawn again for each sample,  s² = q / dt
+/// x⁺ = Φ x + Γ w,  z = h(x) + D w + v,  cov(Γ w, D w + v) = Γ s² Dᵀ
+/// Γ Γᵀ s² = q [dt³/4, dt²/2; dt²/2, dt] of a light oscillator, and D = 1 of an accelerometer on it
+/// ```
+///
+/// with the intensity q of the white force \[m²/s³\]: its two-sided spectral density. The filter of the state with w is
+/// that of correlated process noise and sensor noise, with the covariance Γ s² Dᵀ: the covariance of x and w after an
+/// update is the term that textbooks subtract from the next prediction.
+///
+/// The course of the force between samples depends on input and sensors ([`Course`]).
+///
+/// Source: Anderson and Moore (1979), *Optimal Filtering*, section 5.5; Simon (2006), *Optimal State Estimation*, section
+/// 7.1 (correlated process and measurement noise); Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to
+/// Tracking and Navigation*, sections 6.2.2 and 6.3.2 (white acceleration, continuous and held).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct White {
+    /// The place of w in the state.
+    pub place: usize,
+    /// s², the variance of w \[(m/s²)²\].
+    pub variance: f64,
+    /// The course of the force between samples.
+    pub course: Course,
+}
+
+impl White {
+    /// The white force of a filter with this model, whose standard deviation is `std` \[m/s²\], and these sensors, if it has one.
+    pub(crate) fn of(model: &Model, std: f64, hold: Hold, sensors: &[Quantity]) -> Option<Self> {
+        let place = model.place(Channel::WHITE_FORCE)?;
+        let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());
+        let course = match hold {
+            Hold::Zero => Course::Held,
+            Hold::First if sensors.iter().any(feels) => Course::Centred,
+            Hold::First => Course::Continuous,
+        };
+        Some(Self { place, variance: std * std, course })
+    }
+
+    /// Adds the effect of the force's deviation from its mean over a sample, which enters through the plant's input.
+    pub(crate) fn add_rest(self, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
+        if self.course != Course::Continuous {
+            return;
+        }
+        let by_force = model.by_force(state);
+        let moved = |place: usize| {
+            let velocity = model.channels()[place].rate()?;
+            Some((place, by_force[model.place(velocity)?]))
+        };
+        let moved: Vec<(usize, f64)> = (0..model.motion()).filter_map(moved).collect();
+        let variance = self.variance * dt * dt * dt * dt / 12.0;
+        for &(i, a) in &moved {
+            for &(j, b) in &moved {
+                process[(i, j)] += variance * a * b;
+            }
+        }
+    }
+
+    /// Sets the row and the column of w in Q to zero, since the prediction does not move w.
+    pub(crate) fn leave_out(self, process: &mut Matrix) {
+        process.row_mut(self.place).fill(0.0);
+        process.column_mut(self.place).fill(0.0);
+    }
+}
+
+/// The m measurements of one sample that are not missing.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    pub(super) readings: Vec<Option<Reading>>,
+    /// The place of each measurement's sensor among all sensors.
+    pub sensors: Vec<usize>,
+    /// z, in the sensors' units.
+    pub values: Vec<f64>,
+    /// The diagonal of R, in the sensors' units squared.
+    pub variances: Vec<f64>,
+    /// The recorded force over mass at the sample \[m/s²\].
+    pub force: f64,
+}
+
+impl Observation {
+    pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
+        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
+    }
+
+    /// A number for each sensor, NaN where it is missing, and the variance of each.
+    pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
+        let Self { readings, sensors, values, variances, force } = self;
+        *force = new_force;
+        sensors.clear();
+        values.clear();
+        variances.clear();
+        for (sensor, (&value, &variance)) in measured.iter().zip(noise).enumerate() {
+            if value.is_nan() || readings[sensor].is_none() {
+                continue;
+            }
+            if value.is_infinite() {
+                return Err(FilterError::InfiniteMeasurement);
+            }
+            sensors.push(sensor);
+            values.push(value);
+            variances.push(variance);
+        }
+        Ok(())
+    }
+
+    /// m, the number of measurements.
+    pub fn len(&self) -> usize {
+        self.sensors.len()
+    }
+
+    /// Whether nothing was measured.
+    pub fn is_empty(&self) -> bool {
+        self.sensors.is_empty()
+    }
+
+    fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
+        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref())
+    }
+
+    /// `h(y, f)`, the m numbers that the sensors would read in a state.
+    pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
+        let has_rates = self.readings().any(Reading::is_of_rates);
+        let rate = if has_rates { model.rate(state, self.force) } else { Vector::zeros(0) };
+        let readings = self.readings().map(|reading| model.read_moving(reading, state, rate.as_slice(), self.force));
+        Vector::from_iterator(self.len(), readings)
+    }
+
+    /// The numbers that the sensors would read in several states, each a column; m rows.
+    pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
+        let mut values = Matrix::zeros(self.len(), states.ncols());
+        engine.read(states.as_slice(), self.force, &self.readings(), values.as_mut_slice());
+        values
+    }
+
+    /// `H = ∂h/∂y`, m × n, in a state.
+    pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
+        let (mut rate, mut rates) = (Vector::zeros(0), Matrix::zeros(0, 0));
+        if self.readings().any(Reading::is_of_rates) {
+            (rate, rates) = (model.rate(state, self.force), model.jacobian(state, self.force));
+        }
+        let at = Moving { state, rate: rate.as_slice(), jacobian: &rates };
+        let mut jacobian = Matrix::zeros(self.len(), model.size());
+        for (row, reading) in self.readings().enumerate() {
+            model.read_gradient_into(reading, at, self.force, |place, part| jacobian[(row, place)] += part);
+        }
+        jacobian
+    }
+
+    /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
+    pub fn add_noise(&self, cov: &mut Matrix) {
+        cov.fill_upper_triangle_with_lower_triangle();
+        for (row, variance) in self.variances.iter().enumerate() {
+            cov[(row, row)] += variance;
+        }
+    }
+
+    /// The innovation `e = z - h`, where h is `expected`.
+    pub fn innovation(&self, expected: &Vector) -> Vector {
+        Vector::from_fn(self.len(), |row, _| self.values[row] - expected[row])
+    }
+}
+
+/// The effect of one sample of the sensors on the belief, with n channels and m sensors. Sensors that were skipped have an innovation
+/// of NaN and no gain.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    /// e = z - h(y⁻), m numbers in the sensors' units.
+    pub innovation: Vector,
+    /// S, the covariance of e, m × m.
+    pub innovation_cov: Matrix,
+    /// K, n × m. The column of a sensor is the change of each channel per unit of its innovation.
+    pub gain: Matrix,
+    /// Normalised innovation squared `eᵀ S⁻¹ e`.
+    pub nis: f64,
+    /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
+    pub determinant: f64,
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// follows from NIS and det S.
+    pub log_likelihood: f64,
+    /// Effective sample size of a particle filter before it resampled; NaN for any other.
+    pub effective_samples: f64,
+}
+
+impl Correction {
+    /// The correction of n channels by m sensors that all measured nothing.
+    pub fn nothing(n: usize, m: usize) -> Self {
+        let nan = f64::NAN;
+        Self {
+            innovation: Vector::repeat(m, nan),
+            innovation_cov: Matrix::repeat(m, m, nan),
+            gain: Matrix::zeros(n, m),
+            nis: nan,
+            determinant: nan,
+            log_likelihood: nan,
+            effective_samples: nan,
+        }
+    }
+
+    /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.
+    pub fn report(
+        &mut self,
+        sensors: &[usize],
+        innovation: &Vector,
+        innovation_cov: &Matrix,
+        factor: &Ldl,
+        gain: &Matrix,
+    ) {
+        self.nis = factor.square(innovation);
+        self.determinant = factor.determinant;
+        for (i, &row) in sensors.iter().enumerate() {
+            self.innovation[row] = innovation[i];
+            self.gain.set_column(row, &gain.column(i));
+            for (j, &column) in sensors.iter().enumerate() {
+                self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
+            }
+        }
+    }
+
+    /// Fails where their likelihood is not finite, with [`FilterError::NotFinite`] if the belief is the reason.
+    pub(super) fn check(&self, sensors: &[usize]) -> Result<(), FilterError> {
+        // A factor of S has a finite ln det S.
+        if self.nis.is_finite() && !self.log_likelihood.is_infinite() {
+            return Ok(());
+        }
+        let surprising = sensors.iter().all(|&sensor| self.innovation[sensor].is_finite());
+        Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite })
     }
 }

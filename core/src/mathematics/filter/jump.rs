@@ -20,7 +20,7 @@
 /// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution
 /// (the time between false alarms); Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and
 /// estimation of jumps in linear systems (a wider P after a jump).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Jump {
     /// The diagonal of P₀, in the state's units squared.
     initial: Vec<f64>,
@@ -70,17 +70,7 @@ const LEVEL_LIMIT: f64 = 5.0;
 
 impl Jump {
     pub(crate) fn new(initial: Vec<f64>) -> Self {
-        Self {
-            initial,
-            sum: 0.0,
-            level: 1.0,
-            learnt: 0,
-            blind: FIRST,
-            since: None,
-            factor: 1.0,
-            is_due: false,
-            has_widened: false,
-        }
+        Self { initial, level: 1.0, blind: FIRST, factor: 1.0, ..Self::default() }
     }
 
     /// The variances that this prediction adds to the diagonal of P⁻. `None` unless a change was found at the sample before.
@@ -90,7 +80,7 @@ impl Jump {
         self.has_widened.then(|| self.initial.iter().map(move |variance| factor * variance))
     }
 
-    pub(crate) fn look(&mut self, nis: f64, measurements: usize) {
+    pub(crate) fn observe(&mut self, nis: f64, measurements: usize) {
         let m = measurements as f64;
         let mean = nis / m;
         if let Some(since) = &mut self.since {
@@ -137,7 +127,7 @@ mod tests {
         let mut jump = Jump::new(vec![1.0]);
         let look = |k: &usize| {
             let square: f64 = (0..m).map(|_| normal.sample()).map(|x| x * x).sum();
-            jump.look(square * size(*k), m);
+            jump.observe(square * size(*k), m);
             jump.widening().is_some()
         };
         (0..count).filter(look).collect()
@@ -185,7 +175,7 @@ mod tests {
         let mut jump = Jump::new(vec![2.0, 3.0]);
         let mut added = Vec::new();
         for k in 0..500 {
-            jump.look(if k < 300 { 1.0 } else { 50.0 }, 1);
+            jump.observe(if k < 300 { 1.0 } else { 50.0 }, 1);
             added.extend(jump.widening().map(Iterator::collect::<Vec<f64>>));
         }
         assert_eq!(added, [[2.0, 3.0], [8.0, 12.0], [32.0, 48.0], [128.0, 192.0]]);

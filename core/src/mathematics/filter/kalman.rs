@@ -1,7 +1,7 @@
 //! The update of a Gaussian belief, for linearised and sigma-point predictions of the measurement alike.
 
 use super::{Correction, FilterError, Gaussian, Observation};
-use crate::mathematics::linalg::{Ldl, Matrix, RootError, Vector, lower_root, symmetric};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector, lower_root, symmetric};
 
 /// The prediction of m measurements from a belief.
 #[derive(Clone, Debug)]
@@ -83,7 +83,7 @@ pub(super) fn update(
 pub fn factor(innovation_cov: &Matrix) -> Result<Ldl, FilterError> {
     Ldl::new(innovation_cov).ok_or_else(|| match lower_root(innovation_cov) {
         Ok(_) => FilterError::SingularInnovation,
-        Err(RootError::Indefinite) => FilterError::IndefiniteInnovation,
-        Err(RootError::NotFinite) => FilterError::NotFinite,
+        Err(FilterError::IndefiniteCovariance) => FilterError::IndefiniteInnovation,
+        Err(error) => error,
     })
 }

@@ -1,10 +1,13 @@
 //! The Kalman filter of a linear system that the user defines.
 
+use std::fmt;
+
+use thiserror::Error;
+
 use super::kalman::{self, Expected};
-use super::system::{SystemError, check, check_column, covariance};
 use super::{Correction, FilterError, Gaussian, Noise};
 use crate::mathematics::gaussian_likelihood;
-use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
 use crate::mathematics::lists::places;
 
 /// A Kalman filter of any linear system, without a scenario: n components of the state x, p inputs u, m sensors.
@@ -51,7 +54,6 @@ pub struct KalmanFilter {
     sensor_noise: Matrix,
     belief: Gaussian,
     prior: Gaussian,
-    linearisation: Linearisation,
     update: Correction,
 }
 
@@ -89,7 +91,6 @@ impl KalmanFilter {
         let belief = Gaussian { mean, cov };
         Ok(Self {
             prior: belief.clone(),
-            linearisation: Linearisation::new(m),
             update: Correction::nothing(n, m),
             transition: a,
             input: b,
@@ -148,7 +149,7 @@ impl KalmanFilter {
     }
 
     fn condition(&mut self, measured: &[f64]) -> Result<(), SystemError> {
-        let Self { model, sensor_noise, belief, linearisation, update, .. } = self;
+        let Self { model, sensor_noise, belief, update, .. } = self;
         let sensors = places(measured.len(), &|sensor| !measured[sensor].is_nan());
         if sensors.iter().any(|&sensor| measured[sensor].is_infinite()) {
             return Err(FilterError::InfiniteMeasurement.into());
@@ -156,10 +157,9 @@ impl KalmanFilter {
         if sensors.is_empty() {
             return Ok(());
         }
-        linearisation.take(model, &belief.mean, |i| belief.cov[(i, i)].sqrt());
-        let Linearisation { readings, jacobian, .. } = &*linearisation;
         let shape = (sensor_noise.nrows(), belief.size());
-        check("the Jacobian", jacobian, shape, "a row for each sensor, a column for each component")?;
+        let (readings, jacobian) = linearise(model, shape.0, &belief.mean, |i| belief.cov[(i, i)].sqrt());
+        check("the Jacobian", &jacobian, shape, "a row for each sensor, a column for each component")?;
         check_column("the measurement function", readings.as_slice(), shape.0, "")?;
         let noise = sensor_noise.select_rows(&sensors).select_columns(&sensors);
         let expected =
@@ -266,64 +266,44 @@ impl MeasurementModel {
     }
 }
 
-#[derive(Clone, Debug)]
-struct Linearisation {
-    /// h(x), m numbers.
-    readings: Vector,
-    /// H, m × n.
-    jacobian: Matrix,
-    /// A state near the first one, and the readings in it.
-    beside: Vector,
-    there: Vector,
+/// The readings in a state, m numbers, and their Jacobian, m × n; `std` gives the standard deviation of a component.
+fn linearise(model: &MeasurementModel, m: usize, at: &Vector, std: impl Fn(usize) -> f64) -> (Vector, Matrix) {
+    let mut readings = Vector::zeros(m);
+    match &model.0 {
+        Kind::Matrix(matrix) => {
+            readings.gemv(1.0, matrix, at, 0.0);
+            (readings, matrix.clone())
+        }
+        Kind::Function { function, jacobian } => {
+            function(at.as_slice(), readings.as_mut_slice());
+            let mut by_state = Matrix::zeros(m, at.len());
+            match jacobian {
+                Some(jacobian) => jacobian(at.as_slice(), &mut by_state),
+                None => differences(function, at, &readings, std, &mut by_state),
+            }
+            (readings, by_state)
+        }
+    }
 }
 
-impl Linearisation {
-    fn new(m: usize) -> Self {
-        let none = || Vector::zeros(0);
-        Self { readings: Vector::zeros(m), jacobian: Matrix::zeros(0, 0), beside: none(), there: none() }
-    }
-
-    /// Takes readings and Jacobian in the state `at`; `std` gives the standard deviation of a component.
-    fn take(&mut self, model: &MeasurementModel, at: &Vector, std: impl Fn(usize) -> f64) {
-        let Self { readings, jacobian, .. } = self;
-        match &model.0 {
-            Kind::Matrix(matrix) => {
-                jacobian.clone_from(matrix);
-                readings.gemv(1.0, matrix, at, 0.0);
-            }
-            Kind::Function { function, jacobian: of_ones_own } => {
-                readings.fill(0.0);
-                function(at.as_slice(), readings.as_mut_slice());
-                *jacobian = Matrix::zeros(readings.len(), at.len());
-                match of_ones_own {
-                    Some(of_ones_own) => of_ones_own(at.as_slice(), jacobian),
-                    None => self.differences(function, at, std),
-                }
+/// Central differences over a share of a standard deviation, in which h counts as linear, and large against rounding.
+fn differences(function: &Function, at: &Vector, readings: &Vector, std: impl Fn(usize) -> f64, jacobian: &mut Matrix) {
+    let (mut beside, mut there) = (at.clone(), readings.clone());
+    for i in 0..at.len() {
+        let step = (ROUNDING * at[i].abs()).max(OF_STD * std(i));
+        let step = if step > 0.0 { step } else { ROUNDING };
+        let mut column = jacobian.column_mut(i);
+        for side in [1.0, -1.0] {
+            beside[i] = at[i] + side * step;
+            // The step after rounding.
+            let taken = 2.0 * (beside[i] - at[i]);
+            there.fill(0.0);
+            function(beside.as_slice(), there.as_mut_slice());
+            for ((entry, there), here) in column.iter_mut().zip(there.iter()).zip(readings.iter()) {
+                *entry += (there - here) / taken;
             }
         }
-    }
-
-    /// Central differences over a share of a standard deviation, in which h counts as linear, and large against rounding.
-    fn differences(&mut self, function: &Function, at: &Vector, std: impl Fn(usize) -> f64) {
-        let Self { readings, jacobian, beside, there } = self;
-        beside.clone_from(at);
-        *there = Vector::zeros(readings.len());
-        for i in 0..at.len() {
-            let step = (ROUNDING * at[i].abs()).max(OF_STD * std(i));
-            let step = if step > 0.0 { step } else { ROUNDING };
-            let mut column = jacobian.column_mut(i);
-            for side in [1.0, -1.0] {
-                beside[i] = at[i] + side * step;
-                // The step after rounding.
-                let taken = 2.0 * (beside[i] - at[i]);
-                there.fill(0.0);
-                function(beside.as_slice(), there.as_mut_slice());
-                for ((entry, there), here) in column.iter_mut().zip(there.iter()).zip(readings.iter()) {
-                    *entry += (there - here) / taken;
-                }
-            }
-            beside[i] = at[i];
-        }
+        beside[i] = at[i];
     }
 }
 
@@ -332,3 +312,121 @@ const ROUNDING: f64 = 6e-6;
 
 /// The step of a difference, in standard deviations.
 const OF_STD: f64 = 1e-4;
+
+/// The reason why a [`KalmanFilter`] cannot begin, or refuses a number.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SystemError {
+    /// The state has no component.
+    #[error("the initial mean is empty, but a state must have a component")]
+    NoState,
+    /// The shape of a matrix does not fit the state and the sensors.
+    #[error("{matrix} is {found}, but must be {needed}: {why}")]
+    Shape {
+        /// The matrix: A, B, H, Q, R or P, or the Jacobian of a measurement function.
+        matrix: &'static str,
+        /// Its shape.
+        found: Shape,
+        /// The shape that it must have.
+        needed: Shape,
+        /// The reason.
+        why: &'static str,
+    },
+    /// The length of a column of numbers does not fit the system.
+    #[error("{what} has {found} numbers, but must have {needed}: {why}")]
+    Length {
+        /// The column.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that it must have.
+        needed: usize,
+        /// The reason.
+        why: &'static str,
+    },
+    /// A number is not finite.
+    #[error("{place} is {value}, but must be a finite number")]
+    NotFinite {
+        /// The matrix or column, with the place in it, counted from 0.
+        place: String,
+        /// The number.
+        value: f64,
+    },
+    /// A covariance is not symmetric.
+    #[error(
+        "{matrix} must be symmetric, but {matrix}[{row}, {column}] is {one} and {matrix}[{column}, {row}] is {other}"
+    )]
+    Asymmetric {
+        /// The matrix.
+        matrix: &'static str,
+        /// The place, counted from 0.
+        row: usize,
+        /// The place, counted from 0.
+        column: usize,
+        /// The entry there.
+        one: f64,
+        /// The entry on the other side of the diagonal.
+        other: f64,
+    },
+    /// A covariance has a negative variance in some direction.
+    #[error("{0} must be a covariance, but has a negative variance in some direction")]
+    Indefinite(&'static str),
+    /// The filter cannot take this step. The belief is as it was.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+}
+
+/// Rows and columns of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape(pub usize, pub usize);
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} × {}", self.0, self.1)
+    }
+}
+
+fn check(name: &'static str, matrix: &Matrix, needed: (usize, usize), why: &'static str) -> Result<(), SystemError> {
+    let (rows, columns) = matrix.shape();
+    if (rows, columns) != needed {
+        let (found, needed) = (Shape(rows, columns), Shape(needed.0, needed.1));
+        return Err(SystemError::Shape { matrix: name, found, needed, why });
+    }
+    match matrix.iter().position(|value| !value.is_finite()) {
+        Some(place) => {
+            let (row, column) = (place % rows, place / rows);
+            let value = matrix[(row, column)];
+            Err(SystemError::NotFinite { place: format!("{name}[{row}, {column}]"), value })
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_column(name: &'static str, column: &[f64], needed: usize, why: &'static str) -> Result<(), SystemError> {
+    if column.len() != needed {
+        return Err(SystemError::Length { what: name, found: column.len(), needed, why });
+    }
+    match column.iter().position(|value| !value.is_finite()) {
+        Some(place) => Err(SystemError::NotFinite { place: format!("{name}[{place}]"), value: column[place] }),
+        None => Ok(()),
+    }
+}
+
+/// The size of rounding in a covariance that was computed, in standard deviations of both components.
+const ASYMMETRY: f64 = 1e-9;
+
+/// A covariance of n components, symmetric to the last bit.
+fn covariance(name: &'static str, matrix: Matrix, n: usize, why: &'static str) -> Result<Matrix, SystemError> {
+    check(name, &matrix, (n, n), why)?;
+    for row in 0..n {
+        for column in 0..row {
+            let (one, other) = (matrix[(row, column)], matrix[(column, row)]);
+            let size = (matrix[(row, row)] * matrix[(column, column)]).abs().sqrt();
+            if (one - other).abs() > ASYMMETRY * size {
+                return Err(SystemError::Asymmetric { matrix: name, row, column, one, other });
+            }
+        }
+    }
+    let matrix = symmetric(matrix);
+    if lower_root(&matrix).is_ok() { Ok(matrix) } else { Err(SystemError::Indefinite(name)) }
+}

@@ -1,7 +1,7 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
+use super::adaptation::Learning;
 use super::jump::Jump;
-use super::learning::Learning;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model};
@@ -114,23 +114,18 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.jump.as_ref().is_some_and(|jump| jump.has_widened)
     }
 
-    /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
-    pub(crate) fn step(&self, [begin, end]: [f64; 2]) -> Step {
-        let end = match self.hold {
-            Hold::Zero => begin,
-            Hold::First => end,
-        };
-        Step { forces: [begin, end], hold: self.hold, dt: self.dt }
-    }
-
     /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
     /// Where the force is held the second does not matter.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
     /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
-    pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
-        let whole = self.step(forces);
+    pub fn predict(&mut self, [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+        let end = match self.hold {
+            Hold::Zero => begin,
+            Hold::First => end,
+        };
+        let whole = Step { forces: [begin, end], hold: self.hold, dt: self.dt };
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
@@ -182,7 +177,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             }
         }
         if let Some(jump) = jump {
-            jump.look(correction.nis, observation.len());
+            jump.observe(correction.nis, observation.len());
         }
         Ok(())
     }

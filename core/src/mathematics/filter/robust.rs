@@ -8,11 +8,7 @@
 //! is divided by the usual one of the sensor's last readings, where that is large: otherwise a filter that is lost would take all
 //! readings for outliers. The registry below lists the rules.
 
-use std::fmt;
-use std::sync::LazyLock;
-
-use crate::mathematics::lists::mapped;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use crate::mathematics::registry::{keyed, registry};
 
 /// The description of a rule for weights.
 #[derive(Debug)]
@@ -48,17 +44,10 @@ pub struct Misfit {
 #[derive(Clone, Copy)]
 pub struct Robust(&'static RobustInfo);
 
-macro_rules! registry {
-    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
-        impl Robust {
-            $($(#[$doc])* pub const $name: Self = Self(&$info);)*
-
-            /// Every rule.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-        }
-    };
-}
 registry! {
+    Robust by Robust,
+    /// Every rule.
+    ALL;
     /// Every measurement counts as its R says.
     NONE = NONE;
     /// Leaves out a measurement that is too far from its prediction.
@@ -166,6 +155,10 @@ impl Robust {
         self.0
     }
 
+    const fn key(self) -> &'static str {
+        self.0.key
+    }
+
     /// Whether it weighs anything.
     pub fn is_on(self) -> bool {
         self != Self::NONE
@@ -186,30 +179,11 @@ impl Default for Robust {
 
 impl PartialEq for Robust {
     fn eq(&self, other: &Self) -> bool {
-        self.0.key == other.0.key
+        self.key() == other.key()
     }
 }
 
-impl fmt::Debug for Robust {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0.key)
-    }
-}
-
-impl Serialize for Robust {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.key)
-    }
-}
-
-impl<'de> Deserialize<'de> for Robust {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&Robust::ALL, &|rule| rule.0.key));
-        let key = String::deserialize(deserializer)?;
-        let rule = Self::ALL.into_iter().find(|rule| rule.0.key == key);
-        rule.ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
-    }
-}
+keyed!(Robust, also read);
 
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;

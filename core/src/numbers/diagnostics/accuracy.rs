@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::chi_squared;
 use super::totals::{RangeSums, Totals};
-use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::belief::ErrorSquare;
 use crate::mathematics::engine::level::Baseline;
 use crate::mathematics::engine::number::Number;
 use crate::{Channel, Estimates, Record};

@@ -1,6 +1,6 @@
 //! Running sums of the scores of a run, or of several in lanes.
 
-use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::belief::ErrorSquare;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};

@@ -7,7 +7,7 @@ use crate::mathematics::engine::belief::{Belief, convert};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
-use crate::mathematics::engine::update::Told;
+use crate::mathematics::engine::update::UpdateResult;
 use crate::numbers::score::lane_sums::{LogProducts, Scores};
 use crate::numbers::score::{Look, Outcome};
 use crate::samples::estimator::setup::{Setup, filter};
@@ -215,7 +215,7 @@ impl<T: Number, L: Level> Batch<T, L> {
         for (part, readings) in parts.iter() {
             measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
             let told = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
-            let Some(Told { nis, determinant, measured, .. }) = told else { return false };
+            let Some(UpdateResult { nis, determinant, measured, .. }) = told else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
             squares = [squares[0] + nis, squares[1] + measured];
@@ -226,7 +226,7 @@ impl<T: Number, L: Level> Batch<T, L> {
 
     /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
     #[inline(never)]
-    fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<Told<T>> {
+    fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
         let Self { level, filter, .. } = self;
         let mut told = level.apart(
             #[inline(always)]

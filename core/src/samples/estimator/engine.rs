@@ -1,21 +1,19 @@
 //! A filter of the engine for one run, reporting its samples.
 
-use crate::data::record::Parts as PartsOfStep;
+use crate::data::record::Parts;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::design::Method;
-use crate::mathematics::engine::filter::{Filter, Parts};
+use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::{Baseline, Known, Level};
-use crate::mathematics::engine::update::Told;
+use crate::mathematics::engine::update::UpdateResult;
 use crate::mathematics::filter::Gaussian;
-use crate::mathematics::lists::mapped;
-use crate::samples::estimator::in_units::InUnits;
+use crate::mathematics::lists::{mapped, sort_numbers};
 use crate::samples::estimator::setup::{Setup, filter};
-use crate::samples::estimator::update::Update;
+use crate::samples::estimator::update::{InUnits, Update};
 use crate::samples::estimator::{Estimator, State};
-use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
-use crate::{FilterError, FilterSettings};
+use crate::{Channel, FilterError, FilterSettings};
 
 struct AtLevel<L> {
     level: L,
@@ -44,7 +42,7 @@ trait Steps {
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
 
     /// Updates by the readings of the model's sensors.
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64>;
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
 impl<L: Level> Steps for L {
@@ -54,12 +52,12 @@ impl<L: Level> Steps for L {
     }
 
     #[inline(always)]
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64> {
-        let told = filter.update(*self, force, measured);
-        if told.holds {
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
+        let result = filter.update(*self, force, measured);
+        if result.holds {
             filter.complete(*self);
         }
-        told
+        result
     }
 }
 
@@ -171,13 +169,12 @@ impl Followed {
     #[inline(never)]
     fn take_update(&mut self, squares: [f64; 2]) {
         let Self { filter, places, update, part, learnt, .. } = self;
-        let parts = filter.parts();
-        let active = &parts.update.active[..];
+        let active = &filter.update.active[..];
         part.clear();
-        part.take(places, active, parts.update.parts());
-        if let Some(weights) = parts.learnt.and_then(|learnt| learnt.weights) {
+        part.take(places, active, filter.update.parts());
+        if let Some(weights) = filter.learnt().and_then(|learnt| learnt.weights) {
             if active.iter().any(|sensor| weights[*sensor] != 1.0) {
-                part.claim(places, active, weights, &parts.noise.sensors);
+                part.claim(places, active, weights, &filter.noise.sensors);
             }
             for (&place, weight) in places.iter().zip(weights).filter(|(_, weight)| !weight.is_nan()) {
                 learnt.weights[place] = *weight;
@@ -190,22 +187,20 @@ impl Followed {
     /// In the channels' units. Fails where a number overflows in them.
     fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, prior, in_units, learnt, .. } = self;
-        let parts = filter.parts();
-        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        let sample = learnt.extend(update.sample(&filter.belief.mean, &filter.belief.cov), filter, places);
         push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
     fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, in_units, learnt, .. } = self;
-        let parts = filter.parts();
         let mut learnt = learnt.clone();
-        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
-        let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
+        let sample = learnt.extend(update.sample(&filter.belief.mean, &filter.belief.cov), filter, places);
+        let sample = if sink.wants_prior() { sample.with_prior(&filter.belief) } else { sample };
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     /// The belief before the update is that before the last reading.
-    fn step_through(&mut self, level: &dyn Steps, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, level: &dyn Steps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         if parts.times.is_none() {
             self.next_sample();
         }
@@ -250,16 +245,10 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         self.followed.report_beginning(sink)
     }
 
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError> {
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { level, followed } = self;
         followed.next_sample();
-        followed.predict(level, 1.0, [force_before, force])?;
+        followed.predict(level, 1.0, [before, force])?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
             followed.keep_prior();
@@ -294,7 +283,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         filter.set_belief(mean, cov)
     }
 
-    fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         self.followed.step_through(&self.level, parts, sink)
     }
 
@@ -349,32 +338,32 @@ fn condition(
     if is_infinite && filter.is_predicted(0) {
         return Err(FilterError::InfiniteMeasurement);
     }
-    let told = level.update(filter, force, own);
-    if !told.holds {
+    let result = level.update(filter, force, own);
+    if !result.holds {
         return Err(filter.reason(0));
     }
-    Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
+    Ok(if result.measured > 0.0 { [result.nis, result.determinant] } else { [f64::NAN; 2] })
 }
 
 #[inline(always)]
 fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     match in_units {
-        Some(in_units) => sink.push(&in_units.convert(sample).ok_or(FilterError::NotFinite)?),
+        Some(in_units) => sink.push(&in_units.convert_finite(sample).ok_or(FilterError::NotFinite)?),
         None => sink.push(&sample),
     }
     Ok(())
 }
 
 impl Learnt {
-    fn extend<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
-        let Some(learnt) = parts.learnt else { return sample };
-        let noise = parts.is_adaptive.then(|| {
+    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Filter<f64>, places: &[usize]) -> Sample<'a> {
+        let Some(learnt) = filter.learnt() else { return sample };
+        let noise = filter.design.adaptation.is_on().then(|| {
             let Self { process, sensors, uncertainty, .. } = &mut *self;
             process.clear();
-            process.extend(parts.noise.diagonal());
-            parts.white.into_iter().for_each(|(place, variance)| process[place] = variance);
+            process.extend(filter.noise.diagonal());
+            filter.design.white.into_iter().for_each(|(place, _)| process[place] = filter.white);
             for (own, &place) in places.iter().enumerate() {
-                (sensors[place], uncertainty[place]) = (parts.noise.sensors[own], learnt.uncertainty[own]);
+                (sensors[place], uncertainty[place]) = (filter.noise.sensors[own], learnt.uncertainty[own]);
             }
         });
         let noise = noise.map(|()| AssumedNoise {
@@ -390,5 +379,41 @@ impl Learnt {
 impl<'a> Sample<'a> {
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
+    }
+}
+
+/// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.
+///
+/// ```text
+/// P ← P + P₀ of displacements, velocities and hidden states, before the prediction over the time of a pluck
+/// ```
+///
+/// The pull is an unknown force over a short time: it adds to the motion whatever was there before, about which nothing is known but its size.
+#[derive(Clone, Debug, Default)]
+struct Plucks {
+    /// In rising order \[s\].
+    times: Vec<f64>,
+    /// Places in the state, and the variances that are added there.
+    variances: Vec<(usize, f64)>,
+}
+
+impl Plucks {
+    fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
+        let mut times = mapped(&settings.plucks, &|time| time - start);
+        sort_numbers(&mut times);
+        let of = |(place, channel): (usize, &Channel)| {
+            let moves = !channel.is_parameter() && !channel.is_augmentation();
+            moves.then(|| (place, settings.initial_std[*channel].powi(2)))
+        };
+        let variances =
+            if times.is_empty() { Vec::new() } else { channels.iter().enumerate().filter_map(of).collect() };
+        Self { times, variances }
+    }
+
+    /// The places and the variances to add for a step from one time to a later one \[s\], if the plant was plucked meanwhile.
+    fn between(&self, [from, to]: [f64; 2]) -> Option<impl Iterator<Item = (usize, f64)>> {
+        let count = self.times.partition_point(|time| *time <= to) - self.times.partition_point(|time| *time <= from);
+        let widened = move |&(place, variance): &(usize, f64)| (place, count as f64 * variance);
+        (count > 0).then(|| self.variances.iter().map(widened))
     }
 }

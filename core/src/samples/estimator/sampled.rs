@@ -44,15 +44,9 @@ impl Estimator for Followed {
         Ok(())
     }
 
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError> {
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction } = self;
-        filter.predict([force_before, force])?;
+        filter.predict([before, force])?;
         let prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         filter.update(force, measured, correction)?;
         report(filter, correction, prior.as_ref(), sink)

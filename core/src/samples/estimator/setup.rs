@@ -1,17 +1,15 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
 use crate::data::record::Delays;
-use crate::mathematics::engine;
-use crate::mathematics::engine::belief;
-use crate::mathematics::engine::design::Course;
-use crate::mathematics::engine::design::Design;
+use crate::mathematics::engine::design::{Course, Design};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
+use crate::mathematics::engine::{belief, model};
 use crate::mathematics::filter::{Gaussian, Noise, Way, White};
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::lists::{mapped, numbers};
 use crate::samples::estimator::FilterContext;
-use crate::samples::run_error::sensor_places;
+use crate::samples::pass::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
 
 /// The most components of filters side by side, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
@@ -66,7 +64,8 @@ impl Setup {
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         let setup = Self::unless(scenario, place, record, |settings, context| {
-            settings.log_parameters || context.is_late(settings) || !settings.has_plain_update()
+            let is_late = context.is_timed || settings.delays(context.dt).is_of_sensors();
+            settings.log_parameters || is_late || !settings.has_plain_update()
         })?;
         Ok(setup.filter(|setup| setup.matrix.is_empty()))
     }
@@ -81,7 +80,7 @@ impl Setup {
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
         let context = FilterContext::new(scenario, record.dt(), settings).over(record, settings);
-        // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one goes on by itself.
+        // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one iterates by itself.
         let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
@@ -91,12 +90,11 @@ impl Setup {
 
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext, columns: Vec<usize>) -> Option<Self> {
         let Way::Gaussian(method) = settings.kind.info().way else { return None };
-        let beginning = Beginning::of(settings, context);
-        if !beginning.is_finite() {
+        let Beginning { model: book, initial, noise, white, considered } = Beginning::of(settings, context);
+        if !(initial.is_finite() && noise.is_finite()) {
             return None;
         }
-        let Beginning { model: book, initial, noise, white, considered } = beginning;
-        let (model, method) = (engine::model::Model::of(&book), method(&settings.method(context.plant), book.size()));
+        let (model, method) = (model::Model::of(&book), method(&settings.method(context.plant), book.size()));
         // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
@@ -136,7 +134,7 @@ impl Setup {
     }
 }
 
-/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion that goes on.
+/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion without plucks.
 fn is_single(settings: &FilterSettings) -> bool {
     settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
 }
@@ -185,7 +183,9 @@ pub(crate) struct Beginning {
 impl Beginning {
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        let (mean, unit) = initial_state(&model, settings);
+        // The unit of a logarithm is one over the initial mean: it converts all standard deviations of the settings, including that of the
+        // process noise, and stays the same when the estimate moves.
+        let (mean, unit) = model.to_state(&numbers(model.size(), &|i| settings.initial_mean[model.channels()[i]]));
         let initial =
             Gaussian::independent(mean.clone(), &spread(&model, settings, &settings.initial_std).component_mul(&unit));
         let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
@@ -199,18 +199,6 @@ impl Beginning {
         let considered = settings.consider.iter().filter_map(|channel| model.place(*channel)).collect();
         Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white, considered }
     }
-
-    pub(crate) fn is_finite(&self) -> bool {
-        self.initial.is_finite() && self.noise.is_finite()
-    }
-}
-
-/// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one
-/// over the initial mean. It converts all standard deviations of the settings, including that of the process noise, and
-/// stays the same when the estimate moves.
-fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
-    let mean = numbers(model.size(), &|i| settings.initial_mean[model.channels()[i]]);
-    model.to_state(&mean)
 }
 
 /// Standard deviations of a model's components; zero for those that the filter knows.

@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 
 use crate::Hold;
 use crate::samples::estimator::State;
-use crate::samples::passage::Passage;
+use crate::samples::smoother::Passage;
 
 #[derive(Clone, Debug)]
 pub(super) struct Event {
     /// \[s\]
     pub(super) time: f64,
-    /// The force over mass from now on \[m/s²\], if it was told.
+    /// The force over mass from now on \[m/s²\], if it was known.
     pub(super) force: Option<f64>,
     /// A reading for each sensor, NaN where there is none.
     pub(super) readings: Vec<f64>,
@@ -29,7 +29,7 @@ impl Event {
 /// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
 #[derive(Debug)]
 pub(super) struct Timeline {
-    events: VecDeque<Event>,
+    pub(super) events: VecDeque<Event>,
     hold: Hold,
     /// Events are kept for this time \[s\].
     kept: f64,
@@ -43,14 +43,6 @@ impl Timeline {
         Self { events: VecDeque::new(), hold, kept, before: None }
     }
 
-    pub(super) fn event(&self, place: usize) -> &Event {
-        &self.events[place]
-    }
-
-    pub(super) fn oldest(&self) -> Option<&Event> {
-        self.events.front()
-    }
-
     /// The place of the last event that is not after a time \[s\].
     pub(super) fn last_at(&self, time: f64) -> usize {
         self.place_until(time).unwrap_or(0)
@@ -59,10 +51,6 @@ impl Timeline {
     /// The place of the last event up to a time \[s\], if it is still kept.
     pub(super) fn place_until(&self, time: f64) -> Option<usize> {
         self.events.partition_point(|event| event.time <= time).checked_sub(1)
-    }
-
-    pub(super) fn event_mut(&mut self, place: usize) -> &mut Event {
-        &mut self.events[place]
     }
 
     /// Puts an event at its place. Returns the first place after which beliefs are no longer right.
@@ -83,10 +71,10 @@ impl Timeline {
 
     /// The force over mass from the event before a place to that at the place, at the beginning and at the end \[m/s²\].
     pub(super) fn forces_to(&self, place: usize) -> [f64; 2] {
-        let told = |event: &Event| event.force.map(|force| (event.time, force));
-        let last = self.events.range(..place).rev().find_map(told).or(self.before);
+        let known = |event: &Event| event.force.map(|force| (event.time, force));
+        let last = self.events.range(..place).rev().find_map(known).or(self.before);
         let Some((from, begin)) = last else { return [0.0; 2] };
-        let next = || self.events.range(place..).find_map(told);
+        let next = || self.events.range(place..).find_map(known);
         match (self.hold, if self.hold == Hold::First { next() } else { None }) {
             (Hold::First, Some((to, end))) if to > from => {
                 let at = |time: f64| begin + (end - begin) * ((time - from) / (to - from));

@@ -1,12 +1,11 @@
 //! A change of a run's scenario, computed beside the run.
 
-use super::{Run, Update};
+use super::{Bank, Run, Update, lookahead};
 use crate::data::scenario::cost;
 use crate::mathematics::lists::{mapped, sort_items, sorted_places};
-use crate::samples::bank::{Bank, lookahead};
-use crate::samples::source::Recording;
-use crate::samples::spare::Spare;
-use crate::samples::tape::Tape;
+use crate::samples::simulate::Recording;
+use crate::samples::sink::Tape;
+use crate::samples::waste::Spare;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
 /// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
@@ -22,7 +21,7 @@ pub(crate) struct Revision {
     /// The places of the changed filters, from the cheapest step to the costliest.
     pub(crate) order: Vec<usize>,
     /// The places of the changed filters that the caller computes.
-    away: Vec<usize>,
+    pub(crate) away: Vec<usize>,
     /// Whether the record, or the way in which it is read, changes.
     pub(crate) is_of_everything: bool,
 }
@@ -62,10 +61,6 @@ impl Revision {
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
     }
 
-    pub(crate) fn keeps(&self, place: usize) -> bool {
-        self.kept[place].is_some()
-    }
-
     pub(crate) fn own_record(&self) -> Option<&Record> {
         self.recording.as_ref().map(Recording::record)
     }
@@ -76,7 +71,7 @@ impl Revision {
 
     /// Whether samples are still added to the new record; `None` if the record does not change.
     pub(crate) fn is_live(&self) -> Option<bool> {
-        self.recording.as_ref().map(Recording::is_live)
+        self.recording.as_ref().map(|recording| recording.is_live)
     }
 
     pub(crate) fn recorded(&self) -> Option<usize> {
@@ -85,10 +80,6 @@ impl Revision {
 
     pub(crate) fn done(&self, place: usize) -> usize {
         self.bank.passes[place].done()
-    }
-
-    pub(crate) fn leave(&mut self, places: Vec<usize>) {
-        self.away = places;
     }
 
     /// Takes in the next samples of a filter that the caller computes. Returns false if they are not its own.

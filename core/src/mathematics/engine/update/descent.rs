@@ -9,13 +9,11 @@
 //! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal Estimation*, section
 //! 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
 
-use super::{Observation, Told, Update};
-use crate::mathematics::engine::belief::{Belief, Noise};
+use super::{Observation, Target, Update, UpdateResult};
+use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::design::{Design, Method};
-use crate::mathematics::engine::fault::Held;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
-use crate::mathematics::engine::square_root::SquareRoot;
 
 /// The step of an iteration counts as none when it is this small, squared, against the variance.
 const CONVERGED: f64 = 1e-12;
@@ -54,22 +52,17 @@ impl<T: Number> Descent<T> {
 impl<T: Number> Update<T> {
     /// The same, with further steps of an iterated EKF, and a note for the smoother.
     #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn descend<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
+        target: &mut Target<'_, T>,
         observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let mut descent = self.descent.take();
+    ) -> UpdateResult<T> {
+        let (design, mut descent) = (target.design, self.descent.take());
         if let Some(Descent { prior, .. }) = descent.as_deref_mut() {
-            prior.copy_from(belief);
+            prior.copy_from(target.belief);
         }
-        let mut told = self.condition_once(level, design, belief, root, noise, observation, held);
+        let mut result = self.condition_once(level, target, observation);
         let m = self.active.len();
         let reads_rates = !self.active.iter().all(|&sensor| design.readings[sensor].is_of_components());
         if let (Some(descent), Method::Linearised(_, iterations), true) =
@@ -81,15 +74,12 @@ impl<T: Number> Update<T> {
                 kept.extend_from_slice(part);
             }
             for _ in 1..iterations {
-                if !told.holds.all() {
+                if !result.holds.all() {
                     break;
                 }
-                descent.linearise_again(belief);
-                told = Told {
-                    holds: self.condition_at(level, design, belief, noise, observation, &descent.at, held).holds,
-                    ..told
-                };
-                if descent.has_converged(belief) {
+                descent.linearise_again(target.belief);
+                result.holds = self.condition_at(level, target, observation, &descent.at).holds;
+                if descent.has_converged(target.belief) {
                     break;
                 }
             }
@@ -103,7 +93,7 @@ impl<T: Number> Update<T> {
             self.factor[..m * m].copy_from_slice(factor);
         }
         self.descent = descent;
-        told
+        result
     }
 
     fn note(&mut self, design: &Design) {
@@ -128,21 +118,16 @@ impl<T: Number> Update<T> {
     /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
     ///
     /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
-    #[expect(clippy::too_many_arguments, reason = "those of the update, and where to linearise")]
     fn condition_at<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        noise: &Noise<T>,
+        Target { design, belief, checks, .. }: &mut Target<'_, T>,
         observation: Observation<'_, T>,
         at: &[T],
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let Observation { force, measured } = observation;
+    ) -> UpdateResult<T> {
         let count = self.active.len();
-        self.expected.take_at(level, design, belief, &self.active, force, at);
-        let number = self.compare(level, count, noise, measured);
-        self.correct(level, count, design, belief, number, held)
+        self.expected.take_at(level, design, belief, &self.active, observation.force, at);
+        let number = self.compare(level, count, observation);
+        self.correct(level, count, design, belief, number, checks)
     }
 }
