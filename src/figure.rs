@@ -146,9 +146,9 @@ impl Sheet<'_> {
     }
 
     fn plots(&self, kind: ViewKind, width: f32) -> usize {
-        Medium::take_plots(self.canvas.ctx());
+        Medium::take_plots(&self.canvas.ctx);
         self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));
-        Medium::take_plots(self.canvas.ctx()).unwrap_or(1)
+        Medium::take_plots(&self.canvas.ctx).unwrap_or(1)
     }
 
     /// The size of a view that is text: as wide as its tables, and as high as its lines. `None` for a picture.

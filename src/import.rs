@@ -119,8 +119,8 @@ impl Import {
 
     pub(crate) fn progress(&self) -> Option<f64> {
         match &self.stage {
-            Stage::Reading(reading) => Some(*reading.seen()),
-            Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
+            Stage::Reading(reading) => Some(reading.seen),
+            Stage::Suggesting(_, suggest) => Some(suggest.seen),
             Stage::Asking(_) | Stage::Failed(_) => None,
         }
     }

@@ -13,7 +13,6 @@ mod equation;
 pub mod export;
 pub mod figure;
 mod finder;
-mod gap;
 pub mod import;
 pub mod inbox;
 mod keys;

@@ -1,5 +1,22 @@
 //! The window in which this device measures something that swings or rings.
 
+/// The methods of an instrument that its device answers.
+macro_rules! of_device {
+    () => {
+        fn words(&self) -> &'static Words {
+            &WORDS
+        }
+
+        fn end(&self) {
+            self.device.end();
+        }
+
+        fn refusal(&self) -> Option<String> {
+            self.readings.refusal()
+        }
+    };
+}
+
 mod health;
 mod live;
 mod sound;

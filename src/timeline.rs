@@ -5,13 +5,13 @@ use std::ops::RangeInclusive;
 use egui::{Align2, Color32, FontId, Rangef, Rect, Response, Shape, Slider, Stroke, Ui, lerp, pos2, vec2};
 use kalmanscope_core::{Scenario, Signal};
 
-use crate::gap::Gap;
 use crate::probe;
 use crate::request::Request;
 use crate::ruler::{End, Ruler};
 use crate::session::Session;
 use crate::text::significant;
 use crate::theme::Palette;
+use crate::trouble::Gap;
 use crate::widgets::{hover_text, named};
 
 /// The height of the track \[points\].

@@ -1,10 +1,9 @@
-//! Why a filter or the truth has stopped, remarks on the filters, and why an edited scenario cannot be run.
+//! Why a filter or the truth has stopped, remarks on the filters, the times without readings, and why an edited scenario cannot be run.
 
-use kalmanscope_core::{Remark, Trouble as Told};
+use kalmanscope_core::{Quantity, Remark, Trouble as Remarked};
 
-use crate::gap::Gap;
 use crate::session::Session;
-use crate::text::sentence;
+use crate::text::{sentence, significant};
 
 pub(crate) struct Trouble {
     pub(crate) sentence: String,
@@ -32,13 +31,13 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
         }
         // It is so from the beginning to the end.
         if let Some(remark) =
-            estimates.remarks().iter().find(|remark| matches!(remark.what, Told::Moved(_) | Told::Rounded(_)))
+            estimates.remarks().iter().find(|remark| matches!(remark.what, Remarked::Moved(_) | Remarked::Rounded(_)))
         {
             say(false, format!("{name}: {}.", remark.what));
         }
         // Gaps have their own sentence.
         let is_other = |remark: &&Remark| {
-            !matches!(remark.what, Told::Widened | Told::Missing(_) | Told::Moved(_) | Told::Rounded(_))
+            !matches!(remark.what, Remarked::Widened | Remarked::Missing(_) | Remarked::Moved(_) | Remarked::Rounded(_))
         };
         if let Some(remark) = estimates.remarks().iter().rfind(is_other) {
             let time = record.time_of(remark.sample);
@@ -53,4 +52,41 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
         say(true, problem.to_owned());
     }
     troubles
+}
+
+/// A time in which a sensor delivers nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gap {
+    pub(crate) quantity: Quantity,
+    /// The times of the first and of the last missing sample \[s\].
+    pub(crate) times: (f64, f64),
+    pub(crate) is_over: bool,
+}
+
+impl Gap {
+    /// All gaps so far, each once: a sensor is silent for all filters.
+    pub(crate) fn all(session: &Session) -> Vec<Self> {
+        let run = session.run();
+        let record = run.record();
+        let mut gaps: Vec<Self> = Vec::new();
+        for estimates in run.estimates() {
+            for remark in estimates.remarks() {
+                let Remarked::Missing(quantity) = remark.what else { continue };
+                let is_over = remark.last + 1 < estimates.stop().map_or(run.done(), |stop| stop.sample);
+                let [from, to] = [remark.sample, remark.last].map(|sample| record.time_of(sample));
+                let gap = Self { quantity, times: (from, to), is_over };
+                if !gaps.contains(&gap) {
+                    gaps.push(gap);
+                }
+            }
+        }
+        gaps
+    }
+
+    pub(crate) fn words(&self) -> String {
+        let Self { quantity, times: (from, to), is_over } = self;
+        let [from, to] = [from, to].map(|time| significant((time * 1e3).round() / 1e3, 6));
+        let name = quantity.name();
+        if *is_over { format!("no {name} from {from} to {to} s") } else { format!("no {name} since {from} s") }
+    }
 }

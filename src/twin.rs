@@ -3,7 +3,6 @@
 use egui::Theme;
 use kalmanscope_core::VerdictKind;
 
-use crate::gap::Gap;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
@@ -12,7 +11,7 @@ use crate::sheet::{Column, Sheet};
 use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
-use crate::trouble::{Trouble, troubles};
+use crate::trouble::{Gap, Trouble, troubles};
 use crate::view::ViewContext;
 use crate::views::view;
 use crate::visibility::Visibility;

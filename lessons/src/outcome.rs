@@ -9,8 +9,10 @@ use crate::{LessonError, records};
 
 /// A complete run of a scenario, with its results.
 pub struct Outcome {
-    scenario: Scenario,
-    run: Run,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The complete run.
+    pub run: Run,
     analysis: Analysis,
     /// The diagnostics of the smoothed estimates.
     diagnostics: Vec<Diagnostics>,
@@ -44,16 +46,6 @@ impl Outcome {
         let of = |smoothed: &Estimates| Diagnostics::new(smoothed, run.record());
         let diagnostics = analysis.smoothed().iter().map(of).collect();
         Ok(Self { scenario: scenario.clone(), run, analysis, diagnostics })
-    }
-
-    /// The scenario.
-    pub fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
-
-    /// The complete run.
-    pub fn run(&self) -> &Run {
-        &self.run
     }
 
     pub(crate) fn filter(&self, name: &str, smoothed: bool) -> Option<FilterOutcome<'_>> {
@@ -103,8 +95,8 @@ impl Check {
 
     fn measured(&self, filter: FilterOutcome<'_>, times: Times) -> Value {
         let FilterOutcome { outcome, place, estimates, diagnostics } = filter;
-        let run = Observed::new(outcome.scenario(), place, outcome.run().record(), estimates);
-        let run = run.with(diagnostics).among(outcome.run().estimates());
+        let run = Observed::new(&outcome.scenario, place, outcome.run.record(), estimates);
+        let run = run.with(diagnostics).among(outcome.run.estimates());
         // None if the measure needs a channel or a sensor that the check does not give.
         let measure = Measure::new(self.measure, self.channel, self.sensor);
         measure.map_or(Value::Number(f64::NAN), |measure| measure.of(&run, times))
@@ -139,7 +131,7 @@ mod tests {
     #[test]
     fn measures_are_those_of_the_summary() {
         let outcome = outcome();
-        let summary = Summary::new(&outcome.run().estimates()[0], outcome.run().record());
+        let summary = Summary::new(&outcome.run.estimates()[0], outcome.run.record());
         let frequency = summary.finals[2];
         let score = frequency.score.unwrap();
         let of = |measure: &str| {

@@ -86,12 +86,9 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     }
 }
 
-fn off(row: &SettingInfo<FilterSettings>) -> f64 {
-    (row.get)(&FilterSettings::default())
-}
-
 /// How the parameters change that the filter estimates: not at all, or in one of the other ways.
 fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+    let off = |row: &SettingInfo<FilterSettings>| (row.get)(&FilterSettings::default());
     let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != off(row));
     let mut still = filter.clone();
     CHANGES.iter().for_each(|(row, ..)| (row.set)(&mut still, off(row)));
@@ -110,13 +107,14 @@ fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     };
     let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
     lit(ui, &walk, |ui| lit(ui, &jump, |ui| lit(ui, &scales, |ui| list(ui))));
+    let Some((row, _, value)) = chosen.and_then(|at| CHANGES.get(at)) else {
+        return *filter = still;
+    };
     if chosen != now {
         *filter = still;
-        if let Some((row, _, value)) = chosen.and_then(|at| CHANGES.get(at)) {
-            (row.set)(filter, *value);
-        }
+        (row.set)(filter, *value);
     }
-    if let Some((row, ..)) = chosen.and_then(|at| CHANGES.get(at)).filter(|(row, ..)| row.allowed != Allowed::Flag) {
+    if row.allowed != Allowed::Flag {
         filter_row_ui(ui, row, filter, truth);
     }
 }

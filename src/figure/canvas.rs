@@ -15,7 +15,7 @@ const PASSES: usize = 4;
 const DENSITY: f32 = 4.0;
 
 pub(super) struct Canvas {
-    ctx: Context,
+    pub(super) ctx: Context,
     pen: Pen,
 }
 
@@ -37,10 +37,6 @@ impl Canvas {
         });
         Medium::Figure.set(&ctx);
         Self { ctx, pen }
-    }
-
-    pub(super) fn ctx(&self) -> &Context {
-        &self.ctx
     }
 
     pub(super) fn draw(&self, size: Vec2, mut add: impl FnMut(&mut Ui)) -> Vec<ClippedShape> {

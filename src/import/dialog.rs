@@ -81,11 +81,11 @@ impl Import {
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, palette, *reading.seen(), *is_still)
+                progress_ui(ui, palette, reading.seen, *is_still)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
-                progress_ui(ui, palette, *suggest.seen(), *is_still)
+                progress_ui(ui, palette, suggest.seen, *is_still)
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));

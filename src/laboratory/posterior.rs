@@ -96,7 +96,7 @@ impl Posteriors {
     }
 
     pub fn progress(&self) -> Option<f64> {
-        self.search.as_ref().map(|search| *search.seen())
+        self.search.as_ref().map(|search| search.seen)
     }
 
     /// Stops a search. Returns whether there was one.

@@ -70,19 +70,19 @@ impl Tuning {
 
     /// A lower limit of the share of the search that is done, from 0 to 1. `None` if no search is under way.
     pub fn progress(&self) -> Option<f64> {
-        self.search.as_ref().map(|search| search.tuner.seen().0)
+        self.search.as_ref().map(|search| search.tuner.seen.0)
     }
 
     /// Each try so far that was better than all before, of the search under way or else of the result.
     pub fn path(&self) -> &[Try] {
         let result = self.result.as_ref().map_or(&[][..], |result| &result.tuned.path);
-        self.search.as_ref().map_or(result, |search| &search.tuner.seen().1)
+        self.search.as_ref().map_or(result, |search| &search.tuner.seen.1)
     }
 
     /// The path of the search in a map, if the search tunes both of the map's axes: the filter's place in the map, and
     /// the points.
     pub(crate) fn path_in(&self, survey: &Survey) -> Option<(usize, Vec<[f64; 2]>)> {
-        let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, &search.tuner.seen().1);
+        let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, &search.tuner.seen.1);
         let of_result = |result: &TuneResult| path_on_map(survey, &result.choice, &result.of, &result.tuned.path);
         match &self.search {
             Some(search) => of_search(search),

@@ -31,7 +31,7 @@ pub(super) struct Live {
     /// The time from which on the next decay is looked for, and that of the reading at the last look \[s\].
     from: Option<f64>,
     looked: Option<f64>,
-    rests: bool,
+    pub(super) rests: bool,
 }
 
 struct Following {
@@ -106,10 +106,6 @@ impl Live {
             let sum = weights[0] + weights[1];
             Band { mean: (weights[0] * known[i].mean + weights[1] * later[i].mean) / sum, band: sum.sqrt().recip() }
         })
-    }
-
-    pub(super) fn rests(&self) -> bool {
-        self.rests
     }
 
     /// The scenario and the record of the present decay. `None` if nothing swings freely.

@@ -62,21 +62,11 @@ const WORDS: Words = Words {
 };
 
 impl Instrument for Listener {
-    fn words(&self) -> &'static Words {
-        &WORDS
-    }
+    of_device!();
 
     fn begin(&mut self, ctx: &Context) {
         *self = Self::new(Rc::clone(&self.device));
         self.device.begin(ctx, &self.readings);
-    }
-
-    fn end(&self) {
-        self.device.end();
-    }
-
-    fn refusal(&self) -> Option<String> {
-        self.readings.refusal()
     }
 
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {

@@ -69,21 +69,11 @@ const WORDS: Words = Words {
 };
 
 impl Instrument for Stream {
-    fn words(&self) -> &'static Words {
-        &WORDS
-    }
+    of_device!();
 
     fn begin(&mut self, ctx: &Context) {
         *self = Self::new(Rc::clone(&self.device), &self.scenario);
         self.device.begin(ctx, &self.readings);
-    }
-
-    fn end(&self) {
-        self.device.end();
-    }
-
-    fn refusal(&self) -> Option<String> {
-        self.readings.refusal()
     }
 
     fn follow(&mut self) {

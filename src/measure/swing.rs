@@ -38,7 +38,7 @@ impl Swing {
     }
 
     fn remarks_ui(&self, ui: &mut Ui, palette: &Palette) {
-        if self.live.rests() {
+        if self.live.rests {
             ui.label("It is at rest: there is nothing more to learn.");
         }
         for sentence in self.health.sentences() {
@@ -60,21 +60,11 @@ const WORDS: Words = Words {
 };
 
 impl Instrument for Swing {
-    fn words(&self) -> &'static Words {
-        &WORDS
-    }
+    of_device!();
 
     fn begin(&mut self, ctx: &Context) {
         *self = Self::new(Rc::clone(&self.device));
         self.device.begin(ctx, &self.readings);
-    }
-
-    fn end(&self) {
-        self.device.end();
-    }
-
-    fn refusal(&self) -> Option<String> {
-        self.readings.refusal()
     }
 
     fn follow(&mut self) {

@@ -16,9 +16,9 @@ use super::item::{Drawing, Grid};
 use super::layers::{Layer, Window};
 use super::medium::{Medium, Y_AXIS, cells_ui, sense};
 use super::time_axis::PlotInput;
-use crate::gap::Gap;
 use crate::request::Request;
 use crate::sheet::{Column, Sheet, readouts};
+use crate::trouble::Gap;
 
 /// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
@@ -150,7 +150,7 @@ impl<'a> Chart<'a> {
         if medium == Medium::Figure {
             return ChartResponse { pointed: None, alone: false };
         }
-        let marks = drawn.get().map_or(&[][..], |drawn| drawn.marks());
+        let marks = drawn.get().map_or(&[][..], |drawn| &drawn.marks[..]);
         let under = response.hover_pos().and_then(|position| filter_at(marks, &transform, position));
         let response = if under.is_some() { response.on_hover_cursor(CursorIcon::PointingHand) } else { response };
         let pointed = lens_ui(ui, &response, &transform, &readouts).or(pointed);

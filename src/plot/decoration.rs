@@ -6,9 +6,9 @@ use egui::{Align2, Color32, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
 
 use super::layers::Layer;
-use crate::gap::Gap;
 use crate::session::Session;
 use crate::theme::Palette;
+use crate::trouble::Gap;
 use crate::visibility::Visibility;
 
 pub(super) trait Paint {

@@ -214,7 +214,7 @@ impl Grid {
 
 #[derive(Default)]
 pub(crate) struct Drawing {
-    marks: Vec<Mark>,
+    pub(super) marks: Vec<Mark>,
     painted: PaintedShapes,
     pub(crate) range: Option<(f64, f64)>,
 }
@@ -237,9 +237,5 @@ impl Drawing {
 
     pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
         plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
-    }
-
-    pub(super) fn marks(&self) -> &[Mark] {
-        &self.marks
     }
 }

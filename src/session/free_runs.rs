@@ -79,7 +79,7 @@ impl Session {
     }
 
     pub(crate) fn free_run_beside(&self) -> Option<f64> {
-        self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| *next.runs.seen())
+        self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| next.runs.seen)
     }
 
     pub(crate) fn give_up_free_runs(&mut self) {

@@ -33,7 +33,7 @@ impl Session {
     }
 
     pub(crate) fn spectrogram_beside(&self) -> Option<f64> {
-        self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| *next.seen())
+        self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| next.seen)
     }
 
     pub(crate) fn give_up_spectrogram(&mut self) {

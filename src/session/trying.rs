@@ -45,7 +45,7 @@ impl Attempt {
         let Some(search) = &mut self.search else { return };
         // A failed search ends with its remedies so far.
         let is_done = !matches!(search.advance(while_time), Ok(None));
-        let (progress, before, remedies) = search.seen();
+        let (progress, before, remedies) = &search.seen;
         self.progress = *progress;
         if is_done || !self.is_complete {
             self.before.clone_from(before);

@@ -8,7 +8,7 @@ use super::{Handle, Lost, Priority, Report, Team, waking};
 pub struct Running<T: Task, L = f64> {
     place: Place<T, L>,
     look: fn(&T) -> L,
-    seen: L,
+    pub seen: L,
 }
 
 /// The place of a task. One that is not in the frames has a worker, so nobody waits for a task that nobody does.
@@ -48,10 +48,6 @@ impl<T: Task, L> Running<T, L> {
 
     pub fn is_beside(&self) -> bool {
         matches!(self.place, Place::Beside(..))
-    }
-
-    pub fn seen(&self) -> &L {
-        &self.seen
     }
 
     /// Continues until `while_time` returns false. Returns the outcome once.
@@ -105,13 +101,13 @@ mod tests {
             Some(there) => Running::in_worker(there, file(), Task::progress),
             None => Running::here(file(), Task::progress),
         };
-        let mut shares = vec![*task.seen()];
+        let mut shares = vec![task.seen];
         loop {
             if let Some(outcome) = task.advance(&mut || false).unwrap() {
                 assert!(task.advance(&mut || true).is_err(), "nobody waits for it again");
                 return (shares, outcome);
             }
-            shares.push(*task.seen());
+            shares.push(task.seen);
         }
     }
 

@@ -155,12 +155,12 @@ fn a_filter_that_cannot_be_run_is_lost() {
 fn outcome<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T) -> (T::Outcome, Vec<f64>) {
     let mut task = Running::begin(team, Priority::Hand, task, T::progress);
     assert!(task.is_beside());
-    let (mut shares, begin) = (vec![*task.seen()], Instant::now());
+    let (mut shares, begin) = (vec![task.seen], Instant::now());
     loop {
         if let Some(outcome) = task.advance(&mut || false).expect("it is not lost") {
             return (outcome, shares);
         }
-        shares.push(*task.seen());
+        shares.push(task.seen);
         thread::sleep(Duration::from_millis(1));
         assert!(begin.elapsed() < PATIENCE);
     }

@@ -118,12 +118,12 @@ pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &P
     let edge = Stroke::new(1.3 * unit, palette.weak);
     painter.line_segment([pos2(wall, floor), pos2(right, floor)], edge);
     painter.line_segment([pos2(wall, floor), pos2(wall, top)], edge);
-    for mass in 0..stage.masses() {
+    for mass in 0..stage.masses {
         let x = stage.rest(mass);
         let rest = Stroke::new(1.0, palette.weak.gamma_multiply(0.4));
         painter.extend(Shape::dashed_line(&[pos2(x, floor - body.y - 8.0 * unit), pos2(x, floor)], rest, 3.0, 4.0));
     }
-    if stage.masses() == 1 { ruler(stage, painter, length, palette) } else { bar(stage, painter, length, palette) }
+    if stage.masses == 1 { ruler(stage, painter, length, palette) } else { bar(stage, painter, length, palette) }
 }
 
 fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
@@ -144,7 +144,7 @@ const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆
 
 /// A bar of known length, under its name, because each mass has its own zero.
 fn bar(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
-    for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses()) {
+    for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses) {
         mark_at(stage, painter, stage.rest(mass), palette.weak);
         label(stage, painter, stage.rest(mass), name, palette);
     }

@@ -43,7 +43,7 @@ impl<'a> Scene<'a> {
         let force = recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
-        for mass in 0..stage.masses() {
+        for mass in 0..stage.masses {
             let beliefs: Vec<Belief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
             let truth = self.truth(mass);
             let known = truth.and_then(|x| x.get(k)).copied().filter(|x| x.is_finite());
@@ -64,7 +64,7 @@ impl<'a> Scene<'a> {
                 before = (at.right(), x);
             }
             ghosts(stage, painter, mass, &beliefs, visible.bands);
-            if known.is_some() && stage.masses() == 1 {
+            if known.is_some() && stage.masses == 1 {
                 name(painter, stage.body(mass, before.1), beliefs.len(), palette);
             }
             if let Some(readings) = self.readings(mass) {
@@ -86,16 +86,16 @@ impl<'a> Scene<'a> {
             });
             slices.collect::<Vec<_>>()
         };
-        (0..self.stage.masses()).flat_map(of_mass).collect()
+        (0..self.stage.masses).flat_map(of_mass).collect()
     }
 
     pub(super) fn trail(&self, paper: Rect) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
-        let lines = stage.masses() * (1 + self.filters(0).count());
+        let lines = stage.masses * (1 + self.filters(0).count());
         let trail = Trail::new(stage, painter, paper, self.record(), k, lines);
         trail.paper(palette);
-        for mass in 0..stage.masses() {
+        for mass in 0..stage.masses {
             if let Some(readings) = self.readings(mass) {
                 trail.dots(mass, readings, palette.measured);
             }
@@ -273,7 +273,7 @@ impl<'a> Trail<'a> {
         let now = self.record.time(self.now);
         let Self { painter, paper, stage, .. } = self;
         let grid = Stroke::new(1.0, palette.grid.gamma_multiply(0.35));
-        for mass in 0..stage.masses() {
+        for mass in 0..stage.masses {
             painter.vline(stage.rest(mass), paper.y_range(), grid);
         }
         // Multiplies instead of subtracting one by one: far from zero, subtracting a second changes nothing.

@@ -20,7 +20,7 @@ pub(super) struct Stage {
     pub(super) travel: f32,
     /// Clearance of a damper's piston at the ends of its cylinder, and between the cylinder and the mass.
     clearance: f32,
-    masses: usize,
+    pub(super) masses: usize,
     scale: f64,
 }
 
@@ -62,10 +62,6 @@ impl Stage {
         // Without space for a letter above the arrow, the cloud takes that space.
         let arrow = rect.top() + if height < 80.0 { 0.13 } else { 0.17 } * height;
         Self { rect, unit, floor, wall, body, arrow, gap, travel, clearance, masses, scale: f64::from(travel) / span }
-    }
-
-    pub(super) fn masses(&self) -> usize {
-        self.masses
     }
 
     pub(super) fn rest(&self, mass: usize) -> f32 {
