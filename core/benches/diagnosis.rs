@@ -10,40 +10,20 @@
 mod situations;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy, VerdictKind};
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnostics, Record, Run, Task as _};
 
-use situations::{Fault, Situation, largest_error, without_truth};
-
-/// The first seed that no limit was set on.
-const FIRST: u64 = 1_000_000;
+use situations::{Fault, Situation, is_asked_for, largest_error, on_two_threads, seeds, without_truth};
 
 const NUMBER: u64 = 2_880;
 
 fn main() {
-    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
-    let first = numbers.first().copied().unwrap_or(FIRST);
-    let number = numbers.get(1).copied().unwrap_or(NUMBER);
-    let trials = !std::env::args().any(|word| word == "--no-causes");
-    let verbose = std::env::args().any(|word| word == "--verbose");
-    let next = AtomicU64::new(first);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed >= first + number {
-                return done;
-            }
-            done.push(Outcome::of(seed, trials, verbose));
-        }
-    };
-    let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
-    });
-    outcomes.sort_by_key(|outcome| outcome.seed);
+    let trials = !is_asked_for("--no-causes");
+    let verbose = is_asked_for("--verbose");
+    let seeds: Vec<u64> = seeds(NUMBER).collect();
+    let outcomes = on_two_threads(&seeds, |seed| Outcome::of(*seed, trials, verbose));
     for known in [true, false] {
         print_verdicts(&outcomes, known);
     }
@@ -55,7 +35,6 @@ fn main() {
 }
 
 struct Outcome {
-    seed: u64,
     fault: Fault,
     /// The verdicts with and without the truth.
     verdicts: [Option<VerdictKind>; 2],
@@ -98,8 +77,7 @@ impl Outcome {
                 if verbose {
                     for remedy in &remedies {
                         let after = remedy.after.as_ref().map_or("", |verdict| verdict.kind.name());
-                        let edits: Vec<String> =
-                            remedy.first.edits.iter().map(kalmanscope_core::setting::Edit::toml_line).collect();
+                        let edits: Vec<String> = remedy.first.edits.iter().map(Edit::toml_line).collect();
                         let sentence = &remedy.first.sentence;
                         println!("@{seed} {:.1} {sentence} -> {after}: {}", remedy.gain, edits.join("; "));
                     }
@@ -116,7 +94,7 @@ impl Outcome {
                 }
             }
         }
-        Self { seed, fault, verdicts, off, causes, said, likelier }
+        Self { fault, verdicts, off, causes, said, likelier }
     }
 }
 

@@ -15,14 +15,13 @@
 mod situations;
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, Task as _, VerdictKind};
 
 use situations::Fault::{self, *};
-use situations::{SETS, Situation, without_truth};
+use situations::{SETS, Situation, is_asked_for, on_two_threads, seeds, without_truth};
 
 /// Situations on some of whose seeds limits may be set.
 const FOR_LIMITS: &[&[Fault]] = &[
@@ -83,9 +82,6 @@ const FRESH: &[&[Fault]] = &[
     &[NoisierLater, InputGain],
 ];
 
-/// The first seed that no limit was set on.
-const FIRST: u64 = 1_000_000;
-
 const NUMBER: u64 = 12;
 
 /// Limits the error of a parameter that is believed, in standard deviations.
@@ -95,20 +91,16 @@ const WITHIN: f64 = 3.0;
 const GROWS: f64 = 1.2;
 
 fn main() {
-    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
-    let first = numbers.first().copied().unwrap_or(FIRST);
-    let number = numbers.get(1).copied().unwrap_or(NUMBER);
-    let verbose = std::env::args().any(|word| word == "--verbose");
+    let (seeds, verbose) = (seeds(NUMBER), is_asked_for("--verbose"));
     let parts: &[(&str, &[&[Fault]])] = &[("for limits", FOR_LIMITS), ("untouched", UNTOUCHED), ("fresh", FRESH)];
-    let only = std::env::args().any(|word| word == "--limits");
-    let parts = if only { &parts[..1] } else { parts };
-    println!("first remedies, of filters that are not to be believed, seeds {first} to {}", first + number - 1);
+    let parts = if is_asked_for("--limits") { &parts[..1] } else { parts };
+    println!("first remedies, of filters that are not to be believed, seeds {} to {}", seeds.start, seeds.end - 1);
     let mut all = Vec::new();
     for (name, situations) in parts {
         println!("\n{name:24}   bad  good  grows (perfect)  misleads  within 3σ   cause");
         let jobs: Vec<(&[Fault], u64)> =
-            situations.iter().flat_map(|faults| (first..first + number).map(move |seed| (*faults, seed))).collect();
-        let outcomes = outcomes(&jobs, verbose);
+            situations.iter().flat_map(|faults| seeds.clone().map(move |seed| (*faults, seed))).collect();
+        let outcomes = on_two_threads(&jobs, |&(faults, seed)| Outcome::of(faults, seed, verbose));
         for faults in *situations {
             let own: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.faults == *faults).collect();
             let title: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
@@ -119,21 +111,6 @@ fn main() {
     }
     println!();
     print_row("all", &all.iter().collect::<Vec<_>>(), false);
-}
-
-fn outcomes(jobs: &[(&'static [Fault], u64)], verbose: bool) -> Vec<Outcome> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        while let Some(&(faults, seed)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-            done.push(Outcome::of(faults, seed, verbose));
-        }
-        done
-    };
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
-    })
 }
 
 struct Outcome {

@@ -1,33 +1,26 @@
 //! Different computations of the same numbers agree.
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Signal, Update, Values,
+    Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Update, Values,
 };
 
-use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+use nalgebra::{DMatrix, Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
-use crate::run::{finished, finished_on};
+use crate::numbers::{DETERMINISTIC, exponential};
+use crate::run::{finished, finished_on, oscillator, values};
 
-fn parameters_known() -> Values {
-    Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
-}
+const INITIAL_STD: [f64; 4] = [0.3, 1.0, 0.0, 0.0];
 
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
-    let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let mut scenario = Scenario { dt, duration: 4.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
     scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let settings = |&kind: &FilterKind| FilterSettings {
         name: kind.name().to_owned(),
         kind,
         fading: 1.002,
         sensor_std: vec![0.01, 0.06, 0.5],
-        initial_mean: Values::ZERO.with([
-            (Channel::DISPLACEMENT, 0.2),
-            (Channel::VELOCITY, -0.5),
-            (Channel::NATURAL_FREQUENCY, 6.0),
-            (Channel::DAMPING_RATIO, 0.05),
-        ]),
-        initial_std: parameters_known(),
+        initial_mean: values([0.2, -0.5, 6.0, 0.05]),
+        initial_std: values(INITIAL_STD),
         process_std: Values::PROCESS_STD.with([(Channel::NATURAL_FREQUENCY, 0.0), (Channel::DAMPING_RATIO, 0.0)]),
         ..FilterSettings::default()
     };
@@ -93,9 +86,7 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
 
 #[test]
 fn all_filters_agree_on_a_linear_plant() {
-    const KINDS: [FilterKind; 6] =
-        [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
-    let run = finished(&known_parameters(&KINDS, 0.001));
+    let run = finished(&known_parameters(&DETERMINISTIC, 0.001));
     let [kf, ekf, others @ ..] = run.estimates() else { unreachable!("six kinds") };
     assert_eq!(bits(kf), bits(ekf));
     for other in others {
@@ -114,7 +105,7 @@ fn fading_is_the_same_for_every_filter() {
         for filter in &mut scenario.filters {
             (filter.fading, filter.ensemble_size) = (fading, 400);
             // Without measurements or process noise the variance is that of the free motion, times fading to the k.
-            (filter.process_std, filter.initial_std) = (Values::ZERO, parameters_known());
+            (filter.process_std, filter.initial_std) = (Values::ZERO, values(INITIAL_STD));
         }
         let record = finished(&scenario).record().clone();
         scenario.sensors.clear();
@@ -132,23 +123,12 @@ fn fading_is_the_same_for_every_filter() {
     }
 }
 
-/// `exp(M)` by a plain Taylor series over a 1024th, squared ten times.
-fn exponential(m: Matrix3<f64>) -> Matrix3<f64> {
-    let small = m / 1024.0;
-    let mut term = Matrix3::identity();
-    let mut sum = Matrix3::identity();
-    for n in 1..12 {
-        term = term * small / f64::from(n);
-        sum += term;
-    }
-    (0..10).fold(sum, |power, _| power * power)
-}
-
 fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
     let settings = &scenario.filters[0];
     let (wn, zeta) = (settings.initial_mean[Channel::NATURAL_FREQUENCY], settings.initial_mean[Channel::DAMPING_RATIO]);
     let (a, b) = (-wn * wn, -2.0 * zeta * wn);
-    let whole = exponential(Matrix3::new(0.0, 1.0, 0.0, a, b, 1.0, 0.0, 0.0, 0.0) * scenario.dt);
+    let whole = DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, a, b, 1.0, 0.0, 0.0, 0.0]) * scenario.dt;
+    let whole = exponential(&whole);
     let transition: Matrix2<f64> = whole.fixed_view::<2, 2>(0, 0).into();
     let input: Vector2<f64> = whole.fixed_view::<2, 1>(0, 2).into();
     let observation = Matrix3x2::new(1.0, 0.0, 0.0, 1.0, a, b);
@@ -263,7 +243,7 @@ fn a_restarted_run_equals_a_new_one() {
     let mut second = Scenario { seed: 9, duration: 2.0, ..Scenario::default() };
     second.filters.rotate_left(1);
     second.filters.truncate(1);
-    second.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
+    second.remove_sensor(Quantity::VELOCITY);
     let mut run = finished(&first);
     for scenario in [&second, &first] {
         run.restart(scenario).unwrap();
@@ -322,8 +302,5 @@ fn an_updated_run_equals_a_new_one() {
     run.finish();
     scenario.filters[0].fading = 1.0;
     run.update(&scenario).unwrap();
-    assert_eq!(run.checksum(), {
-        let new = finished(&scenario);
-        new.checksum()
-    });
+    assert_eq!(run.checksum(), finished(&scenario).checksum());
 }

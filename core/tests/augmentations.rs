@@ -3,16 +3,18 @@
 use kalmanscope_core::filter::{Matrix, Propagation, Step, Vector};
 use kalmanscope_core::signal::Sine;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Hold, Model, PlantKind, Quantity, Scenario, Sensor, Signal,
+    Aspect, Channel, Estimates, FilterKind, FilterSettings, Force, Hold, Model, PlantKind, Quantity, Scenario, Sensor,
+    Signal,
 };
 
-use crate::run::{finished, last};
+use crate::numbers::{DETERMINISTIC, exponential, mean};
+use crate::run::{finished, last, oscillator};
 
 /// Constant parameters under white noise, with sensors for displacement, acceleration and what a channel needs.
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
-    let mut scenario = Scenario { duration: 40.0, filters: vec![filter], ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let plant = oscillator(6.0, 0.05);
+    let mut scenario = Scenario { duration: 40.0, plant, filters: vec![filter], ..Scenario::default() };
     scenario.set_sensors(sensors);
     if kind == FilterKind::KF {
         scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
@@ -40,7 +42,7 @@ fn a_bias_of_each_kind_of_sensor_is_found() {
             // The drift of a single mass is its displacement: both are measured, one of them with a bias.
             let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, quantity];
             let mut scenario = scenario(&sensors, kind, &[quantity.bias()]);
-            scenario.plant.set(quantity.bias(), Signal::Constant(4.0 * noise));
+            scenario.plant.set(quantity.bias(), 4.0 * noise);
             assert_found(&scenario, quantity.bias(), 0.5 * noise);
         }
     }
@@ -54,8 +56,8 @@ fn a_gain_of_each_kind_of_sensor_is_found() {
                 let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, quantity];
                 let mut scenario = scenario(&sensors, kind, &[quantity.gain(), quantity.bias()]);
                 let noise = quantity.aspect().info().usual_noise;
-                scenario.plant.set(quantity.gain(), Signal::Constant(gain));
-                scenario.plant.set(quantity.bias(), Signal::Constant(2.0 * noise));
+                scenario.plant.set(quantity.gain(), gain);
+                scenario.plant.set(quantity.bias(), 2.0 * noise);
                 scenario.filters[0].initial_mean[quantity.gain()] = gain.signum();
                 assert_found(&scenario, quantity.gain(), 0.02);
                 assert_found(&scenario, quantity.bias(), 0.5 * noise);
@@ -73,7 +75,7 @@ fn a_known_gain_is_another_unit() {
         (right.duration, right.filters[0].ensemble_size) = (5.0, 50);
         right.filters[0].initial_std[quantity.gain()] = 0.0;
         let mut other = right.clone();
-        other.plant.set(quantity.gain(), Signal::Constant(4.0));
+        other.plant.set(quantity.gain(), 4.0);
         other.filters[0].initial_mean[quantity.gain()] = 4.0;
         other.sensors[1].noise_std *= 4.0;
         other.filters[0].sensor_std[1] *= 4.0;
@@ -92,26 +94,20 @@ fn a_known_gain_is_another_unit() {
 }
 
 #[test]
-fn gain_and_offset_of_the_input_are_found() {
-    let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+fn gain_and_offset_of_the_input_are_found_and_an_unknown_force_is_followed() {
+    let wave = Signal::Sine(Sine { mean: 0.0, amplitude: 5.0, period: 4.0 });
     for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
-        for (channel, value, std) in [(Channel::INPUT_GAIN, 1.3, 0.02), (Channel::INPUT_OFFSET, 1.5, 0.2)] {
-            let mut scenario = scenario(&sensors, kind, &[channel]);
-            scenario.plant.set(channel, Signal::Constant(value));
-            assert_found(&scenario, channel, std);
-            scenario.hold = Hold::First;
-            assert_found(&scenario, channel, std);
+        for (channel, signal, std, holds) in [
+            (Channel::INPUT_GAIN, 1.3.into(), 0.02, &[Hold::Zero, Hold::First][..]),
+            (Channel::INPUT_OFFSET, 1.5.into(), 0.2, &[Hold::Zero, Hold::First]),
+            (Channel::UNKNOWN_FORCE, wave, 1.0, &[Hold::Zero]),
+        ] {
+            for &hold in holds {
+                let mut scenario = scenario(&[Quantity::DISPLACEMENT, Quantity::ACCELERATION], kind, &[channel]);
+                scenario.plant.set(channel, signal);
+                assert_found(&Scenario { hold, ..scenario }, channel, std);
+            }
         }
-    }
-}
-
-#[test]
-fn an_unknown_force_is_followed() {
-    let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
-    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
-        let mut scenario = scenario(&sensors, kind, &[Channel::UNKNOWN_FORCE]);
-        scenario.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(Sine { mean: 0.0, amplitude: 5.0, period: 4.0 }));
-        assert_found(&scenario, Channel::UNKNOWN_FORCE, 1.0);
     }
 }
 
@@ -128,26 +124,13 @@ fn chains_of_five_to_ten_masses_find_their_stiffness() {
         scenario.duration = 20.0;
         scenario.set_plant(plant);
         for mass in 0..masses {
-            let measures = Quantity::new(kalmanscope_core::Aspect::DISPLACEMENT, mass);
+            let measures = Quantity::new(Aspect::DISPLACEMENT, mass);
             scenario.add_sensor(Sensor::new(measures, 0.01));
         }
         for mass in [0, masses / 2] {
             assert_found(&scenario, Channel::stiffness(mass), 10.0);
         }
     }
-}
-
-/// `exp(A t)` by Taylor's series over a thousandth of the time, and the thousandth power.
-fn exponential(a: &Matrix, t: f64) -> Matrix {
-    let n = a.nrows();
-    let short = a * (t / 1024.0);
-    let mut term = Matrix::identity(n, n);
-    let mut sum = term.clone();
-    for power in 1..20 {
-        term = &term * &short / f64::from(power);
-        sum += &term;
-    }
-    (0..10).fold(sum, |power, _| &power * &power)
 }
 
 #[test]
@@ -170,7 +153,7 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
             a[(i, motion)] = 1.0;
         }
         a[(motion, motion + 1)] = 1.0;
-        let exp = exponential(&a, dt);
+        let exp = exponential(&(a * dt));
         let after = |motion_before: &[f64], scale: f64| {
             let slope = (end - begin) / dt;
             let rest = [scale * begin, scale * slope];
@@ -230,8 +213,7 @@ fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
         scenario.filters[1].id = scenario.filters[0].id + 1;
         let run = finished(&scenario);
         for (sum, estimates) in nis.iter_mut().zip(run.estimates()) {
-            let values = &estimates.nis()[1..];
-            *sum += values.iter().sum::<f64>() / values.len() as f64 / SEEDS as f64;
+            *sum += mean(&estimates.nis()[1..]) / SEEDS as f64;
         }
     }
     let [without, matched] = nis;
@@ -248,9 +230,7 @@ fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
 fn a_bias_that_is_forgotten_is_a_gauss_markov_process() {
     let (tau, new, white, dt) = (0.05, 0.4, 0.3, 0.01);
     let left = f64::exp(-dt / tau);
-    for kind in
-        [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF]
-    {
+    for kind in DETERMINISTIC {
         let mut scenario = scenario(&[Quantity::VELOCITY], kind, &[Quantity::VELOCITY.bias()]);
         (scenario.duration, scenario.sensors[0].noise_std) = (2.0, 0.5);
         scenario.force = Force::None;
@@ -272,10 +252,11 @@ fn a_bias_that_is_forgotten_is_a_gauss_markov_process() {
             let gain = variance / (variance + white * white);
             filtered.push((mean + gain * (reading - mean), (1.0 - gain) * variance));
         }
-        for (k, (mean, variance)) in filtered.iter().enumerate() {
+        let assert_near = |estimates: &Estimates, k: usize, (mean, variance): (f64, f64)| {
             let found = (estimates.mean(k)[place], estimates.std(k, place).powi(2));
             assert!((found.0 - mean).abs() < 1e-9 && (found.1 - variance).abs() < 1e-9, "{kind:?}, {k}: {found:?}");
-        }
+        };
+        filtered.iter().enumerate().for_each(|(k, belief)| assert_near(estimates, k, *belief));
         let mut smoothed = filtered[filtered.len() - 1];
         let hindsight = run.smoothed().remove(0);
         for k in (0..filtered.len() - 1).rev() {
@@ -284,11 +265,7 @@ fn a_bias_that_is_forgotten_is_a_gauss_markov_process() {
                 filtered[k].0 + back * (smoothed.0 - predicted[k + 1].0),
                 filtered[k].1 + back * back * (smoothed.1 - predicted[k + 1].1),
             );
-            let found = (hindsight.mean(k)[place], hindsight.std(k, place).powi(2));
-            assert!(
-                (found.0 - smoothed.0).abs() < 1e-9 && (found.1 - smoothed.1).abs() < 1e-9,
-                "{kind:?}, {k}: {found:?}"
-            );
+            assert_near(&hindsight, k, smoothed);
         }
     }
 }

@@ -1,12 +1,13 @@
-//! Filters whose parameters have bounds.
+//! Filters whose parameters have bounds, and filters that count the uncertainty of some parameters without estimating them.
 
+use kalmanscope_core::filter::{Matrix, Robust, Vector};
 use kalmanscope_core::scenario::{Between, Bounds};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Quantity, Scenario, Sensor, Signal, simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Record, Sample, Scenario, Sensor, simulate,
 };
 
-use crate::random::Random;
-use crate::run::{finished, one_filter};
+use crate::numbers::{ADAPTIVE, Random, distance};
+use crate::run::{Each, after_events, finished, finished_on, last, one_filter, oscillator, readings, values};
 
 fn between(least: f64, most: f64) -> Between {
     let end = |end: f64| Some(end).filter(|end| end.is_finite());
@@ -26,20 +27,14 @@ const NOISE: f64 = 0.8;
 
 /// An oscillator whose damping is drawn from the initial belief between its ends, of which ten noisy seconds tell little.
 fn still(seed: u64) -> Scenario {
-    let mut scenario = Scenario { seed, duration: 10.0, ..Scenario::default() };
     let mut random = Random::new(seed);
     let damping = std::iter::repeat_with(|| MEAN + STD * random.normal()).find(|damping| *damping >= 0.0).unwrap();
-    scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(damping));
+    let mut scenario = Scenario { seed, duration: 10.0, ..Scenario::default() };
+    scenario.plant.set(Channel::DAMPING_RATIO, damping);
     scenario.sensors = vec![Sensor { noise_std: NOISE, ..scenario.sensors[0] }];
     let filter = FilterSettings {
-        initial_mean: scenario.filters[0]
-            .initial_mean
-            .clone()
-            .with([(Channel::DAMPING_RATIO, MEAN), (Channel::NATURAL_FREQUENCY, 6.0)]),
-        initial_std: scenario.filters[0]
-            .initial_std
-            .clone()
-            .with([(Channel::DAMPING_RATIO, STD), (Channel::NATURAL_FREQUENCY, 0.02)]),
+        initial_mean: values([0.0, 0.0, 6.0, MEAN]),
+        initial_std: values([0.1, 0.3, 0.02, STD]),
         sensor_std: vec![NOISE],
         fading: 1.0,
         ..scenario.filters[0].clone()
@@ -95,10 +90,8 @@ fn what_is_told_is_the_belief_between_the_ends() {
         let [mean, square] = sums[i].map(|sum| sum / count);
         let std = (square - mean * mean).sqrt();
         let found = (bounded.mean(last)[i] - free.mean(last)[i], bounded.std(last, i));
-        assert!(
-            (found.0 - mean).abs() < 0.01 * std && (found.1 / std - 1.0).abs() < 0.01,
-            "{i}: {found:?}, {mean} {std}"
-        );
+        let is_near = (found.0 - mean).abs() < 0.01 * std && (found.1 / std - 1.0).abs() < 0.01;
+        assert!(is_near, "{i}: {found:?}, {mean} {std}");
     }
     assert!(bounded.std(last, gain) < 0.7 * free.std(last, gain), "the ends tell more than the readings here");
     for k in 1..=last {
@@ -135,62 +128,160 @@ fn a_damping_that_cannot_be_negative_is_better_and_honestly_known() {
 
 #[test]
 fn every_filter_keeps_within_its_bounds() {
-    for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF] {
-        let mut scenario = Scenario { duration: 20.0, ..one_filter(FilterKind::EKF) };
+    for kind in ADAPTIVE {
+        let mut scenario = Scenario { duration: 20.0, ..one_filter(kind) };
         let filter = &mut scenario.filters[0];
-        (filter.kind, filter.fading, filter.smoother) = (kind, 1.001, true);
+        (filter.fading, filter.smoother) = (1.001, true);
         // The truth, 6 rad/s and 0.05, is outside both.
         filter.bounds = bounds(&[(Channel::NATURAL_FREQUENCY, 6.5, 9.0), (Channel::DAMPING_RATIO, 0.0, 0.03)]);
-        filter.initial_mean = filter.initial_mean.clone().with([(Channel::DAMPING_RATIO, 0.02)]);
+        filter.initial_mean[Channel::DAMPING_RATIO] = 0.02;
         let run = finished(&scenario);
         let estimates = &run.estimates()[0];
         assert_eq!(estimates.stop(), None, "{kind:?}");
-        for k in 0..estimates.len() {
-            let mean = estimates.mean(k);
+        let smoothed = &run.smoothed()[0];
+        for (k, mean) in [estimates, smoothed].into_iter().flat_map(|of| (0..of.len()).map(|k| (k, of.mean(k)))) {
             assert!((6.5..=9.0).contains(&mean[2]) && (0.0..=0.03).contains(&mean[3]), "{kind:?} {k}: {mean:?}");
+        }
+        for k in 0..estimates.len() {
             let cov = nalgebra::DMatrix::from_row_slice(4, 4, estimates.cov(k));
             assert!(cov.clone().symmetric_eigenvalues().min() > -1e-12 * cov.amax(), "{kind:?} {k}");
         }
-        let smoothed = &run.smoothed()[0];
-        for k in 0..smoothed.len() {
-            let mean = smoothed.mean(k);
-            assert!((6.5..=9.0).contains(&mean[2]) && (0.0..=0.03).contains(&mean[3]), "{kind:?} {k}: {mean:?}");
-        }
         // The same by events.
-        let record = simulate(&scenario);
-        let mut events = EventFilter::new(&scenario, 0).unwrap();
-        for k in 0..record.len() {
-            let readings = [record.measured(0)[k], record.measured(1)[k]];
-            events.take(record.time(k), record.input()[k], &readings).unwrap();
-        }
-        let last = estimates.len() - 1;
-        let far = (0..4).map(|i| (events.sample().mean[i] - estimates.mean(last)[i]).abs() / estimates.std(last, i));
-        assert!(far.fold(0.0, f64::max) < 1e-6, "{kind:?}");
+        let events = after_events(&scenario, run.record());
+        let sample = events.sample();
+        let far = distance([sample.mean, sample.cov], estimates, estimates.len() - 1);
+        assert!(far < 1e-6, "{kind:?}: {far}");
     }
 }
 
 #[test]
-fn bounds_are_written_and_read_and_impossible_ones_refused_in_words() {
+fn bounds_are_written_and_read() {
     let text = "[[filters]]\nkind = \"ekf\"\nbounds = { damping_ratio = { least = 0.0 }, natural_frequency = { least = 1.0, most = 20.0 } }";
     let scenario = Scenario::from_toml(text).unwrap();
     assert_eq!(scenario.filters[0].bounds.of(Channel::NATURAL_FREQUENCY), between(1.0, 20.0));
     assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
-    let refused = |filter: &str| Scenario::from_toml(&format!("[[filters]]\n{filter}")).unwrap_err().to_string();
-    let zeta = "bounds = { damping_ratio = { least = 0.0 } }";
-    for (filter, words) in [
-        (format!("kind = \"enkf\"\n{zeta}"), "samples its belief"),
-        (format!("kind = \"ekf\"\nlog_parameters = true\n{zeta}"), "logarithms"),
-        (format!("kind = \"kf\"\n{zeta}"), "no parameter that the filter does not know"),
-        ("kind = \"ekf\"\nbounds = { velocity = { least = 0.0 } }".to_owned(), "no parameter"),
-        ("kind = \"ekf\"\nbounds = { damping_ratio = { least = 0.2, most = 0.1 } }".to_owned(), "to a larger one"),
-        ("kind = \"ekf\"\nbounds = { damping_ratio = { least = 0.2 } }".to_owned(), "between its bounds"),
-        ("kind = \"ekf\"\nbounds = { damping_ratio = { lest = 0.2 } }".to_owned(), "`least`"),
-        ("kind = \"ekf\"\nbounds = { damping = { least = 0.2 } }".to_owned(), "damping"),
-    ] {
-        let error = refused(&filter);
-        assert!(error.contains(words), "{filter}: {error}");
-    }
     let mut with_sensor = Bounds::default();
     with_sensor.set(Quantity::DISPLACEMENT.bias(), between(f64::NEG_INFINITY, f64::INFINITY));
     assert!(with_sensor.is_empty(), "open bounds are none");
+}
+
+/// Holds an update to the formula of Schmidt with H, R and the places of what is considered.
+fn assert_schmidt(sample: &Sample<'_>, h: &Matrix, r: &Matrix, considered: [usize; 2]) {
+    let n = sample.mean.len();
+    let matrix = |of: &[f64], columns: usize| Matrix::from_column_slice(of.len() / columns, columns, of);
+    let (before, prior) = (Vector::from_column_slice(sample.prior_mean), matrix(sample.prior_cov, n));
+    let s = h * &prior * h.transpose() + r;
+    let mut gain = &prior * h.transpose() * s.try_inverse().unwrap();
+    considered.iter().for_each(|&place| gain.row_mut(place).fill(0.0));
+    let less = Matrix::identity(n, n) - &gain * h;
+    let cov = &less * &prior * less.transpose() + &gain * r * gain.transpose();
+    let mean = before + &gain * Vector::from_column_slice(sample.innovation);
+    assert!((Vector::from_column_slice(sample.mean) - mean).amax() < 1e-10);
+    assert!((matrix(sample.cov, n) - cov).amax() < 1e-10);
+    assert!((matrix(sample.gain, 2) - gain).amax() < 1e-9);
+}
+
+#[test]
+fn an_update_is_that_of_schmidt() {
+    let bias = Quantity::DISPLACEMENT.bias();
+    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+        let mut scenario = Scenario { duration: 1.0, ..one_filter(kind) };
+        let filter = &mut scenario.filters[0];
+        (filter.augment, filter.fading) = (vec![bias], 1.0);
+        filter.initial_std[bias] = 0.05;
+        filter.consider = vec![Channel::DAMPING_RATIO, bias];
+        let variances: Vec<f64> = filter.sensor_std.iter().map(|std| std * std).collect();
+        let mut h = Matrix::zeros(2, 5);
+        (h[(0, 0)], h[(0, 4)], h[(1, 1)]) = (1.0, 1.0, 1.0);
+        let r = Matrix::from_diagonal(&Vector::from(variances));
+        let mut updates = 0;
+        let assert = |sample: &Sample<'_>| {
+            if !sample.nis.is_nan() {
+                assert_schmidt(sample, &h, &r, [3, 4]);
+                updates += 1;
+            }
+        };
+        let mut sink = Each { wants_prior: true, call: assert };
+        let record = simulate(&scenario).without_truth();
+        Pass::new(&scenario, 0, &record).unwrap().follow(&record, record.len(), &mut sink);
+        assert_eq!(updates, record.len() - 1, "{kind:?}");
+    }
+}
+
+/// An input with another gain for each seed, which filters know, estimate, consider, or consider and forget.
+fn shaken(seed: u64) -> (Scenario, Record) {
+    let mut scenario = Scenario { seed, duration: 20.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];
+    scenario.filters.clear();
+    let gain = 1.0 + 0.15 * [1.1, -0.4, 0.7, -1.5, 0.2, -0.9, 1.6, -0.1, 0.5, -1.2][seed as usize % 10];
+    scenario.plant.set(Channel::INPUT_GAIN, gain);
+    let considered = vec![Channel::INPUT_GAIN];
+    for (std, consider, fading) in
+        [(0.0, vec![], 1.0), (0.15, vec![], 1.0), (0.15, considered.clone(), 1.0), (0.15, considered, 1.003)]
+    {
+        let mut filter = FilterSettings { augment: vec![Channel::INPUT_GAIN], consider, ..FilterSettings::default() };
+        (filter.sensor_std, filter.fading) = (vec![0.01], fading);
+        filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.2;
+        filter.initial_std[Channel::NATURAL_FREQUENCY] = 0.3;
+        filter.initial_std[Channel::INPUT_GAIN] = std;
+        filter.process_std[Channel::INPUT_GAIN] = 0.0;
+        scenario.filters.push(filter);
+    }
+    scenario.number_filters();
+    scenario.validate().unwrap();
+    let record = simulate(&scenario);
+    (scenario, record)
+}
+
+#[test]
+fn a_gain_that_is_considered_keeps_its_band_and_makes_the_others_honest() {
+    let mut inside = [0; 4];
+    for seed in 0..20 {
+        let (scenario, record) = shaken(seed);
+        let run = finished_on(&scenario, record);
+        for (filter, inside) in run.estimates().iter().zip(&mut inside) {
+            let truth = run.record().truth(Channel::DAMPING_RATIO).unwrap()[filter.len() - 1];
+            let (mean, std) = last(filter, Channel::DAMPING_RATIO);
+            *inside += u32::from((mean - truth).abs() < 2.0 * std);
+        }
+        for considered in &run.estimates()[2..] {
+            let place = considered.place(Channel::INPUT_GAIN).unwrap();
+            for k in 0..considered.len() {
+                assert!(considered.mean(k)[place] == 1.0 && (considered.std(k, place) - 0.15).abs() < 1e-9);
+                assert_eq!(considered.gain(k)[place], 0.0);
+            }
+            assert!(considered.considers(Channel::INPUT_GAIN));
+        }
+    }
+    let is_honest = inside[0] < 12 && inside[1..].iter().all(|inside| *inside >= 18);
+    assert!(is_honest, "{inside:?} of 20 bands of ζ have the truth");
+}
+
+#[test]
+fn every_filter_that_may_consider_a_gain_leaves_it_alone() {
+    let (mut scenario, record) = shaken(3);
+    scenario.filters.drain(..2);
+    let record = std::sync::Arc::new(record);
+    let kinds = FilterKind::ALL.into_iter().filter(|kind| !kind.is_sampled());
+    for (kind, robust) in kinds.flat_map(|kind| Robust::ALL.map(|rule| (kind, rule))) {
+        for filter in &mut scenario.filters {
+            (filter.kind, filter.robust) = (kind, robust);
+        }
+        let run = finished_on(&scenario, record.clone());
+        let mut events = EventFilter::new(&scenario, 1).unwrap();
+        for k in 0..record.len() {
+            events.take(record.time(k), record.input()[k], &readings(&record, k)).unwrap();
+        }
+        for estimates in run.estimates() {
+            assert_eq!((estimates.stop(), estimates.len()), (None, record.len()), "{kind:?} {robust:?}");
+            let (mean, std) = last(estimates, Channel::INPUT_GAIN);
+            assert!(mean == 1.0 && (std - 0.15).abs() < 1e-9, "{kind:?} {robust:?}: {mean} ± {std}");
+        }
+        // A filter that follows events does the same, and one that forgets.
+        let estimates = &run.estimates()[1];
+        let n = estimates.channels().len();
+        let sample = events.take(record.time(record.len()), f64::NAN, &[f64::NAN]).unwrap();
+        let place = estimates.place(Channel::INPUT_GAIN).unwrap();
+        assert!(sample.mean[place] == 1.0 && (sample.cov[place * (n + 1)].sqrt() - 0.15).abs() < 1e-9, "{kind:?}");
+    }
 }

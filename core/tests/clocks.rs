@@ -2,27 +2,26 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::record::{Clocks, Input, LiveRecord, Record, Timed};
+use kalmanscope_core::record::{Clocks, LiveRecord, Record, Timed};
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Robust, Run, Scenario, Source,
-    Trouble, Values,
+    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Remark, Robust, Run, Scenario,
+    Source, Trouble, Values, simulate,
 };
 
 use crate::events::{Told, on_fine_grid, own_clocks};
-use crate::run::{finished, finished_on, one_filter};
+use crate::numbers::apart;
+use crate::run::{finished_on, forced, one_filter};
 
 const DT: f64 = 0.01;
 
 pub(crate) fn scenario(kind: FilterKind, seed: u64) -> Scenario {
-    let mut scenario = Scenario { duration: 8.0, dt: DT, seed, ..one_filter(FilterKind::EKF) };
-    (scenario.filters[0].kind, scenario.filters[0].process_std) = (kind, Values::ZERO);
+    let mut scenario = Scenario { duration: 8.0, dt: DT, seed, ..one_filter(kind) };
+    scenario.filters[0].process_std = Values::ZERO;
     scenario
 }
 
 pub(crate) fn told(scenario: &Scenario, seed: u64) -> Vec<Told> {
-    let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
-    let truth = finished(&fine);
-    let mut told = own_clocks(scenario, truth.record(), seed);
+    let mut told = own_clocks(scenario, seed);
     told.sort_by(|a, b| a.time.total_cmp(&b.time));
     told
 }
@@ -48,8 +47,7 @@ pub(crate) fn record(told: &[Told], len: usize) -> Record {
     };
     let [one, other] = [0, 1].map(|sensor: usize| at_samples(&readings[sensor]));
     let columns = vec![(Quantity::DISPLACEMENT, one), (Quantity::VELOCITY, other)];
-    let held = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; len] };
-    let record = Record::new(DT, held, columns).expect("the columns are a record");
+    let record = forced(DT, Hold::Zero, vec![0.0; len], columns);
     let clocks = Clocks { input: Some(input), readings: readings.to_vec() };
     record.with_clocks(clocks).expect("the times are usable")
 }
@@ -60,19 +58,9 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Run {
     run
 }
 
-/// The largest difference of means and standard deviations, over the standard deviations, at the samples of the coarser grid.
+/// The largest distance at the samples of the coarser grid.
 fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
-    let mut worst = 0.0_f64;
-    for k in from..coarse.len() {
-        for i in 0..coarse.channels().len() {
-            let std = fine.std(100 * k, i);
-            if std > 0.0 {
-                let apart = (coarse.mean(k)[i] - fine.mean(100 * k)[i]) / std;
-                worst = worst.max(apart.abs()).max((coarse.std(k, i) / std - 1.0).abs());
-            }
-        }
-    }
-    worst
+    (from..coarse.len()).map(|k| apart((coarse, k), (fine, 100 * k))).fold(0.0, f64::max)
 }
 
 fn squares(estimates: &Estimates) -> (f64, u32) {
@@ -84,11 +72,16 @@ fn likelihood(estimates: &Estimates) -> f64 {
     (0..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|ln| !ln.is_nan()).sum()
 }
 
-fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
+/// The readings as far as the last sample, after which a smoother would know what came, and the number of samples.
+fn on_whole_steps(scenario: &Scenario, seed: u64) -> (Vec<Told>, usize) {
     let mut told = told(scenario, seed);
     let len = (told.last().expect("there are some").time / DT).floor() as usize + 1;
-    // A smoother would know what came after the last sample.
     told.retain(|one| one.time <= (len - 1) as f64 * DT + 1e-9);
+    (told, len)
+}
+
+fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
+    let (told, len) = on_whole_steps(scenario, seed);
     let (grid, fine) = on_fine_grid(scenario, &told, 100 * len);
     [run(scenario, record(&told, len)), run(&grid, fine)]
 }
@@ -118,9 +111,7 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
 fn a_live_record_has_the_times_that_its_readings_have() {
     for (seed, kind) in [(21, FilterKind::KF), (22, FilterKind::EKF), (23, FilterKind::UKF)] {
         let scenario = scenario(kind, seed);
-        let mut told = told(&scenario, seed);
-        let len = (told.last().expect("there are some").time / DT).floor() as usize + 1;
-        told.retain(|one| one.time <= (len - 1) as f64 * DT + 1e-9);
+        let (mut told, len) = on_whole_steps(&scenario, seed);
         let whole = run(&scenario, record(&told, len));
         told.sort_by(|a, b| a.came.total_cmp(&b.came));
         let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
@@ -152,13 +143,8 @@ fn a_live_record_has_the_times_that_its_readings_have() {
             assert!(found.times.iter().zip(&wanted.times).all(|(a, b)| (a - b).abs() < 1e-9));
         }
         for k in 0..done {
-            for i in 0..4 {
-                let [(one, std), (other, _)] = [&growing, &whole].map(|run| {
-                    let estimates = &run.estimates()[0];
-                    (estimates.mean(k)[i], estimates.std(k, i))
-                });
-                assert!((one - other).abs() <= 1e-6 * std, "{kind:?}, sample {k}: {one} {other}");
-            }
+            let far = apart((&growing.estimates()[0], k), (&whole.estimates()[0], k));
+            assert!(far <= 1e-6, "{kind:?}, sample {k}: {far}");
         }
     }
 }
@@ -217,31 +203,24 @@ fn times_of_the_samples_change_nothing() {
         for (nth, change) in changes.iter().enumerate() {
             let mut scenario = Scenario { hold, ..scenario(FilterKind::EKF, 9) };
             change(&mut scenario.filters[0]);
-            let simulated = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
-            let even = simulated.record().clone().without_truth().with_gaps(|sensor, k| k % 9 == sensor);
-            let all: Vec<f64> = (0..even.len()).map(|k| k as f64).collect();
+            let even = simulate(&scenario).without_truth().with_gaps(|sensor, k| k % 9 == sensor);
             let of = |values: &[f64]| {
-                let there = |k: &usize| !values[*k].is_nan();
-                let places: Vec<usize> = (0..values.len()).filter(there).collect();
-                let times = places.iter().map(|k| *k as f64).collect();
-                Timed { times, values: places.iter().map(|k| values[*k]).collect() }
+                let there = values.iter().enumerate().filter(|(_, value)| !value.is_nan());
+                let (times, values) = there.map(|(k, value)| (k as f64, *value)).unzip();
+                Timed { times, values }
             };
-            let readings = (0..2).map(|sensor| of(even.measured(sensor))).collect::<Vec<_>>();
-            for input in [None, Some(Timed { times: all.clone(), values: even.input().to_vec() })] {
+            let readings = [0, 1].map(|sensor| of(even.measured(sensor))).to_vec();
+            for input in [None, Some(of(even.input()))] {
                 let clocks = Clocks { input, readings: readings.clone() };
                 let own = run(&scenario, even.clone().with_clocks(clocks).expect("the times are usable"));
                 let expected = run(&scenario, even.clone());
                 let [own, expected] = [&own, &expected].map(|run| &run.estimates()[0]);
                 for k in 0..own.len() {
-                    for i in 0..4 {
-                        let far = (own.mean(k)[i] - expected.mean(k)[i]) / expected.std(k, i);
-                        assert!(far.abs() < 1e-7, "{hold:?}, change {nth}, at {k}: {far}");
-                    }
+                    let far = apart((own, k), (expected, k));
+                    assert!(far < 1e-7, "{hold:?}, change {nth}, at {k}: {far}");
                     let [a, b] = [own, expected].map(|estimates| estimates.nis()[k]);
-                    assert!(
-                        a.is_nan() == b.is_nan() && (a.is_nan() || (a - b).abs() < 1e-6 * b.max(1.0)),
-                        "{k}: {a} {b}"
-                    );
+                    let is_near = a.is_nan() == b.is_nan() && (a.is_nan() || (a - b).abs() < 1e-6 * b.max(1.0));
+                    assert!(is_near, "{k}: {a} {b}");
                 }
             }
         }
@@ -253,10 +232,12 @@ fn an_option_that_counts_in_samples_says_so() {
     let base = scenario(FilterKind::EKF, 2);
     let told = told(&base, 2);
     let record = record(&told, 700);
-    let jump: fn(&mut FilterSettings) = |filter| filter.jump = true;
-    let learn: fn(&mut FilterSettings) = |filter| filter.adaptation.sensor_noise = true;
-    let plain: fn(&mut FilterSettings) = |_| {};
-    for (change, expected) in [(plain, None), (jump, Some("jumps")), (learn, Some("noise that it learns"))] {
+    let changes: [(fn(&mut FilterSettings), _); 3] = [
+        (|_| {}, None),
+        (|filter| filter.jump = true, Some("jumps")),
+        (|filter| filter.adaptation.sensor_noise = true, Some("noise that it learns")),
+    ];
+    for (change, expected) in changes {
         let mut scenario = base.clone();
         change(&mut scenario.filters[0]);
         let run = run(&scenario, record.clone());
@@ -266,7 +247,7 @@ fn an_option_that_counts_in_samples_says_so() {
         });
         assert_eq!(found, expected);
         // A sensor of 7 Hz is not silent.
-        let silent = |remark: &kalmanscope_core::Remark| matches!(remark.what, Trouble::Missing(_));
+        let silent = |remark: &Remark| matches!(remark.what, Trouble::Missing(_));
         assert!(!run.estimates()[0].remarks().iter().any(silent), "{:?}", run.estimates()[0].remarks());
     }
 }
@@ -279,17 +260,14 @@ fn a_part_of_a_record_keeps_its_times() {
     let part = whole.part(200..600);
     let clocks = part.clocks().expect("it has times");
     assert!(clocks.readings[0].times.iter().all(|time| (-1.0..=399.0).contains(time)));
-    assert_eq!(clocks.readings[0].times.len(), {
-        let all = &whole.clocks().expect("it has times").readings[0].times;
-        all.iter().filter(|time| (199.0..=599.0).contains(*time) && **time > 199.0).count()
-    });
+    let all = &whole.clocks().expect("it has times").readings[0].times;
+    let within = all.iter().filter(|time| **time > 199.0 && **time <= 599.0).count();
+    assert_eq!(clocks.readings[0].times.len(), within);
     let turned = whole.with_measured(|sensor, _, value| if sensor == 0 { -value } else { f64::NAN });
     let clocks = turned.clocks().expect("it has times");
     assert_eq!(clocks.readings[1], Timed::default());
-    assert_eq!(
-        clocks.readings[0].values[5],
-        -told.iter().filter(|one| !one.readings[0].is_nan()).nth(5).expect("there are some").readings[0]
-    );
+    let sixth = told.iter().filter(|one| !one.readings[0].is_nan()).nth(5).expect("there are some");
+    assert_eq!(clocks.readings[0].values[5], -sixth.readings[0]);
 }
 
 #[test]

@@ -4,13 +4,10 @@
 use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::{CAUSES, Diagnosis, Evidence, LiveDiagnosis, TESTS, VerdictKind};
-use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario};
+use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, simulate};
 
-use crate::run::{finished, finished_on, remedies, with_input};
-use crate::situations::{Fault, Situation, largest_error, without_truth};
-
-/// The first seed that no limit was set on.
-const FIRST: u64 = 1_000_000;
+use crate::run::{built_in, diagnosis, finished_on, readings, remedies};
+use crate::situations::{FIRST, Fault, Situation, largest_error, on_two_threads, with_input, without_truth};
 
 struct Outcome {
     fault: Fault,
@@ -28,12 +25,11 @@ fn outcome(situation: &Situation, seed: u64, with_causes: bool) -> Outcome {
     let estimates = &run.estimates()[0];
     let mut causes = Vec::new();
     let verdicts = [known.clone(), without_truth(&known)].map(|record| {
-        let diagnostics = Diagnostics::new(estimates, &record);
-        let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
+        let verdict = diagnosis(estimates, &record).verdict;
         if with_causes && causes.is_empty() {
             causes.extend(remedies(&run, 0, &record).iter().map(|remedy| remedy.first.cause.key));
         }
-        diagnosis.verdict.map_or(VerdictKind::Diverged, |verdict| verdict.kind)
+        verdict.map_or(VerdictKind::Diverged, |verdict| verdict.kind)
     });
     let off = largest_error(estimates, &known);
     let name = format!("{:?} [{}], seed {seed}", situation.faults, situation.note);
@@ -41,15 +37,8 @@ fn outcome(situation: &Situation, seed: u64, with_causes: bool) -> Outcome {
 }
 
 fn outcomes(faults: &[Fault], number: u64, with_causes: bool) -> Vec<Outcome> {
-    std::thread::scope(|scope| {
-        let halves = [0, 1].map(|half| {
-            let all = faults.iter().flat_map(|&fault| (0..number).map(move |i| (fault, FIRST + i)));
-            let mine: Vec<(Fault, u64)> = all.skip(half).step_by(2).collect();
-            let one = move |(fault, seed)| outcome(&Situation::with(fault, seed), seed, with_causes);
-            scope.spawn(move || mine.into_iter().map(one).collect::<Vec<_>>())
-        });
-        halves.into_iter().flat_map(|half| half.join().unwrap()).collect()
-    })
+    let all: Vec<_> = faults.iter().flat_map(|&fault| (FIRST..FIRST + number).map(move |seed| (fault, seed))).collect();
+    on_two_threads(&all, |&(fault, seed)| outcome(&Situation::with(fault, seed), seed, with_causes))
 }
 
 #[test]
@@ -159,9 +148,8 @@ fn what_a_filter_has_recovered_from_is_said() {
         let situation = Situation::draw(seed);
         let record = situation.record().unwrap();
         let run = finished_on(&situation.told, record.clone());
-        let estimates = &run.estimates()[0];
-        let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, &record), estimates, &record, None).unwrap();
-        let recovery = diagnosis.evidence.into_iter().filter(|one| one.test.name == "recovery");
+        let evidence = diagnosis(&run.estimates()[0], &record).evidence;
+        let recovery = evidence.into_iter().filter(|one| one.test.name == "recovery");
         told.extend(recovery.map(|one| one.sentence));
     }
     assert_eq!(told.len(), 3);
@@ -173,17 +161,8 @@ const WINDOW: usize = 2000;
 /// A multiple of the length of every window of a periodogram.
 const ALIGNED: usize = 1024;
 
-const SCENARIOS: &[&str] = &[
-    include_str!("../../assets/scenarios/acceleration-only.toml"),
-    include_str!("../../assets/scenarios/chirp.toml"),
-    include_str!("../../assets/scenarios/hammer.toml"),
-    include_str!("../../assets/scenarios/free-vibration.toml"),
-    include_str!("../../assets/scenarios/no-excitation.toml"),
-    include_str!("../../assets/scenarios/r-wrong-by-ten.toml"),
-    include_str!("../../assets/scenarios/shear-building.toml"),
-    include_str!("../../assets/scenarios/staircase.toml"),
-    include_str!("../../assets/scenarios/stiffness-loss.toml"),
-];
+const SCENARIOS: &str = "acceleration-only chirp hammer free-vibration no-excitation r-wrong-by-ten shear-building \
+                         staircase stiffness-loss";
 
 fn is_line(one: &Evidence) -> bool {
     one.test.name.contains("spectrum")
@@ -249,9 +228,8 @@ fn compare(run: &mut Run, known: Option<&Arc<Record>>, forgets: bool, name: &str
 fn built_in_scenarios_have_the_diagnoses_of_one_pass() {
     for forgets in [false, true] {
         let mut compared = Compared::default();
-        for toml in SCENARIOS {
-            let mut run = Run::new(&Scenario::from_toml(toml).unwrap()).unwrap();
-            compare(&mut run, None, forgets, toml.lines().next().unwrap(), &mut compared);
+        for name in SCENARIOS.split(' ') {
+            compare(&mut Run::new(&built_in(name)).unwrap(), None, forgets, name, &mut compared);
         }
         assert!(compared.all > 350 && compared.lines <= compared.all / 30, "{} of {}", compared.lines, compared.all);
     }
@@ -275,16 +253,11 @@ fn situations_at_random_have_the_diagnoses_of_one_pass() {
 
 fn changed(change: impl Fn(usize, &mut f64, &mut [f64])) -> (Run, Arc<Record>) {
     let scenario = Scenario { duration: 60.0, ..Scenario::default() };
-    let run = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
-    let record = run.record();
-    let mut values = record.input().to_vec();
-    let mut columns: Vec<Vec<f64>> = (0..record.sensors().len()).map(|i| record.measured(i).to_vec()).collect();
-    for (k, f) in values.iter_mut().enumerate() {
-        let mut measured: Vec<f64> = columns.iter().map(|column| column[k]).collect();
-        change(k, f, &mut measured);
-        columns.iter_mut().zip(measured).for_each(|(column, value)| column[k] = value);
-    }
-    let record = Arc::new(with_input(record, values).with_measured(|sensor, k, _| columns[sensor][k]));
+    let record = simulate(&scenario);
+    let mut rows: Vec<(f64, Vec<f64>)> = (0..record.len()).map(|k| (record.input()[k], readings(&record, k))).collect();
+    rows.iter_mut().enumerate().for_each(|(k, (force, measured))| change(k, force, measured));
+    let record = with_input(&record, rows.iter().map(|row| row.0).collect());
+    let record = Arc::new(record.with_measured(|sensor, k, _| rows[k].1[sensor]));
     (Run::on_record(&scenario, Arc::clone(&record)).unwrap(), record)
 }
 
@@ -317,9 +290,8 @@ fn asking_changes_nothing() {
         let estimates = &run.estimates()[0];
         let diagnostics = Diagnostics::new(estimates, run.record());
         let from = run.len().saturating_sub(WINDOW);
-        let ask = |live: &mut LiveDiagnosis, from| {
-            live.over(from..run.len(), &diagnostics, estimates, run.record(), None).unwrap()
-        };
+        let (to, record) = (run.len(), run.record());
+        let ask = |live: &mut LiveDiagnosis, from| live.over(from..to, &diagnostics, estimates, record, None).unwrap();
         let ours = ask(&mut often, from);
         if run.done().is_multiple_of(5) {
             assert!(!assert_same(&ours, &ask(&mut seldom, from), true, &format!("{from}")));

@@ -3,10 +3,11 @@
 use kalmanscope_core::diagnostics::{Depth, ErrorSums, LAGS};
 use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Pass, PlantKind, Record, Run,
-    Scenario, Scores, Signal, Summary, Verdict, VerdictKind,
+    Scenario, Scores, Summary, Verdict, VerdictKind,
 };
 
-use crate::run::{finished, finished_on, one_filter};
+use crate::numbers::{bits, mean, rms};
+use crate::run::{finished, finished_on, one_filter, oscillator};
 
 fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Verdict> {
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict
@@ -14,15 +15,13 @@ fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) ->
 
 /// An oscillator of 6 rad/s with damping 0.05, and an EKF with another initial frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
-    let mut scenario = Scenario::default();
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = natural_frequency;
     scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = damping_ratio;
     scenario
 }
 
-fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
+fn all_bits(diagnostics: &Diagnostics) -> Vec<u64> {
     let n = diagnostics.len();
     let tally = |ErrorSums { squares, known, inside }: ErrorSums| [squares, f64::from(known), f64::from(inside)];
     let mut numbers: Vec<f64> = diagnostics.nees().to_vec();
@@ -41,7 +40,7 @@ fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
         numbers.push(whiteness.mean_square());
     }
     numbers.extend([diagnostics.log_likelihood(), diagnostics.share_in_ellipsoid().unwrap()]);
-    numbers.iter().map(|x| x.to_bits()).collect()
+    bits(&numbers)
 }
 
 #[test]
@@ -64,7 +63,7 @@ fn any_portions_give_the_same_bits() {
                 following.follow(&run.estimates()[i], run.record());
                 assert_eq!(following.len(), run.len());
             }
-            assert_eq!(bits(&following), bits(&at_once));
+            assert_eq!(all_bits(&following), all_bits(&at_once));
             assert_eq!(verdict(&following, estimates, run.record()), verdict(&at_once, estimates, whole.record()));
         }
     }
@@ -75,7 +74,7 @@ fn restarted_diagnostics_equal_new_ones() {
     let (first, second) = (finished(&Scenario::default()), finished(&guessing(9.0, 0.1)));
     let mut diagnostics = Diagnostics::new(&first.estimates()[1], first.record());
     diagnostics.restart(&second.estimates()[0], second.record());
-    assert_eq!(bits(&diagnostics), bits(&Diagnostics::new(&second.estimates()[0], second.record())));
+    assert_eq!(all_bits(&diagnostics), all_bits(&Diagnostics::new(&second.estimates()[0], second.record())));
 }
 
 #[test]
@@ -85,12 +84,11 @@ fn the_consistency_depth_gives_the_same_numbers() {
     let all = Diagnostics::new(estimates, record);
     let mut consistency = Diagnostics::empty(Depth::Consistency);
     consistency.restart(estimates, record);
-    let bits = |d: &Diagnostics| {
+    let numbers = |d: &Diagnostics| {
         let within = [d.nis_within(100..d.len()).sum, d.nees_within(100..d.len()).sum, d.log_likelihood()];
-        let error = d.error(Channel::DAMPING_RATIO).unwrap();
-        d.nees().iter().copied().chain(within).chain([error]).map(f64::to_bits).collect::<Vec<_>>()
+        bits(&[d.nees(), &within, &[d.error(Channel::DAMPING_RATIO).unwrap()]].concat())
     };
-    assert_eq!(bits(&consistency), bits(&all));
+    assert_eq!(numbers(&consistency), numbers(&all));
     assert_eq!(consistency.share_in_ellipsoid(), all.share_in_ellipsoid());
     assert!(verdict(&all, estimates, record).is_some() && verdict(&consistency, estimates, record).is_none());
     assert!(consistency.tally(Channel::DAMPING_RATIO, 0..600).is_none() && consistency.whiteness().is_empty());
@@ -99,8 +97,8 @@ fn the_consistency_depth_gives_the_same_numbers() {
 
 fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize) -> f64 {
     let truth = record.truth(estimates.channels()[place]).unwrap();
-    let errors = (from..estimates.len()).map(|k| estimates.canonical_mean(k, place) - truth[k]);
-    (errors.map(|e| e * e).sum::<f64>() / (estimates.len() - from) as f64).sqrt()
+    let errors: Vec<f64> = (from..estimates.len()).map(|k| estimates.canonical_mean(k, place) - truth[k]).collect();
+    rms(&errors)
 }
 
 #[test]
@@ -118,8 +116,7 @@ fn running_sums_equal_a_direct_computation() {
             let last_third = tally(diagnostics.last_third()).rmse() / direct_rmse(estimates, record, place, first);
             assert!((last_third - 1.0).abs() < 1e-9, "{channel:?}: {last_third}");
         }
-        let nis = &estimates.nis()[1..];
-        let mean = nis.iter().sum::<f64>() / nis.len() as f64;
+        let mean = mean(&estimates.nis()[1..]);
         assert!((diagnostics.mean_nis().unwrap().mean - mean).abs() < 1e-12);
         let likelihood: f64 = (1..n).map(|k| estimates.log_likelihood(k)).sum();
         assert!((diagnostics.log_likelihood() - likelihood).abs() < 1e-9);
@@ -249,8 +246,7 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
             let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
             assert_eq!(score.std, last);
         }
-        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
-        let diverged = diagnosis.verdict.unwrap().kind == VerdictKind::Diverged;
+        let diverged = crate::run::verdict(&run, place) == VerdictKind::Diverged;
         assert_eq!(scores.outcome().diverged, diverged, "{}", estimates.name());
     }
 }

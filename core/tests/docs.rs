@@ -16,25 +16,15 @@ fn table(page: &'static str, heading: &str) -> Vec<&'static str> {
 }
 
 #[test]
-fn every_filter_is_in_its_table() {
-    let row = |kind: FilterKind| {
+fn every_row_of_a_table_is_that_of_the_program() {
+    let filter = |kind: FilterKind| {
         format!("| `{}` | {} | {} | {} |", kind.key(), kind.name(), kind.description(), kind.reference())
     };
-    assert_eq!(table(FILTERS, "| kind | filter | what it does | reference |"), FilterKind::ALL.map(row));
-}
-
-#[test]
-fn every_rule_for_outliers_is_in_its_table() {
-    let row = |rule: Robust| {
+    let rule = |rule: Robust| {
         let info = rule.info();
         format!("| `{}` | {} | {} | {} |", info.key, info.name, info.description, info.reference)
     };
-    assert_eq!(table(FILTERS, "| robust | rule | what it does | reference |"), Robust::ALL.map(row));
-}
-
-#[test]
-fn every_fault_is_in_its_table() {
-    let row = |fault: Fault| {
+    let fault = |fault: Fault| {
         let info = fault.info();
         let unit = |scale: Scale| match scale {
             Scale::Pure => "",
@@ -46,20 +36,8 @@ fn every_fault_is_in_its_table() {
             info.numbers.iter().map(|number| format!("`{}`{}", number.key, unit(number.scale))).collect();
         format!("| `{}` | {} | {} | {} |", info.key, info.name, info.description, numbers.join(", "))
     };
-    let rows = Fault::ALL.map(row);
-    assert_eq!(table(FORMAT, "| fault | name | what it does | numbers |"), rows, "{}", rows.join("\n"));
-}
-
-#[test]
-fn every_cause_is_in_its_table() {
-    let row = |(place, cause): (usize, &&Cause)| format!("| {place} | `{}` | {} |", cause.key, cause.name);
-    let rows: Vec<String> = CAUSES.iter().enumerate().map(row).collect();
-    assert_eq!(table(VERDICTS, "| place | cause | name |"), rows, "{}", rows.join("\n"));
-}
-
-#[test]
-fn every_score_is_in_its_table() {
-    let row = |kind: MeasureKind| {
+    let cause = |(place, cause): (usize, &&Cause)| format!("| {place} | `{}` | {} |", cause.key, cause.name);
+    let score = |kind: MeasureKind| {
         let of = match (kind.needs_channel(), kind.needs_sensor()) {
             (true, _) => ".CHANNEL",
             (_, true) => ".SENSOR",
@@ -72,17 +50,20 @@ fn every_score_is_in_its_table() {
         let needs: Vec<&str> = marks.iter().filter(|(is, _)| *is).map(|(_, mark)| *mark).collect();
         format!("| `{kind}{of}` | {} | {} |", info.name.replace('@', "…"), needs.join(", "))
     };
-    let rows: Vec<String> = MeasureKind::all().map(row).collect();
-    assert_eq!(table(LABORATORY, "| score | what it is | needs |"), rows, "{}", rows.join("\n"));
-}
-
-#[test]
-fn every_law_is_in_its_table() {
-    let row = |law: Law| {
+    let law = |law: Law| {
         let LawInfo { key, name, numbers } = law.info();
         format!("| `{key}` | {name} | {} |", numbers.join(", "))
     };
-    assert_eq!(table(FORMAT, "| law | name | its two numbers |"), Law::about(6.0, 0.2).map(row));
+    for (page, heading, rows) in [
+        (FILTERS, "| kind | filter | what it does | reference |", FilterKind::ALL.map(filter).to_vec()),
+        (FILTERS, "| robust | rule | what it does | reference |", Robust::ALL.map(rule).to_vec()),
+        (FORMAT, "| fault | name | what it does | numbers |", Fault::ALL.map(fault).to_vec()),
+        (VERDICTS, "| place | cause | name |", CAUSES.iter().enumerate().map(cause).collect()),
+        (LABORATORY, "| score | what it is | needs |", MeasureKind::all().map(score).collect()),
+        (FORMAT, "| law | name | its two numbers |", Law::about(6.0, 0.2).map(law).to_vec()),
+    ] {
+        assert_eq!(table(page, heading), rows, "{}", rows.join("\n"));
+    }
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Equations that a user types are plants like any other.
 
-use kalmanscope_core::document;
 use kalmanscope_core::equation::EquationSettings;
-use kalmanscope_core::{Channel, FilterKind, PlantKind, Scenario};
+use kalmanscope_core::{Channel, PlantKind, Scenario, document};
 
+use crate::numbers::{ADAPTIVE, Random};
 use crate::run::finished;
 
 fn plant(text: &str) -> PlantKind {
@@ -11,10 +11,8 @@ fn plant(text: &str) -> PlantKind {
 }
 
 fn refused(text: &str) -> String {
-    PlantKind::of_equation(&EquationSettings::new(text))
-        .map(|kind| format!("{kind:?} is a plant"))
-        .unwrap_err()
-        .to_string()
+    let found = PlantKind::of_equation(&EquationSettings::new(text));
+    found.expect_err("it is refused").to_string()
 }
 
 /// Built-in plants, typed; with the names of their parameters in the order of the built-in state.
@@ -50,11 +48,8 @@ fn rates_and_derivatives_of_built_in_plants_are_the_same_when_typed() {
         let places: Vec<usize> = (0..masses)
             .chain(names.iter().map(|name| typed.channels().iter().position(|channel| channel.key() == *name).unwrap()))
             .collect();
-        let mut seed = 7_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 33) as f64 / f64::from(1_u32 << 31) * 4.0 - 2.0
-        };
+        let mut numbers = Random::new(7);
+        let mut random = || 4.0 * numbers.uniform() - 2.0;
         for _ in 0..200 {
             let state: Vec<f64> = (0..n).map(|_| random()).collect();
             let mut own = vec![0.0; n];
@@ -93,10 +88,9 @@ fn filters_of_a_typed_plant_are_those_of_the_built_in_one() {
     let built_in = duffing("kind = \"duffing\"", "cubic_stiffness");
     let typed = duffing("equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"", "mu");
     assert_eq!(typed.filters[0].initial_mean[Channel::from_key("mu").unwrap()], 100.0);
-    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::IEKF, FilterKind::SR_UKF] {
+    for kind in ADAPTIVE {
         let of = |scenario: &Scenario| {
             let mut scenario = scenario.clone();
-            scenario.filters.truncate(1);
             scenario.filters[0].kind = kind;
             let run = finished(&scenario);
             let estimates = run.estimates()[0].clone();
@@ -197,11 +191,8 @@ fn derivatives_of_all_functions_are_their_differences() {
                 rate(&moved)
             };
             let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
-            assert!(
-                (jacobian[3 + j] - difference).abs() < 1e-7 * (1.0 + difference.abs()),
-                "{j}: {} {difference}",
-                jacobian[3 + j]
-            );
+            let found = jacobian[3 + j];
+            assert!((found - difference).abs() < 1e-7 * (1.0 + difference.abs()), "{j}: {found} {difference}");
         }
     }
     assert_eq!(&plant("x'' + x = f").own_equation().unwrap().operations(), &[1, 2]);
@@ -212,11 +203,8 @@ fn no_text_is_too_much() {
     let pieces = "x|x''|x'|x1''|z'|z|ζ|ωₙ|f|(|)|+|-|*|/|^|²|=|;|2|0|1e308|.5|sin|abs(|log(| |\
                   ẍ|𝛼|'|\"|_|π|e|x2''|c1|¹⁰⁰⁰|\u{308}";
     let pieces: Vec<&str> = pieces.split('|').collect();
-    let mut seed = 99_u64;
-    let mut random = |below: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as usize % below
-    };
+    let mut numbers = Random::new(99);
+    let mut random = |below: usize| (numbers.uniform() * below as f64) as usize;
     let mut plants = 0;
     for _ in 0..20_000 {
         let mut text: String = (0..random(14)).map(|_| pieces[random(pieces.len())]).collect();
@@ -248,19 +236,13 @@ fn a_file_that_does_not_name_its_parameters_is_told_what_they_are_taken_for() {
     let remarks = |text: &str| Scenario::from_toml_with_remarks(text).unwrap().1;
     let alone =
         "filters = [{ kind = \"ekf\", initial_mean = { k = 30.0 } }]\n[plant]\nequation = \"x'' + c x' + k x = f\"\n";
-    assert_eq!(
-        remarks(alone),
-        [
-            "of the equation, c (guess 1) and k (guess 30) are taken for parameters: `parameters` can say name, unit, guess and range"
-        ]
-    );
+    let said = "of the equation, c (guess 1) and k (guess 30) are taken for parameters: `parameters` can say name, unit, guess and range";
+    assert_eq!(remarks(alone), [said]);
     let one = format!("{alone}c = 0.2\n");
     assert!(remarks(&one)[0].starts_with("of the equation, k (guess 30) is taken for a parameter:"));
     assert!(remarks(&format!("{one}parameters = {{ k = {{}} }}\n")).is_empty());
-    assert!(
-        remarks("[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x = f\"\n").is_empty(),
-        "they are those of all plants"
-    );
+    let usual = remarks("[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x = f\"\n");
+    assert!(usual.is_empty(), "they are those of all plants");
     // What is written names all of them.
     let again = Scenario::from_toml(alone).unwrap().to_toml().unwrap();
     assert!(remarks(&again).is_empty(), "{again}");

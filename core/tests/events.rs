@@ -1,13 +1,12 @@
 //! Filters of sensors with clocks of their own.
 
-use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::{
-    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, InputKind, PlantKind, Quantity, Robust, Run,
-    Scenario, Sensor,
+    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, PlantKind, Quantity, Record, Robust, Run,
+    Sample, Scenario, Sensor, Values, simulate, smoothed,
 };
 
-use crate::random::Random;
-use crate::run::{finished, finished_on, one_filter};
+use crate::numbers::{DETERMINISTIC, Random, distance};
+use crate::run::{after_events, finished, finished_on, forced, one_filter, readings};
 
 const NONE: f64 = f64::NAN;
 
@@ -15,27 +14,16 @@ fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     Scenario { duration: 10.0, hold, ..one_filter(kind) }
 }
 
-/// The largest difference of means and standard deviations from a run's last sample, over the standard deviations.
-fn distance(mean: &[f64], cov: &[f64], run: &Run) -> f64 {
-    let (estimates, n) = (&run.estimates()[0], mean.len());
-    let last = estimates.len() - 1;
-    let each = (0..n).map(|i| {
-        let std = estimates.std(last, i);
-        if std == 0.0 {
-            return if cov[i * n + i] == 0.0 && mean[i] == estimates.mean(last)[i] { 0.0 } else { f64::INFINITY };
-        }
-        let [a, b] = [(mean[i] - estimates.mean(last)[i]) / std, cov[i * n + i].sqrt() / std - 1.0];
-        a.abs().max(b.abs())
-    });
-    each.fold(0.0, f64::max)
+/// The distance from a run's last sample.
+fn far(sample: &Sample<'_>, run: &Run) -> f64 {
+    let estimates = &run.estimates()[0];
+    distance([sample.mean, sample.cov], estimates, estimates.len() - 1)
 }
 
 #[test]
 fn one_common_clock_gives_the_estimates_of_a_run() {
     for hold in [Hold::Zero, Hold::First] {
-        for kind in
-            [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF]
-        {
+        for kind in DETERMINISTIC {
             for (plant, fading, substeps, delay) in [
                 (PlantKind::SDOF, 1.003, 1, 0),
                 (PlantKind::DUFFING, 1.0, 3, 0),
@@ -48,14 +36,7 @@ fn one_common_clock_gives_the_estimates_of_a_run() {
                 (filter.fading, filter.substeps, filter.input_delay) = (fading, substeps, delay);
                 filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
                 let run = finished(&scenario);
-                let record = run.record();
-                let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
-                let mut found = 0.0;
-                for k in 0..record.len() {
-                    let readings = [record.measured(0)[k], record.measured(1)[k]];
-                    let sample = events.take(record.time(k), record.input()[k], &readings).expect("it is taken in");
-                    found = if k + 1 == record.len() { distance(sample.mean, sample.cov, &run) } else { found };
-                }
+                let found = far(&after_events(&scenario, run.record()).sample(), &run);
                 assert!(found < 1e-8, "{kind:?} {plant:?} {hold:?}: {found}");
             }
         }
@@ -72,7 +53,8 @@ pub(crate) struct Told {
 
 /// Sensors with clocks of their own, of a Kalman filter with known parameters: 100 Hz with a jitter of half a step, 7 Hz, and an input
 /// at 20 Hz. Times are multiples of a hundredth of dt. A fifth comes late by up to half a second.
-pub(crate) fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<Told> {
+pub(crate) fn own_clocks(scenario: &Scenario, seed: u64) -> Vec<Told> {
+    let fine = simulate(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
     let mut random = Random::new(seed);
     let tick = scenario.dt / 100.0;
     let mut told = vec![Told { time: 0.0, came: 0.0, input: fine.input()[0], readings: [NONE; 2] }];
@@ -117,8 +99,7 @@ pub(crate) fn on_fine_grid(scenario: &Scenario, told: &[Told], len: usize) -> (S
         *value = held;
     });
     let columns = [Quantity::DISPLACEMENT, Quantity::VELOCITY].into_iter().zip(measured).collect();
-    let input = Input { values: input, kind: InputKind::Force, hold: Hold::Zero };
-    (fine, Record::new(tick, input, columns).expect("the columns are a record"))
+    (fine, forced(tick, Hold::Zero, input, columns))
 }
 
 #[test]
@@ -126,11 +107,9 @@ fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
     for seed in 1..=3 {
         let mut scenario = scenario(FilterKind::KF, Hold::Zero);
         scenario.filters[0].fading = 1.002;
-        scenario.filters[0].process_std = kalmanscope_core::Values::ZERO;
+        scenario.filters[0].process_std = Values::ZERO;
         scenario.duration = 8.0;
-        let fine = Scenario { dt: 1e-4, seed, filters: Vec::new(), ..scenario.clone() };
-        let truth = finished(&fine);
-        let told = own_clocks(&scenario, truth.record(), seed);
+        let told = own_clocks(&Scenario { seed, ..scenario.clone() }, seed);
         let len = told.iter().map(|one| (one.time / 1e-4).round() as usize).max().unwrap_or(0) + 1;
         let (grid, record) = on_fine_grid(&scenario, &told, len);
         let expected = finished_on(&grid, record);
@@ -138,8 +117,7 @@ fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
         let mut again = 0;
         let mut found = f64::NAN;
         for one in &told {
-            let sample = events.take(one.time, one.input, &one.readings).expect("it is taken in");
-            found = distance(sample.mean, sample.cov, &expected);
+            found = far(&events.take(one.time, one.input, &one.readings).expect("it is taken in"), &expected);
             again += events.again();
         }
         assert!(again > 500, "few came late: {again}");
@@ -160,21 +138,17 @@ fn hindsight_is_the_smoother_with_a_look_ahead() {
             let run = finished(&scenario);
             let record = run.record();
             let record = record.clone().with_gaps(|sensor, k| k > 0 && (k % 7 == sensor || (300..340).contains(&k)));
-            let expected = kalmanscope_core::smoothed(&scenario, 0, &record).expect("it has a smoother");
+            let expected = smoothed(&scenario, 0, &record).expect("it has a smoother");
             let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
             assert!(events.looks_back());
             let mut compared = 0;
             for k in 0..record.len() {
-                let readings = [record.measured(0)[k], record.measured(1)[k]];
-                events.take(record.time(k), record.input()[k], &readings).expect("it is taken in");
+                events.take(record.time(k), record.input()[k], &readings(&record, k)).expect("it is taken in");
                 let Some((time, sample)) = events.hindsight() else { continue };
                 let then = k - 25;
                 assert!((time - record.time(then)).abs() < 1e-9, "{time} at {k}");
-                for i in 0..4 {
-                    let (mean, std) = (expected.mean(then)[i], expected.std(then, i));
-                    let far = ((sample.mean[i] - mean) / std).abs().max((sample.cov[5 * i].sqrt() / std - 1.0).abs());
-                    assert!(far < 1e-6, "{kind:?} {hold:?} at {k}: {far}");
-                }
+                let far = distance([sample.mean, sample.cov], &expected, then);
+                assert!(far < 1e-6, "{kind:?} {hold:?} at {k}: {far}");
                 compared += 1;
             }
             assert_eq!(compared, record.len() - 25);
@@ -187,8 +161,7 @@ fn hindsight_does_not_depend_on_the_order() {
     let base = Scenario::from_toml(CHIRP).expect("it can be read");
     let mut scenario = Scenario { force: base.force, duration: 6.0, ..scenario(FilterKind::EKF, Hold::Zero) };
     (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.4);
-    let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
-    let told = own_clocks(&scenario, finished(&fine).record(), 5);
+    let told = own_clocks(&scenario, 5);
     let mut ordered = told.clone();
     ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
     let [late, in_order] = [told, ordered].map(|told| {
@@ -223,8 +196,7 @@ fn late_readings_end_where_the_same_readings_in_order_do() {
             let mut scenario = scenario(kind, hold);
             scenario.filters[0].robust = robust;
             scenario.force = Scenario::from_toml(CHIRP).expect("the scenario is valid").force;
-            let fine = finished(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
-            let told = own_clocks(&scenario, fine.record(), 5);
+            let told = own_clocks(&scenario, 5);
             let mut ordered = told.clone();
             ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
             let end = |told: &[Told]| {

@@ -1,7 +1,9 @@
 //! Each family of sensor faults follows its law, and changes nothing else.
 
 use kalmanscope_core::scenario::{Fault, Faults};
-use kalmanscope_core::{Channel, Quantity, Record, Scenario, Sensor, Signal, simulate};
+use kalmanscope_core::{Channel, Quantity, Record, Scenario, Sensor, simulate};
+
+use crate::numbers::{bits, mean, rms};
 
 fn at_rest(fault: &str) -> Scenario {
     let text = format!(
@@ -19,13 +21,8 @@ fn both(fault: &str) -> [Vec<f64>; 2] {
     [readings(&at_rest(fault)), readings(&at_rest(""))]
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-    sum / count
-}
-
 fn share(values: &[f64], is: impl Fn(f64) -> bool) -> f64 {
-    mean(values.iter().map(|x| f64::from(u8::from(is(*x)))))
+    values.iter().filter(|x| is(**x)).count() as f64 / values.len() as f64
 }
 
 #[track_caller]
@@ -40,8 +37,7 @@ fn a_fault_of_one_sensor_leaves_the_truth_and_the_other_sensor_alone() {
         let mut faulty = clean.clone();
         faulty.sensors[0].faults.add(fault, Quantity::DISPLACEMENT);
         let records = [&clean, &faulty].map(simulate);
-        let column =
-            |record: &Record, sensor: usize| record.measured(sensor).iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let column = |record: &Record, sensor: usize| bits(record.measured(sensor));
         assert_eq!(column(&records[0], 1), column(&records[1], 1), "{fault:?}");
         assert_eq!(records[0].truth(Channel::VELOCITY), records[1].truth(Channel::VELOCITY));
         let differ = column(&records[0], 0) != column(&records[1], 0);
@@ -61,7 +57,7 @@ fn student_s_noise_has_its_tails() {
 #[test]
 fn coloured_noise_has_its_size_and_its_correlation() {
     let [coloured, _] = both("coloured = { time = 0.05 }");
-    let at = |lag: usize| mean(coloured.windows(lag + 1).map(|x| x[0] * x[lag])) / 4e-4;
+    let at = |lag: usize| mean(&coloured.windows(lag + 1).map(|x| x[0] * x[lag]).collect::<Vec<_>>()) / 4e-4;
     for lag in [0, 1, 5, 10] {
         assert_near(at(lag), (-0.01 * lag as f64 / 0.05).exp(), 0.03);
     }
@@ -80,7 +76,7 @@ fn jitter_is_an_error_of_the_time() {
     let moving = |fault: &str| {
         let mut scenario = at_rest(fault);
         (scenario.duration, scenario.plant.initial.displacement, scenario.sensors[0].noise_std) = (100.0, 1.0, 0.0);
-        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.001));
+        scenario.plant.set(Channel::DAMPING_RATIO, 0.001);
         readings(&scenario)
     };
     let (clean, jittered) = (moving(""), moving("jitter = { spread = 0.5 }"));
@@ -90,8 +86,8 @@ fn jitter_is_an_error_of_the_time() {
     };
     let shifts: Vec<f64> = (2..clean.len() - 1).filter_map(shift).collect();
     assert!(shifts.len() > 1000, "{}", shifts.len());
-    assert_near(mean(shifts.iter().copied()), 0.0, 0.02);
-    assert_near(mean(shifts.iter().map(|x| x * x)), 0.25 / 3.0, 0.005);
+    assert_near(mean(&shifts), 0.0, 0.02);
+    assert_near(rms(&shifts).powi(2), 0.25 / 3.0, 0.005);
     assert!(shifts.iter().all(|x| x.abs() < 0.51));
 }
 
@@ -121,7 +117,7 @@ fn outliers_have_their_share_and_their_size() {
     let errors: Vec<f64> = outliers.iter().zip(&clean).map(|(a, b)| (a - b) / 0.02).filter(|e| *e != 0.0).collect();
     assert_near(errors.len() as f64 / clean.len() as f64, 0.1, 0.003);
     assert!(errors.iter().all(|e| (10.0 - 1e-9..30.0 + 1e-9).contains(&e.abs())));
-    assert_near(mean(errors.iter().map(|e| e.abs())), 20.0, 0.2);
+    assert_near(mean(&errors.iter().map(|e| e.abs()).collect::<Vec<_>>()), 20.0, 0.2);
     assert_near(share(&errors, |e| e > 0.0), 0.5, 0.02);
     // More of them include these.
     let more = readings(&at_rest("outliers = { share = 0.2, from = 10.0, to = 30.0 }"));
@@ -153,7 +149,7 @@ fn spells_have_their_share_and_their_length() {
 }
 
 #[test]
-fn faults_are_read_written_and_refused_in_words() {
+fn faults_are_read_and_written() {
     let mut faults = Faults::NONE;
     Fault::ALL.into_iter().for_each(|fault| faults.add(fault, Quantity::ACCELERATION));
     let mut scenario = Scenario::default();
@@ -163,18 +159,6 @@ fn faults_are_read_written_and_refused_in_words() {
     assert_eq!(again.sensors, scenario.sensors);
     let text = Scenario::default().to_toml().expect("it can be written");
     assert!(!text.contains("faults"), "what is not there is not written");
-    for (fault, words) in [
-        ("spikes = { share = 1 }", "unknown field `spikes`, expected one of `scaled`"),
-        ("outliers = { share = 0.1 }", "missing field `from`"),
-        ("bias = { offset = 1.0, drift = 2.0 }", "unknown field `drift`, expected `offset`"),
-        ("dropouts = { share = 1.5, length = 0.1 }", "sensors[0].faults.dropouts.share"),
-        ("coloured = { time = 0.0 }", "sensors[0].faults.coloured.time"),
-        ("bias = { offset = nan }", "`sensors[0].faults.bias.offset`: must be a finite number"),
-    ] {
-        let text = format!("[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.1\nfaults = {{ {fault} }}\n");
-        let error = Scenario::from_toml(&text).expect_err(fault).to_string();
-        assert!(error.contains(words), "{error}");
-    }
 }
 
 #[test]

@@ -7,20 +7,20 @@ use std::fmt::Write as _;
 use kalmanscope_core::import::{Builder, Decimal, Delimiter, Encoding, Imported, Mapping, Table, join, read};
 use kalmanscope_core::record::{Record, Timed};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Channel, FilterKind, Force, Hold, InputKind, Quantity, Scenario, Sensor, simulate};
+use kalmanscope_core::{Channel, FilterKind, Force, Hold, InputKind, Quantity, Run, Scenario, Sensor, simulate};
 
 use crate::clocks::{record, run, scenario, told};
-use crate::random::Random;
-use crate::run::{finished_on, identified, last};
+use crate::numbers::{Random, rms};
+use crate::run::{identified, imported, last, oscillator};
 
 /// A slow chirp and a displacement at these milliseconds: a line between two values is nearly the force.
 fn text(seed: u64, wanted: &[usize]) -> String {
     let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 4.0, sweep: 30.0 };
-    let mut scenario = Scenario { dt: 1e-3, duration: 60.0, hold: Hold::First, force, seed, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
-    scenario.plant.set(Channel::DAMPING_RATIO, 0.05);
+    let plant = oscillator(6.0, 0.05);
+    let mut scenario =
+        Scenario { dt: 1e-3, duration: 60.0, hold: Hold::First, force, seed, plant, ..Scenario::default() };
     scenario.sensors.truncate(1);
-    let record = kalmanscope_core::simulate(&scenario);
+    let record = simulate(&scenario);
     let row = |k: &usize| format!("{:.3},{},{}\n", *k as f64 * 1e-3, record.input()[*k], record.measured(0)[*k]);
     "t [s],force,displacement\n".to_owned() + &wanted.iter().map(row).collect::<String>()
 }
@@ -32,13 +32,14 @@ fn import(text: &str, even: bool) -> Imported {
     Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record")
 }
 
+/// The errors of ωₙ and ζ at the end, in standard deviations.
+fn ends(run: &Run, truth: [f64; 2]) -> [f64; 2] {
+    let ends = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| last(&run.estimates()[0], channel));
+    [0, 1].map(|i| (ends[i].0 - truth[i]) / ends[i].1)
+}
+
 fn errors(record: &Record) -> [f64; 2] {
-    let scenario = suggest(&scenario_for(record), record).scenario;
-    let run = run(&scenario, record.clone());
-    [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)].map(|(channel, truth)| {
-        let (mean, std) = last(&run.estimates()[0], channel);
-        (mean - truth) / std
-    })
+    ends(&run(&suggest(&scenario_for(record), record).scenario, record.clone()), [6.0, 0.05])
 }
 
 #[test]
@@ -89,8 +90,7 @@ fn a_file_of_a_record_keeps_its_times() {
     let mut file = Vec::new();
     record.write_csv(&mut file).expect("it is written");
     let table = read(file, None).expect("it is a table");
-    let (mapping, kind) = Mapping::guess(&table);
-    let again = Builder::new(&table, &mapping, kind, Hold::Zero).and_then(Builder::finish).expect("a record").record;
+    let (Imported { record: again, .. }, mapping) = imported(&table, Hold::Zero);
     let seconds = |record: &Record, timed: &Timed| -> Vec<f64> {
         timed.times.iter().map(|step| record.time(0) + step * record.dt()).collect()
     };
@@ -108,34 +108,26 @@ fn a_file_of_a_record_keeps_its_times() {
     // At steps that are asked for, the filters know the same at the end.
     let mut at_steps = mapping.clone();
     at_steps.time.dt = Some(0.25);
-    let coarse = Builder::new(&table, &at_steps, kind, Hold::Zero).and_then(Builder::finish).expect("a record").record;
+    let coarse = Builder::new(&table, &at_steps, InputKind::Force, Hold::Zero)
+        .and_then(Builder::finish)
+        .expect("a record")
+        .record;
     assert!((coarse.dt(), coarse.time(0)) == (0.25, again.time(0)) || coarse.time(0) < again.time(0));
     let count = |record: &Record| record.clocks().map(|clocks| clocks.readings[0].times.len());
     assert!(count(&coarse) > Some(600) && coarse.len() < 40, "{:?} in {}", count(&coarse), coarse.len());
     at_steps.time.dt = Some(1e-12);
-    let refused = Builder::new(&table, &at_steps, kind, Hold::Zero).err().expect("it is too long").to_string();
+    let refused =
+        Builder::new(&table, &at_steps, InputKind::Force, Hold::Zero).err().expect("it is too long").to_string();
     assert!(refused.contains("samples"), "{refused}");
 }
 
-/// Linear between samples, and slow: what changes within a step of a file cannot be in it.
-const SLOW: Force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
-
-fn truth(frequency: f64, damping: f64, seed: u64, force: Force, sensors: &[Quantity]) -> Record {
-    let mut scenario = Scenario { seed, dt: 0.002, duration: 60.0, hold: Hold::First, force, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, frequency);
-    scenario.plant.set(Channel::DAMPING_RATIO, damping);
-    scenario.sensors.clear();
-    for &quantity in sensors {
-        let std = if quantity == Quantity::ACCELERATION { 0.05 } else { 0.002 };
-        scenario.add_sensor(Sensor::new(quantity, std));
-    }
+fn truth(seed: u64) -> Record {
+    let mut scenario = Scenario { seed, dt: 0.002, duration: 60.0, hold: Hold::First, ..Scenario::default() };
+    // Linear between samples, and slow: what changes within a step of a file cannot be in it.
+    scenario.force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
+    scenario.plant = oscillator(6.0, 0.05);
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.002)];
     simulate(&scenario)
-}
-
-fn noise(k: usize) -> f64 {
-    let mut x = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
 }
 
 /// One of `every` samples of a record from a time on, with jitter of that share of a step, and a clock that is ahead.
@@ -149,7 +141,7 @@ fn file(
     let dt = record.dt();
     let mut k = (from / dt) as usize;
     while k < values.len() && k as f64 * dt <= to {
-        let moved = (k as f64 + jitter * every as f64 * noise(k)).max(0.0) as usize;
+        let moved = (k as f64 + jitter * every as f64 * (Random::new(k as u64).uniform() - 0.5)).max(0.0) as usize;
         let at = moved.min(values.len() - 1);
         writeln!(text, "{:.6},{}", at as f64 * dt + ahead, values[at]).expect("a text takes it");
         k += every;
@@ -160,7 +152,7 @@ fn file(
 #[test]
 fn both_files_are_one_record_that_identifies_the_oscillator() {
     for (every, jitter) in [([2, 7], 0.0), ([5, 3], 0.4), ([4, 25], 0.6)] {
-        let record = truth(6.0, 0.05, 21, SLOW, &[Quantity::DISPLACEMENT]);
+        let record = truth(21);
         let input = file(&record, record.input(), "force", (every[0], 0.0, 60.0, 0.0, 0.0));
         let sensor = file(&record, record.measured(0), "x [m]", (every[1], 4.0, 50.0, jitter, 100.0));
         let both = join(&input, &sensor, -100.0).expect("they overlap");
@@ -178,7 +170,7 @@ fn both_files_are_one_record_that_identifies_the_oscillator() {
 
 #[test]
 fn files_without_common_time_say_so() {
-    let record = truth(6.0, 0.05, 2, SLOW, &[Quantity::DISPLACEMENT]);
+    let record = truth(2);
     let input = file(&record, record.input(), "force", (2, 0.0, 10.0, 0.0, 0.0));
     let sensor = file(&record, record.measured(0), "x [m]", (2, 20.0, 30.0, 0.0, 0.0));
     let apart = join(&input, &sensor, 0.0).expect_err("they do not overlap").to_string();
@@ -203,10 +195,8 @@ fn files_of_a_german_libreoffice_are_read_without_a_choice() {
         let table = read(bytes, None).unwrap();
         let dialect = table.dialect;
         assert_eq!((dialect.encoding, dialect.delimiter, dialect.decimal), (encoding, delimiter, Decimal::Comma));
-        let (mapping, kind) = Mapping::guess(&table);
-        assert_eq!(kind, InputKind::Force);
-        let Imported { record, remarks, .. } =
-            Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap();
+        let (Imported { record, remarks, .. }, _) = imported(&table, Hold::First);
+        assert_eq!(record.input_kind(), InputKind::Force);
         assert_eq!(remarks, Vec::<String>::new());
         assert_eq!((record.len(), record.dt()), (121, 0.05));
         assert_eq!((record.input()[1], record.input()[120]), (0.005, 0.0));
@@ -224,7 +214,7 @@ const NOISE: f64 = 0.01;
 
 fn simulated(hold: Hold, per_swing: f64, samples: usize, seed: u64) -> String {
     let dt = TAU / FREQUENCY / per_swing;
-    let (seed, duration) = (seed, dt * (samples - 1) as f64);
+    let duration = dt * (samples - 1) as f64;
     let text = format!(
         "seed = {seed}\ndt = {dt}\nduration = {duration}\n[plant]\nkind = \"sdof\"\nnatural_frequency = {FREQUENCY}\n\
          damping_ratio = {DAMPING}\n[force]\nwhite_noise = {{ std = 1.0 }}\n[[sensors]]\nmeasures = \"displacement\"\n\
@@ -272,7 +262,7 @@ fn tones(per_swing: f64, samples: usize, seed: u64) -> String {
 
 fn table(dt: f64, input: &[f64], displacement: &[f64], seed: u64) -> String {
     let mut random = Random::new(seed + 1000);
-    let size = (displacement.iter().map(|x| x * x).sum::<f64>() / displacement.len() as f64).sqrt();
+    let size = rms(displacement);
     let mut text = "t [s],force,x\n".to_owned();
     for (k, (u, x)) in input.iter().zip(displacement).enumerate() {
         writeln!(text, "{},{u},{}", dt * k as f64, x + NOISE * size * random.normal()).unwrap();
@@ -281,24 +271,12 @@ fn table(dt: f64, input: &[f64], displacement: &[f64], seed: u64) -> String {
 }
 
 /// The start values that an import makes from a file, and the errors of ωₙ and ζ in standard deviations.
-fn imported(text: &str) -> (Suggestion, [f64; 2]) {
-    let table = read(text.as_bytes(), None).unwrap();
-    let (mapping, kind) = Mapping::guess(&table);
-    let build = |mapping: &Mapping, hold| Builder::new(&table, mapping, kind, hold).unwrap().finish().unwrap().record;
-    let record = build(&mapping, Hold::First);
-    let mut scenario = scenario_for(&record);
-    scenario.filters.truncate(1);
-    scenario.record = Some(mapping);
-    let suggestion = suggest(&scenario, &record);
-    let scenario = &suggestion.scenario;
-    let record = build(scenario.record.as_ref().unwrap(), scenario.hold);
-    assert!((record.dt() - scenario.dt).abs() < 1e-12, "{} {}", record.dt(), scenario.dt);
-    let run = finished_on(scenario, record);
-    let of = |(channel, truth): (Channel, f64)| {
-        let (mean, std) = last(&run.estimates()[0], channel);
-        (mean - truth) / std
-    };
-    let errors = [(Channel::NATURAL_FREQUENCY, FREQUENCY), (Channel::DAMPING_RATIO, DAMPING)].map(of);
+fn suggested(text: &str) -> (Suggestion, [f64; 2]) {
+    let one_filter = |scenario: &mut Scenario| scenario.filters.truncate(1);
+    let (suggestion, run) = crate::run::suggested(&read(text.as_bytes(), None).unwrap(), |_| {}, one_filter);
+    let (dt, expected) = (run.record().dt(), suggestion.scenario.dt);
+    assert!((dt - expected).abs() < 1e-12, "{dt} {expected}");
+    let errors = ends(&run, [FREQUENCY, DAMPING]);
     (suggestion, errors)
 }
 
@@ -306,7 +284,7 @@ fn imported(text: &str) -> (Suggestion, [f64; 2]) {
 fn found(course: (Hold, usize), seeds: std::ops::Range<u64>, file: impl Fn(u64) -> String) -> [usize; 3] {
     let mut counts = [0; 3];
     for seed in seeds {
-        let (suggestion, errors) = imported(&file(seed));
+        let (suggestion, errors) = suggested(&file(seed));
         let Suggestion { scenario, reasons, .. } = &suggestion;
         let is_found = (scenario.hold, scenario.record.as_ref().unwrap().interpolate) == course;
         assert_eq!(reasons.iter().filter(|reason| reason.contains("between samples")).count(), 1, "{reasons:?}");
@@ -334,7 +312,7 @@ fn an_import_finds_the_course_of_an_input_between_samples() {
 /// A force that hardly changes from sample to sample is the same in all three: nothing is changed, and that is said.
 #[test]
 fn a_course_that_the_readings_do_not_tell_stays_linear() {
-    let (suggestion, _) = imported(&simulated_slowly(400.0, 2000, 3));
+    let (suggestion, _) = suggested(&simulated_slowly(400.0, 2000, 3));
     let Suggestion { scenario, reasons, .. } = &suggestion;
     assert_eq!((scenario.hold, scenario.record.as_ref().unwrap().interpolate), (Hold::First, 1));
     assert!(reasons.iter().any(|reason| reason.contains("is taken for linear between samples")), "{reasons:?}");

@@ -3,20 +3,17 @@
 use kalmanscope_core::diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
-use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
+use kalmanscope_core::diagnosis::{Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Task as _, simulate};
+use kalmanscope_core::{Channel, Diagnostics, Run, Scenario, Task as _, simulate};
 
-use crate::run::{finished, finished_on};
+use crate::numbers::rms;
+use crate::run::{bound, diagnosis, finished, finished_on, truth};
 
 macro_rules! finding {
     ($name:literal) => {
         Scenario::from_toml(include_str!(concat!("findings/", $name, ".toml"))).unwrap()
     };
-}
-
-fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
-    Diagnosis::new(&Diagnostics::new(estimates, record), estimates, record, None).unwrap()
 }
 
 fn verdicts(scenario: &Scenario, place: usize) -> [Verdict; 2] {
@@ -47,37 +44,25 @@ fn a_collapsed_sample_is_not_underconfident() {
 #[test]
 fn a_start_that_is_too_sure_does_not_speak_for_the_rest() {
     let scenario = finding!("start-too-sure");
-    let [known, unknown] = verdicts(&scenario, 0);
-    assert_kind(&known, &[Recovered, Consistent]);
-    assert_kind(&unknown, &[Recovered, Consistent]);
-}
-
-/// A record in which one displacement is as large as a code for a missing value.
-fn overloaded(scenario: &Scenario) -> Record {
-    let change = |sensor, k, value| if (sensor, k) == (0, 300) { 1e10 } else { value };
-    simulate(scenario).without_truth().with_measured(change)
+    verdicts(&scenario, 0).iter().for_each(|verdict| assert_kind(verdict, &[Recovered, Consistent]));
 }
 
 #[test]
 fn a_reading_that_is_no_reading_is_never_underconfidence() {
     let scenario = finding!("overload");
-    let run = finished_on(&scenario, overloaded(&scenario));
+    // One displacement is as large as a code for a missing value.
+    let change = |sensor, k, value| if (sensor, k) == (0, 300) { 1e10 } else { value };
+    let run = finished_on(&scenario, simulate(&scenario).without_truth().with_measured(change));
     let verdict = diagnosis(&run.estimates()[0], run.record()).verdict.unwrap();
     assert_kind(&verdict, &[VerdictKind::Lost, VerdictKind::Diverged, Overconfident]);
-}
-
-fn without_first(scenario: &Scenario, samples: usize) -> (Run, Run) {
-    let whole = finished(scenario);
-    let mut rest = finished(scenario);
-    assert!(rest.forget(samples));
-    (whole, rest)
 }
 
 #[test]
 fn numbers_on_a_part_do_not_depend_on_what_was_before_it() {
     for scenario in [finding!("start-too-sure"), finding!("late-step")] {
         for prefix in [1, 15, 16, 17, 600, 2345] {
-            let (whole, rest) = without_first(&scenario, prefix);
+            let (whole, mut rest) = (finished(&scenario), finished(&scenario));
+            assert!(rest.forget(prefix));
             let of_whole = Diagnostics::new(&whole.estimates()[0], whole.record());
             let of_rest = Diagnostics::new(&rest.estimates()[0], rest.record());
             let n = of_rest.len();
@@ -162,10 +147,9 @@ fn a_wrong_parameter_is_not_diluted_by_right_ones() {
         let run = finished(&scenario);
         let (estimates, record) = (&run.estimates()[0], run.record());
         let place = estimates.place(Channel::NATURAL_FREQUENCY).unwrap();
-        let truth = record.truth(Channel::NATURAL_FREQUENCY).unwrap();
-        let late = estimates.len() * 4 / 5..estimates.len();
-        let square = |k: usize| ((estimates.canonical_mean(k, place) - truth[k]) / estimates.std(k, place)).powi(2);
-        let off = (late.clone().map(square).sum::<f64>() / late.len() as f64).sqrt();
+        let truth = truth(record, Channel::NATURAL_FREQUENCY);
+        let error = |k: usize| (estimates.canonical_mean(k, place) - truth[k]) / estimates.std(k, place);
+        let off = rms(&(estimates.len() * 4 / 5..estimates.len()).map(error).collect::<Vec<_>>());
         let verdict = diagnosis(estimates, record).verdict.unwrap();
         assert!(off < 4.0 || verdict.kind == Overconfident, "{off}σ off in the last fifth: {verdict}");
     }
@@ -175,10 +159,8 @@ fn a_wrong_parameter_is_not_diluted_by_right_ones() {
 fn consistent_beside_numbers_that_say_otherwise_is_explained() {
     let scenario = finding!("pf-at-rest");
     let [known, _] = verdicts(&scenario, scenario.filters.len() - 1);
-    assert!(
-        known.kind == Overconfident || !known.kind.is_good() || known.reason.contains("as one record in many"),
-        "{known}"
-    );
+    let is_said = known.kind == Overconfident || known.reason.contains("as one record in many");
+    assert!(is_said || !known.kind.is_good(), "{known}");
 }
 
 #[test]
@@ -193,8 +175,7 @@ fn the_disturbance_that_an_accelerometer_feels_is_part_of_its_noise() {
     // The bound has the same R: the wrong filter's σ is below what can be.
     let run = finished(&scenario);
     let estimates = &run.estimates()[0];
-    let mut bound = CramerRao::new(&scenario, 0, scenario.dt).unwrap();
-    bound.follow(run.record());
+    let bound = bound(&scenario, 0, run.record());
     let (last, place) = (estimates.len() - 1, estimates.place(Channel::NATURAL_FREQUENCY).unwrap());
     assert!(estimates.std(last, place) < 0.6 * bound.std(last, bound.place(Channel::NATURAL_FREQUENCY).unwrap()));
 }

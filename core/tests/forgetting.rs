@@ -2,10 +2,11 @@
 
 use kalmanscope_core::{
     Adaptation, Channel, CramerRao, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind,
-    Quantity, Run, Scenario, Sensor, Signal, Summary,
+    Quantity, Run, Scenario, Sensor, Summary,
 };
 
-use crate::run::{finished, finished_on};
+use crate::numbers::bits;
+use crate::run::{bound, finished, finished_on, oscillator};
 
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
@@ -28,10 +29,6 @@ fn eventful() -> Scenario {
         FilterSettings { name: "wrong".to_owned(), plant: Some(PlantKind::DUFFING), ..template },
     ]);
     scenario
-}
-
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|x| x.to_bits()).collect()
 }
 
 fn assert_is_end_of(kept: &Estimates, all: &Estimates) {
@@ -114,7 +111,7 @@ fn the_memory_is_reused() {
 fn a_diverging_truth_stops_at_the_same_sample() {
     let mut scenario = Scenario { force: Force::None, ..Scenario::default() };
     scenario.set_plant(PlantKind::DUFFING);
-    scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
+    scenario.plant.set(Channel::CUBIC_STIFFNESS, -300.0);
     scenario.plant.initial.displacement = 0.5;
     let all = finished(&scenario);
     let mut kept = Run::new(&scenario).unwrap();
@@ -128,9 +125,8 @@ fn a_diverging_truth_stops_at_the_same_sample() {
 
 #[test]
 fn diagnostics_and_bounds_cover_the_kept_samples() {
-    let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
+    let mut scenario = Scenario { duration: 40.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let mut all = Run::new(&scenario).unwrap();
     let mut kept = Run::new(&scenario).unwrap();
     let mut following: Vec<Diagnostics> = kept.estimates().iter().map(|e| Diagnostics::new(e, kept.record())).collect();
@@ -164,8 +160,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
             assert_eq!((one.mean, one.std), (other.mean, other.std));
         }
 
-        let mut bound = CramerRao::new(&scenario, place, scenario.dt).unwrap();
-        bound.follow(all.record());
+        let bound = bound(&scenario, place, all.record());
         assert_eq!(bounds[place].len(), 4001 - gone);
         for (k, channel) in (0..bounds[place].len()).flat_map(|k| (0..4).map(move |channel| (k, channel))) {
             assert_eq!(bounds[place].std(k, channel).to_bits(), bound.std(gone + k, channel).to_bits());
@@ -173,8 +168,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
     }
     let frequency = following[0].settled(Channel::NATURAL_FREQUENCY).unwrap();
     assert!(frequency < gone, "the time of settling is not forgotten, but it is {frequency}");
-    let mut late = CramerRao::new(&scenario, 0, scenario.dt).unwrap();
-    late.follow(kept.record());
+    let late = bound(&scenario, 0, kept.record());
     assert!(late.is_empty(), "no bound without the beginning");
 }
 

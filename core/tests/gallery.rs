@@ -1,25 +1,26 @@
-//! Equations of the gallery: twelve are identified from simulated records, and start values are found from the text alone.
+//! Equations of the gallery: twelve are identified from simulated records, and start values are found from the text alone. Records of
+//! lessons, of other noise and forces than those that come along: a structure in an earthquake, whose total acceleration is measured over
+//! a ground that is linear between samples; and a stiffness that goes up and down in steps, under a force that nobody measures.
 
-use std::path::Path;
-
-use kalmanscope_core::diagnosis::Diagnosis;
+use kalmanscope_core::diagnosis::VerdictKind;
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Diagnostics, Force, PlantKind, Record, Scenario};
+use kalmanscope_core::{Analysis, Channel, Force, Hold, PlantKind, Record, Run, Scenario, Wanted, simulate};
 
-use crate::run::{finished, finished_on, last};
+use crate::run::{asset, assets, built_in, diagnosis, finished, finished_on, finished_on_file, last, remedies};
 
-fn gallery() -> Vec<(String, Scenario)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/equations");
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let read = |path: &std::path::PathBuf| {
-        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-        let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap());
-        (name.clone(), scenario.unwrap_or_else(|error| panic!("{name}: {error}")))
-    };
-    files.iter().map(read).collect()
-}
+#[path = "../../lessons/src/records/earthquake.rs"]
+mod earthquake;
+#[path = "../../lessons/src/records/oscillator.rs"]
+mod oscillator;
+#[path = "../../lessons/src/records/random.rs"]
+mod random;
+#[path = "../../lessons/src/records/staircase.rs"]
+mod staircase;
+
+use staircase::{DWELL, FREQUENCIES, RATE};
+
+const SEEDS: std::ops::RangeInclusive<u64> = 101..=110;
 
 fn faults(scenario: &Scenario) -> Vec<String> {
     let run = finished(scenario);
@@ -27,8 +28,7 @@ fn faults(scenario: &Scenario) -> Vec<String> {
     if let Some(stop) = estimates.stop() {
         return vec![format!("stopped: {stop:?}")];
     }
-    let diagnostics = Diagnostics::new(estimates, run.record());
-    let verdict = Diagnosis::new(&diagnostics, estimates, run.record(), None).unwrap().verdict.unwrap();
+    let verdict = diagnosis(estimates, run.record()).verdict.unwrap();
     let last = estimates.len() - 1;
     let mut faults = Vec::new();
     for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter()) {
@@ -50,10 +50,11 @@ fn faults(scenario: &Scenario) -> Vec<String> {
 
 #[test]
 fn each_equation_is_identified_and_the_verdict_is_right() {
-    let gallery = gallery();
+    let gallery = assets("equations");
     assert_eq!(gallery.len(), 12);
     let mut all = Vec::new();
-    for (name, scenario) in gallery {
+    for (name, text) in gallery {
+        let scenario = Scenario::from_toml(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
         for seed in [1, 2, 3] {
             let faults = faults(&Scenario { seed, ..scenario.clone() });
             all.extend(faults.into_iter().map(|fault| format!("{name}, seed {seed}: {fault}")));
@@ -63,10 +64,9 @@ fn each_equation_is_identified_and_the_verdict_is_right() {
 }
 
 fn simulated(name: &str) -> (Scenario, Record) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../assets/equations/{name}.toml"));
-    let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap();
-    let run = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
-    (scenario, run.record().clone())
+    let scenario = asset("equations", name);
+    let record = simulate(&scenario);
+    (scenario, record)
 }
 
 /// Start values for a record under an equation of which nothing but the text is known: every guess is 1.
@@ -106,9 +106,7 @@ fn without_an_input_the_guesses_stay_and_that_is_said() {
     let (mut scenario, _) = simulated("quadratic-damping");
     scenario.force = Force::None;
     scenario.plant.initial.displacement = 0.5;
-    scenario.filters.clear();
-    let run = finished(&scenario);
-    let suggestion = started(scenario.plant.kind.equation(), run.record());
+    let suggestion = started(scenario.plant.kind.equation(), &simulate(&scenario));
     let said = "d, k begin with the guesses of the equation: without an input";
     assert!(suggestion.reasons.iter().any(|reason| reason.starts_with(said)), "{:?}", suggestion.reasons);
     let mean = &suggestion.scenario.filters[0].initial_mean;
@@ -120,13 +118,84 @@ fn without_an_input_the_guesses_stay_and_that_is_said() {
 /// The linear oscillator has nothing that the spectra do not tell, typed or built in.
 #[test]
 fn a_typed_oscillator_begins_as_the_built_in_one() {
-    let mut scenario = Scenario { duration: 30.0, ..Scenario::default() };
-    scenario.filters.clear();
-    let run = finished(&scenario);
-    let built_in = suggest(&scenario_for(run.record()), run.record());
-    let typed = started("x'' + 2 ζ ωₙ x' + ωₙ² x = f", run.record());
+    let record = simulate(&Scenario { duration: 30.0, ..Scenario::default() });
+    let built_in = suggest(&scenario_for(&record), &record);
+    let typed = started("x'' + 2 ζ ωₙ x' + ωₙ² x = f", &record);
     assert_eq!(typed.reasons, built_in.reasons);
     for (a, b) in typed.scenario.filters.iter().zip(&built_in.scenario.filters) {
         assert_eq!((&a.initial_mean, &a.initial_std), (&b.initial_mean, &b.initial_std));
+    }
+}
+
+fn identified(seed: u64, hold: Hold) -> Run {
+    finished_on_file(&Scenario { hold, ..built_in("earthquake") }, earthquake::file(seed))
+}
+
+fn followed(seed: u64, change: impl Fn(&mut Scenario)) -> Run {
+    let mut scenario = built_in("staircase");
+    change(&mut scenario);
+    finished_on_file(&scenario, staircase::file(seed))
+}
+
+#[test]
+fn frequency_and_damping_are_right_and_believed() {
+    for seed in SEEDS {
+        let run = identified(seed, Hold::First);
+        let analysis = Analysis::new(&run, Wanted::default());
+        for (filter, estimates) in run.estimates().iter().enumerate() {
+            let error = |channel, truth: f64| (last(estimates, channel).0 / truth - 1.0).abs();
+            let wn = error(Channel::NATURAL_FREQUENCY, earthquake::NATURAL_FREQUENCY);
+            let zeta = error(Channel::DAMPING_RATIO, earthquake::DAMPING_RATIO);
+            assert!(wn < 0.002 && zeta < 0.03, "seed {seed}, filter {filter}: {wn}, {zeta}");
+            let verdict = analysis.diagnosis(filter).unwrap().verdict.as_ref().unwrap().kind;
+            assert_eq!(verdict, VerdictKind::Consistent, "seed {seed}, filter {filter}");
+        }
+    }
+}
+
+#[test]
+fn a_ground_that_is_held_is_named_as_the_cause() {
+    for seed in SEEDS {
+        let run = identified(seed, Hold::Zero);
+        let analysis = Analysis::new(&run, Wanted::default());
+        for (filter, estimates) in run.estimates().iter().enumerate() {
+            let zeta = last(estimates, Channel::DAMPING_RATIO).0 / earthquake::DAMPING_RATIO - 1.0;
+            assert!(zeta > 0.03, "seed {seed}, filter {filter}: {zeta}");
+            let verdict = analysis.diagnosis(filter).unwrap().verdict.as_ref().unwrap().kind;
+            assert!(!verdict.is_good(), "seed {seed}, filter {filter}");
+            let first = remedies(&run, filter, run.record()).first().map(|remedy| remedy.first.cause.key);
+            assert_eq!(first, Some("input_hold"), "seed {seed}, filter {filter}");
+        }
+    }
+}
+
+fn errors(run: &Run, filter: usize) -> Vec<f64> {
+    let estimates = &run.estimates()[filter];
+    let place = estimates.place(Channel::NATURAL_FREQUENCY).unwrap();
+    let error = |dwell: u32| {
+        let end = f64::from((dwell + 1) * DWELL) - 1.0 / f64::from(RATE);
+        let k = ((end / run.record().dt()).round() as usize).min(estimates.len() - 1);
+        estimates.mean(k)[place] / staircase::natural_frequency((dwell + 1) * DWELL * RATE - 1) - 1.0
+    };
+    (0..FREQUENCIES.len() as u32).map(error).collect()
+}
+
+#[test]
+fn fading_memory_follows_each_step_within_two_per_cent() {
+    for seed in SEEDS {
+        let run = followed(seed, |_| {});
+        for filter in 0..run.estimates().len() {
+            let errors = errors(&run, filter);
+            assert!(errors.iter().all(|error| error.abs() < 0.02), "seed {seed}, filter {filter}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn a_filter_that_never_forgets_is_left_behind() {
+    for seed in SEEDS {
+        let run = followed(seed, |scenario| scenario.filters.iter_mut().for_each(|filter| filter.fading = 1.0));
+        let errors = errors(&run, 0);
+        assert!(errors[3] < -0.05, "seed {seed}: {errors:?}");
     }
 }

@@ -4,26 +4,19 @@ use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
-    Scenario, Sensor, Signal, Values, simulate, smoothed as smoothed_at_once,
+    Scenario, Sensor, Values, simulate, smoothed as smoothed_at_once,
 };
 
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 
-use crate::run::{finished, finished_on};
+use crate::numbers::{ADAPTIVE, joint_motion};
+use crate::run::{bound, finished, finished_on, knowing, one_filter, oscillator, truth};
 
 fn known(kind: FilterKind, samples: usize) -> Scenario {
-    let mut scenario = Scenario { duration: 0.01 * (samples - 1) as f64, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let duration = 0.01 * (samples - 1) as f64;
+    let mut scenario = Scenario { duration, plant: oscillator(6.0, 0.05), ..Scenario::default() };
     scenario.plant.disturbance_std = 2.0;
-    scenario.filters = vec![FilterSettings {
-        kind,
-        smoother: true,
-        initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)]),
-        initial_std: Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)]),
-        process_std: Values::ZERO.with([(Channel::DISPLACEMENT, 1e-4), (Channel::VELOCITY, 0.02)]),
-        ..scenario.filters[0].clone()
-    }];
-    scenario.filters[0].fading = 1.0;
+    scenario.filters = vec![FilterSettings { smoother: true, ..knowing(kind, [6.0, 0.05]) }];
     scenario
 }
 
@@ -32,51 +25,18 @@ fn smoothed(run: &Run) -> Estimates {
 }
 
 const SAMPLES: usize = 12;
-const STATES: usize = 2 * SAMPLES;
-
-/// The joint normal distribution of the motion at all samples, conditioned on all measurements.
-fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, STATES, STATES>) {
-    let filter = &scenario.filters[0];
-    let record = run.record();
-    let (wn, zeta, dt) = (6.0_f64, 0.05_f64, scenario.dt);
-    let decay = (-zeta * wn * dt).exp();
-    let wd = wn * (1.0 - zeta * zeta).sqrt();
-    let h = decay * (wd * dt).sin() / wd;
-    let dh = decay * (wd * dt).cos() - zeta * wn * h;
-    let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
-    let q = (1.0 - transition[(0, 0)]) / (wn * wn);
-    let variance = |per: &Values| {
-        Matrix2::from_diagonal(&Vector2::new(per[Channel::DISPLACEMENT], per[Channel::VELOCITY]).map(|std| std * std))
-    };
-    let mut mean = SVector::<f64, STATES>::zeros();
-    let mut cov = SMatrix::<f64, STATES, STATES>::zeros();
-    cov.fixed_view_mut::<2, 2>(0, 0).copy_from(&variance(&filter.initial_std));
-    for k in 1..SAMPLES {
-        let before: Vector2<f64> = mean.fixed_rows::<2>(2 * k - 2).into();
-        mean.fixed_rows_mut::<2>(2 * k).copy_from(&(transition * before + Vector2::new(q, h) * record.force(k - 1)));
-        for j in 0..k {
-            let block: Matrix2<f64> = cov.fixed_view::<2, 2>(2 * k - 2, 2 * j).into();
-            let next = transition * block;
-            cov.fixed_view_mut::<2, 2>(2 * k, 2 * j).copy_from(&next);
-            cov.fixed_view_mut::<2, 2>(2 * j, 2 * k).copy_from(&next.transpose());
-        }
-        let last: Matrix2<f64> = cov.fixed_view::<2, 2>(2 * k - 2, 2 * k - 2).into();
-        let own = transition * last * transition.transpose() + variance(&filter.process_std);
-        cov.fixed_view_mut::<2, 2>(2 * k, 2 * k).copy_from(&own);
+/// The joint normal distribution of the motion at all samples, conditioned on all measurements: both sensors at every sample except the
+/// first.
+fn batch(run: &Run, scenario: &Scenario) -> (DVector<f64>, DMatrix<f64>) {
+    let (mean, cov) = joint_motion(run.record(), [6.0, 0.05]);
+    let (mut innovation_cov, mut innovation) = (cov.clone(), DVector::zeros(mean.len()));
+    for i in 0..mean.len() {
+        let (k, sensor) = (i / 2, i % 2);
+        innovation_cov[(i, i)] += if k == 0 { 1e12 } else { scenario.filters[0].sensor_std[sensor].powi(2) };
+        innovation[i] = if k == 0 { 0.0 } else { run.record().measured(sensor)[k] - mean[i] };
     }
-    // Both sensors at every sample except the first.
-    let noise = Vector2::new(filter.sensor_std[0].powi(2), filter.sensor_std[1].powi(2));
-    let mut innovation_cov = cov;
-    let mut innovation = SVector::<f64, STATES>::zeros();
-    for k in 0..SAMPLES {
-        for sensor in 0..2 {
-            let i = 2 * k + sensor;
-            innovation_cov[(i, i)] += if k == 0 { 1e12 } else { noise[sensor] };
-            innovation[i] = if k == 0 { 0.0 } else { record.measured(sensor)[k] - mean[i] };
-        }
-    }
-    let gain = cov * innovation_cov.try_inverse().unwrap();
-    (mean + gain * innovation, cov - gain * cov)
+    let gain = &cov * innovation_cov.try_inverse().unwrap();
+    (mean + &gain * innovation, &cov - &gain * &cov)
 }
 
 #[test]
@@ -102,13 +62,11 @@ fn smoothing_is_conditioning_on_the_whole_record() {
 
 #[test]
 fn smoothing_reduces_parameter_errors() {
-    for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
+    for kind in ADAPTIVE {
         for log_parameters in [false, true] {
-            let mut scenario = Scenario::default();
-            scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-            let settings =
-                FilterSettings { kind, log_parameters, smoother: true, fading: 1.0, ..scenario.filters[0].clone() };
-            scenario.filters = vec![settings];
+            let usual = Scenario::default().filters[0].clone();
+            let filter = FilterSettings { kind, log_parameters, smoother: true, fading: 1.0, ..usual };
+            let scenario = Scenario { plant: oscillator(6.0, 0.05), filters: vec![filter], ..Scenario::default() };
             let run = finished(&scenario);
             let (filtered, smoothed) = (&run.estimates()[0], smoothed(&run));
             let last = scenario.samples() - 1;
@@ -144,9 +102,8 @@ fn a_smoother_without_a_run_has_the_bits_of_that_of_a_run() {
     let kinds = FilterKind::ALL.into_iter().filter(|kind| !kind.is_sampled());
     for (kind, hold) in kinds.flat_map(|kind| [Hold::Zero, Hold::First].map(|hold| (kind, hold))) {
         let mut scenario = Scenario { hold, ..known(kind, 200) };
-        scenario
-            .filters
-            .insert(0, FilterSettings { kind: FilterKind::PF, smoother: false, ..scenario.filters[0].clone() });
+        let sampled = FilterSettings { kind: FilterKind::PF, smoother: false, ..scenario.filters[0].clone() };
+        scenario.filters.insert(0, sampled);
         scenario.filters[1].input_delay = -2;
         let run = finished(&scenario);
         let expected = smoothed(&run);
@@ -161,9 +118,8 @@ fn a_smoother_without_a_run_has_the_bits_of_that_of_a_run() {
 
 #[test]
 fn a_smoother_that_there_is_not_is_refused_in_words() {
-    let scenario = known(FilterKind::PF, 50);
-    let scenario =
-        Scenario { filters: vec![FilterSettings { smoother: false, ..scenario.filters[0].clone() }], ..scenario };
+    let mut scenario = known(FilterKind::PF, 50);
+    scenario.filters[0].smoother = false;
     let run = finished(&scenario);
     let error = smoothed_at_once(&scenario, 0, run.record()).unwrap_err().to_string();
     assert_eq!(error, "`filters[0].smoother` is true, but must be false for a PF, which has no smoother here");
@@ -188,12 +144,6 @@ fn a_smoother_of_a_filter_that_fails_has_the_samples_before_and_the_reason() {
     cannot_begin.filters[0].initial_std[Channel::VELOCITY] = 1e200;
     let found = smoothed_at_once(&cannot_begin, 0, &record).unwrap();
     assert_eq!((found.len(), found.stop().map(|stop| stop.sample)), (0, Some(0)));
-}
-
-fn bound(scenario: &Scenario, record: &Record) -> CramerRao {
-    let mut bound = CramerRao::new(scenario, 0, scenario.dt).unwrap();
-    bound.follow(record);
-    bound
 }
 
 #[test]
@@ -227,7 +177,7 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
         let record = simulate(&scenario);
         let run = finished_on(&scenario, if is_timed { own_times(&record) } else { record });
         let kf = &run.estimates()[0];
-        let bound = bound(&scenario, run.record());
+        let bound = bound(&scenario, 0, run.record());
         assert_eq!(bound.len(), scenario.samples());
         for k in 0..kf.len() {
             for place in 0..kf.channels().len() {
@@ -241,11 +191,10 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
 /// Tichavský's recursion as printed, on the information matrix, for a plant without exactly known components.
 #[test]
 fn the_bound_is_the_information_recursion() {
-    let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let scenario = Scenario { duration: 5.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
     let run = finished(&scenario);
     let record = run.record();
-    let bound = bound(&scenario, record);
+    let bound = bound(&scenario, 0, record);
     let filter = &scenario.filters[0];
     let diagonal = |per: &Values| {
         SMatrix::<f64, 4, 4>::from_diagonal(&SVector::<f64, 4>::from_fn(|i, _| {
@@ -259,7 +208,7 @@ fn the_bound_is_the_information_recursion() {
     for (i, sensor) in scenario.sensors.iter().enumerate() {
         sensors[(i, i)] = sensor.noise_std.powi(-2);
     }
-    let truth = |channel, k: usize| record.truth(channel).unwrap()[k];
+    let truth = |channel, k: usize| truth(record, channel)[k];
     for k in 1..record.len() {
         let (x, v) = (truth(Channel::DISPLACEMENT, k - 1), truth(Channel::VELOCITY, k - 1));
         let (wn, zeta) = (6.0, 0.05);
@@ -282,12 +231,10 @@ fn the_bound_is_the_information_recursion() {
 
 #[test]
 fn no_filter_is_below_the_bound_and_the_ekf_comes_close() {
-    let mut scenario = Scenario::default();
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.filters[0].fading = 1.0;
     let run = finished(&scenario);
-    let bound = bound(&scenario, run.record());
+    let bound = bound(&scenario, 0, run.record());
     let last = scenario.samples() - 1;
     for i in 0..4 {
         let ratio = run.estimates()[0].std(last, i) / bound.std(last, i);
@@ -305,8 +252,7 @@ fn the_bound_grows_with_the_record() {
         growing.follow(live.record());
         assert_eq!(growing.len(), live.len());
     }
-    let mut whole = CramerRao::new(&scenario, 1, scenario.dt).unwrap();
-    whole.follow(run.record());
+    let whole = bound(&scenario, 1, run.record());
     let bits = |bound: &CramerRao| -> Vec<u64> {
         (0..bound.len()).flat_map(|k| (0..4).map(move |i| (k, i))).map(|(k, i)| bound.std(k, i).to_bits()).collect()
     };
@@ -323,7 +269,7 @@ fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
     for (kind, tolerance) in kinds {
         let mut scenario = known(kind, 2001);
         scenario.plant.disturbance_std = 0.0;
-        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
+        scenario.plant.set(Channel::DAMPING_RATIO, zeta);
         scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = zeta;
         scenario.filters[0].process_std = Values::ZERO;
         let smoothed = smoothed(&finished(&scenario));
@@ -350,12 +296,8 @@ fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
         for k in 0..40 {
             for i in 0..2 {
                 let error = smoothed.std(k, i) / cov[(i, i)].sqrt() - 1.0;
-                assert!(
-                    error.abs() < tolerance,
-                    "{} at {k}: std {} of {i}, {error:e}",
-                    kind.name(),
-                    smoothed.std(k, i)
-                );
+                let std = smoothed.std(k, i);
+                assert!(error.abs() < tolerance, "{} at {k}: std {std} of {i}, {error:e}", kind.name());
             }
             cov = transition * cov * transition.transpose();
         }

@@ -9,7 +9,7 @@ use kalmanscope_core::suggest::{Suggest, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};
 
 use crate::import::check_import;
-use crate::random::Random;
+use crate::numbers::Random;
 
 const FILES: [&str; 16] = [
     "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n0.6,1,1\n0.7,2,2\n",
@@ -40,54 +40,44 @@ const FILES: [&str; 16] = [
 const PIECES: &str = ",|;|\t| |\n|\r\n|\"|#|nan|inf|-1e308|1e999|0|0,5|é|\0|::|\
                       2024-01-01|\u{FEFF}|,,,,,,,,|1.234,5|23:59:59.5 PM|-1.#IND|-9999|999999999999|1e19|1e-9|    -1\n    58\n";
 
-struct Numbers(u64);
-
-impl Numbers {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit.max(1) as u64) as usize
-    }
-}
-
-fn broken(numbers: &mut Numbers) -> Vec<u8> {
+fn broken(random: &mut Random) -> Vec<u8> {
+    let mut below = |limit: usize| (random.uniform() * limit as f64) as usize;
     let pieces: Vec<&str> = PIECES.split('|').collect();
-    let file = FILES[numbers.below(FILES.len())];
-    let mut bytes: Vec<u8> = match numbers.below(6) {
+    let file = FILES[below(FILES.len())];
+    let mut bytes: Vec<u8> = match below(6) {
         0 => file.encode_utf16().flat_map(u16::to_le_bytes).collect(),
         1 => file.encode_utf16().flat_map(u16::to_be_bytes).collect(),
         _ => file.as_bytes().to_vec(),
     };
-    for _ in 0..1 + numbers.below(6) {
-        let place = numbers.below(bytes.len());
-        match numbers.below(5) {
+    for _ in 0..1 + below(6) {
+        let place = below(bytes.len());
+        match below(5) {
             0 => {
-                let piece = pieces[numbers.below(pieces.len())].as_bytes();
+                let piece = pieces[below(pieces.len())].as_bytes();
                 bytes.splice(place..place, piece.iter().copied());
             }
-            1 if !bytes.is_empty() => bytes[place] = numbers.below(256) as u8,
+            1 if !bytes.is_empty() => bytes[place] = below(256) as u8,
             2 => bytes.truncate(place),
             3 => {
-                let end = (place + numbers.below(40)).min(bytes.len());
+                let end = (place + below(40)).min(bytes.len());
                 bytes.drain(place..end);
             }
             _ => {
-                let end = (place + numbers.below(80)).min(bytes.len());
+                let end = (place + below(80)).min(bytes.len());
                 let again = bytes[place..end].to_vec();
                 bytes.splice(place..place, again);
             }
         }
     }
-    bytes.insert(0, numbers.below(64) as u8);
+    bytes.insert(0, below(64) as u8);
     bytes
 }
 
 #[test]
 fn broken_files_become_sound_records_or_sentences() {
-    let mut numbers = Numbers(0x5EED);
+    let mut random = Random::new(0x5EED);
     for case in 0..300_000 {
-        let bytes = broken(&mut numbers);
+        let bytes = broken(&mut random);
         if let Err(what) = check_import(&bytes) {
             panic!("case {case}: {what}\n{:?}", String::from_utf8_lossy(&bytes[1..]));
         }
@@ -97,7 +87,7 @@ fn broken_files_become_sound_records_or_sentences() {
 #[test]
 fn whole_files_are_records() {
     for file in &FILES[..15] {
-        let table = kalmanscope_core::import::read(file.as_bytes(), None).expect("a table");
+        let table = read(file.as_bytes(), None).expect("a table");
         assert!(table.rows() >= 3, "{file}");
     }
 }

@@ -8,14 +8,9 @@ use kalmanscope_core::{
 };
 
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
-use crate::run::{finished, finished_on};
-
-/// The same cases every time, so that a failure is reproducible.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_240_607), failure_persistence: None, ..Default::default() }
-}
+use crate::numbers::beliefs;
+use crate::run::{cases, finished, finished_on, oscillator, shrinking, values};
 
 fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|e| 10_f64.powf(e))
@@ -65,9 +60,8 @@ fn sensors() -> impl Strategy<Value = Vec<Sensor>> {
 fn plant() -> impl Strategy<Value = Plant> {
     let motion = (-1.0..1.0, -5.0..5.0).prop_map(|(displacement, velocity)| Motion { displacement, velocity });
     (signal(0.1, 60.0), signal(0.0, 2.0), motion, zero_or(-3.0..1.0)).prop_map(
-        |(natural_frequency, damping_ratio, initial, disturbance_std)| {
-            let plant = Plant::default().with(Channel::NATURAL_FREQUENCY, natural_frequency);
-            let mut plant = plant.with(Channel::DAMPING_RATIO, damping_ratio);
+        |(wn, zeta, initial, disturbance_std)| {
+            let mut plant = oscillator(wn, zeta);
             (plant.initial, plant.disturbance_std) = (initial, disturbance_std);
             plant
         },
@@ -75,27 +69,11 @@ fn plant() -> impl Strategy<Value = Plant> {
 }
 
 fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = Values> {
-    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| {
-        Values::ZERO.with([
-            (Channel::DISPLACEMENT, displacement),
-            (Channel::VELOCITY, velocity),
-            (Channel::NATURAL_FREQUENCY, natural_frequency),
-            (Channel::DAMPING_RATIO, damping_ratio),
-        ])
-    })
+    [of(), of(), of(), of()].prop_map(values)
 }
 
 fn initial_mean() -> impl Strategy<Value = Values> {
-    (-1.0..1.0, -5.0..5.0, -5.0..80.0, -1.0..3.0).prop_map(
-        |(displacement, velocity, natural_frequency, damping_ratio)| {
-            Values::ZERO.with([
-                (Channel::DISPLACEMENT, displacement),
-                (Channel::VELOCITY, velocity),
-                (Channel::NATURAL_FREQUENCY, natural_frequency),
-                (Channel::DAMPING_RATIO, damping_ratio),
-            ])
-        },
-    )
+    [-1.0..1.0, -5.0..5.0, -5.0..80.0, -1.0..3.0].prop_map(values)
 }
 
 fn filter(sensors: usize) -> impl Strategy<Value = FilterSettings> {
@@ -129,8 +107,6 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     let basics = (0..1_u64 << 62, size(-3.0..-0.7), 1_u32..250);
     (basics, plant(), force(), sensors()).prop_flat_map(|((seed, dt, steps), plant, force, sensors)| {
         proptest::collection::vec(filter(sensors.len()), 0..4).prop_map(move |filters| Scenario {
-            input: kalmanscope_core::InputKind::Force,
-            hold: kalmanscope_core::Hold::Zero,
             seed,
             dt,
             duration: f64::from(steps) * dt,
@@ -138,15 +114,9 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             force,
             sensors: sensors.clone(),
             filters,
-            record: None,
-            draw: std::collections::BTreeMap::new(),
+            ..Scenario::default()
         })
     })
-}
-
-fn beliefs(estimates: &Estimates) -> Vec<u64> {
-    let all = (0..estimates.len()).flat_map(|k| estimates.mean(k).iter().chain(estimates.cov(k)));
-    all.map(|x| x.to_bits()).collect()
 }
 
 fn check_estimates(estimates: &Estimates, samples: usize) -> Result<(), TestCaseError> {
@@ -172,7 +142,7 @@ fn check_estimates(estimates: &Estimates, samples: usize) -> Result<(), TestCase
 }
 
 proptest! {
-    #![proptest_config(config(400))]
+    #![proptest_config(cases(20_240_607, 400))]
 
     #[test]
     fn beliefs_are_normal_distributions_until_a_filter_stops(scenario in scenario()) {
@@ -275,13 +245,13 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(60))]
+    #![proptest_config(cases(20_240_607, 60))]
 
     #[test]
     fn sensible_filters_find_the_truth(
         seed in 0_u64..1000,
-        wn in 2.0..12.0,
-        zeta in 0.02..0.2,
+        wn in 2.0_f64..12.0,
+        zeta in 0.02_f64..0.2,
         off in (0.7..1.4, 0.0..0.3),
         sensors in proptest::sample::subsequence(Quantity::all()[..3].to_vec(), 1..=3),
     ) {
@@ -290,9 +260,7 @@ proptest! {
             q if q == Quantity::VELOCITY => 0.06,
             _ => 0.5,
         };
-        let mut scenario = Scenario { seed, ..Scenario::default() };
-        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
-        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
+        let mut scenario = Scenario { seed, plant: oscillator(wn, zeta), ..Scenario::default() };
         scenario.sensors = sensors.iter().map(|&q| Sensor::new(q, noise(q))).collect();
         for filter in &mut scenario.filters {
             filter.sensor_std = sensors.iter().map(|&q| noise(q)).collect();
@@ -311,27 +279,11 @@ proptest! {
     }
 }
 
-/// A covariance of rank one that only shrinks: rounding makes its small variances positive or negative.
 #[test]
 fn rounding_makes_no_variance_negative() {
     for kind in FilterKind::ALL {
-        let filter = FilterSettings {
-            kind,
-            initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
-            initial_std: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
-            process_std: Values::ZERO,
-            ..FilterSettings::default()
-        };
-        let scenario = Scenario {
-            dt: 0.2,
-            duration: 40.0,
-            force: Force::Step { amplitude: 0.3, at: 1.9 },
-            sensors: vec![],
-            filters: vec![filter],
-            ..Scenario::default()
-        };
-        let run = finished(&scenario);
-        let estimates = &run.estimates()[0];
+        let scenario = shrinking(kind);
+        let estimates = &finished(&scenario).estimates()[0].clone();
         assert!(estimates.len() > 15, "{}", kind.name());
         for k in 0..estimates.len() {
             assert!((0..4).all(|i| estimates.std(k, i).is_finite()), "{} at {k}: {:?}", kind.name(), estimates.cov(k));

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, InputKind, Job, Quantity, Record, Run, RunError, Scenario, ScenarioError,
-    Source, Study, Update, Wanted, simulate,
+    Channel, FilterKind, FilterSettings, InputKind, Job, Pass, Quantity, Record, Run, RunError, Scenario,
+    ScenarioError, Sensor, Source, Study, Tape, Update, Wanted, simulate,
 };
 
 use crate::run::{finished, finished_on};
@@ -16,16 +16,9 @@ fn scenario() -> Scenario {
     let mut scenario = Scenario { duration: 8.0, ..Scenario::default() };
     let sensor_std = scenario.true_sensor_std();
     scenario.filters[0].smoother = true;
-    scenario.filters.insert(
-        0,
-        FilterSettings {
-            name: "PF".to_owned(),
-            kind: FilterKind::PF,
-            ensemble_size: 60,
-            sensor_std,
-            ..FilterSettings::default()
-        },
-    );
+    let kind = FilterKind::PF;
+    let particles = FilterSettings { name: "PF".to_owned(), kind, ensemble_size: 60, sensor_std, ..Default::default() };
+    scenario.filters.insert(0, particles);
     for (filter, id) in scenario.filters.iter_mut().zip([7, 2, 3]) {
         filter.id = id;
     }
@@ -58,6 +51,13 @@ fn complete(job: &mut Job, study: &Study, pieces: usize) -> Vec<f64> {
             return all;
         }
     }
+}
+
+/// The study after a job over a scenario.
+fn turn(study: &mut Study, scenario: &Scenario, source: Option<Source>, samples: usize, pieces: usize) -> Update {
+    let mut job = Job::new(study, scenario, source, samples).unwrap();
+    complete(&mut job, study, pieces);
+    job.finish(study)
 }
 
 fn assert_same(study: &Study, scenario: &Scenario) {
@@ -116,9 +116,7 @@ fn unaffected_parts_are_not_computed_again() {
     for (edit, changed) in edits {
         edit(&mut current);
         let samples = current.samples();
-        let mut job = Job::new(&mut study, &current, None, samples).unwrap();
-        complete(&mut job, &study, 1);
-        assert_eq!(job.finish(&mut study), Update::Filters(changed.to_vec()));
+        assert_eq!(turn(&mut study, &current, None, samples, 1), Update::Filters(changed.to_vec()));
         // The analysis of unchanged filters may still be behind.
         assert!(study.advance_to(samples, &mut || true));
         assert_same(&study, &current);
@@ -164,17 +162,13 @@ fn a_study_with_a_window_keeps_the_same_samples_however_it_comes_there() {
     while !stepped.advance_to(1801, &mut || false) {}
     let other = Scenario { seed: 3, ..scenario.clone() };
     let mut jumped = Study::new(&other, Source::Simulated, 500).unwrap();
-    let mut job = Job::new(&mut jumped, &scenario, None, 1801).unwrap();
-    complete(&mut job, &jumped, 3);
-    job.finish(&mut jumped);
+    turn(&mut jumped, &scenario, None, 1801, 3);
     for study in [&stepped, &jumped] {
         assert_eq!((study.run().done(), study.run().record().forgotten()), (1801, 1500));
         assert_eq!(study.run().checksum(), stepped.run().checksum());
         assert_eq!(study.analysis().diagnostics()[1].len(), 301);
-        assert_eq!(
-            study.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY),
-            stepped.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY)
-        );
+        let settled = |study: &Study| study.analysis().diagnostics()[1].settled(Channel::NATURAL_FREQUENCY);
+        assert_eq!(settled(study), settled(&stepped));
     }
     let mut run = finished(&scenario);
     while !jumped.advance_to(2001, &mut || false) {}
@@ -192,10 +186,7 @@ fn a_measured_record_stays_when_settings_change() {
     let record = measured(&current);
     let mut run = finished_on(&current, Arc::clone(&record));
     let is_measured = |run: &Run| matches!(run.source(), Source::Measured(same) if Arc::ptr_eq(&same, &record));
-    let fresh = |scenario: &Scenario| {
-        let fresh = finished_on(scenario, Arc::clone(&record));
-        fresh.checksum()
-    };
+    let fresh = |scenario: &Scenario| finished_on(scenario, Arc::clone(&record)).checksum();
     current.filters[1].fading = 1.02;
     assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![2]));
     assert!(is_measured(&run) && run.checksum() == fresh(&current));
@@ -219,7 +210,7 @@ fn a_measured_record_stays_when_settings_change() {
     assert!(error.to_string().contains("a force, but the scenario's is the acceleration of the ground"), "{error}");
     assert_eq!((is_measured(&run), run.checksum()), (true, fresh(&current)));
     other = current.clone();
-    other.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.1));
+    other.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.1));
     if record.measured_quantity(Quantity::ACCELERATION).is_none() {
         assert_eq!(run.restart(&other), Err(RunError::MissingSensor(Quantity::ACCELERATION)));
         assert_eq!(run.checksum(), fresh(&current));
@@ -231,22 +222,16 @@ fn a_study_goes_from_a_simulation_to_a_record_and_back() {
     let current = scenario();
     let record = measured(&current);
     let mut study = study(&current, Source::Simulated, 300);
-    let mut job = Job::new(&mut study, &current, Some(Source::Measured(Arc::clone(&record))), record.len()).unwrap();
-    complete(&mut job, &study, 2);
-    assert_eq!(job.finish(&mut study), Update::Everything);
+    let source = Some(Source::Measured(Arc::clone(&record)));
+    assert_eq!(turn(&mut study, &current, source, record.len(), 2), Update::Everything);
     assert_eq!((study.run().len(), study.run().record()), (record.len(), &*record));
     assert!(study.analysis().bounds()[0].bound.is_empty(), "no truth, no bound");
     let mut edited = current.clone();
     edited.filters[2].fading = 1.03;
-    let mut job = Job::new(&mut study, &edited, None, record.len()).unwrap();
-    complete(&mut job, &study, 2);
-    assert_eq!(job.finish(&mut study), Update::Filters(vec![3]));
+    assert_eq!(turn(&mut study, &edited, None, record.len(), 2), Update::Filters(vec![3]));
     assert_eq!(study.run().record(), &*record);
-    let run = finished_on(&edited, record);
-    assert_eq!(study.run().checksum(), run.checksum());
-    let mut job = Job::new(&mut study, &current, Some(Source::Simulated), 201).unwrap();
-    complete(&mut job, &study, 2);
-    job.finish(&mut study);
+    assert_eq!(study.run().checksum(), finished_on(&edited, record).checksum());
+    turn(&mut study, &current, Some(Source::Simulated), 201, 2);
     assert_eq!((study.run().len(), study.run().samples()), (201, current.samples()));
 }
 
@@ -335,81 +320,77 @@ fn a_truth_that_is_hard_to_follow_is_divided() {
     assert!(calls > 10, "{calls}");
 }
 
-/// Filters that are computed elsewhere, as by workers of a page.
-mod elsewhere {
-    use kalmanscope_core::{FilterKind, FilterSettings, Job, Pass, Scenario, Source, Study, Tape, Update};
+/// For filters that are computed elsewhere, as by workers of a page.
+fn of_all_kinds() -> Scenario {
+    let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
+    let first = scenario.filters[0].clone();
+    let of = |kind: FilterKind| FilterSettings {
+        kind,
+        ensemble_size: 50,
+        id: 0,
+        name: kind.name().to_owned(),
+        ..first.clone()
+    };
+    scenario.filters = FilterKind::ALL.map(of).to_vec();
+    let mut learns = FilterSettings { id: 0, kind: FilterKind::EKF, ..first.clone() };
+    learns.adaptation.sensor_noise = true;
+    let stops = FilterSettings { id: 0, kind: FilterKind::EKF, fading: 1e100, ..first };
+    scenario.filters.extend([learns, stops]);
+    scenario.number_filters();
+    scenario
+}
 
-    fn scenario() -> Scenario {
-        let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
-        let first = scenario.filters[0].clone();
-        scenario.filters.clear();
-        for kind in FilterKind::ALL {
-            let filter =
-                FilterSettings { kind, ensemble_size: 50, id: 0, name: kind.name().to_owned(), ..first.clone() };
-            scenario.filters.push(filter);
+fn short_study() -> Study {
+    Study::new(&Scenario { duration: 1.0, ..Scenario::default() }, Source::Simulated, WINDOW).unwrap()
+}
+
+#[test]
+fn filters_that_are_computed_elsewhere_have_the_same_bits() {
+    let (scenario, mut near, mut far) = (of_all_kinds(), short_study(), short_study());
+    let mut job = Job::new(&mut near, &scenario, None, 601).unwrap();
+    while !job.advance(&near, &mut || true).is_done() {}
+    job.finish(&mut near);
+    let mut job = Job::new(&mut far, &scenario, None, 601).unwrap();
+    let places = job.leave_long(0.0);
+    assert_eq!(places.len(), scenario.filters.len());
+    assert!(!job.advance(&far, &mut || true).is_done());
+    let record = job.whole_record(&far).unwrap().clone();
+    for place in places {
+        let mut pass = Pass::new(&scenario, place, &record).unwrap();
+        for samples in [4, 300, 601] {
+            let mut tape = Tape::default();
+            pass.follow(&record, samples, &mut tape);
+            assert!(job.take(place, &Tape::from_numbers(tape.numbers().to_vec())));
         }
-        let mut learns = FilterSettings { id: 0, kind: FilterKind::EKF, ..first.clone() };
-        learns.adaptation.sensor_noise = true;
-        let stops = FilterSettings { id: 0, kind: FilterKind::EKF, fading: 1e100, ..first };
-        scenario.filters.extend([learns, stops]);
-        scenario.number_filters();
-        scenario
+        assert!(!job.take(place, &Tape::from_numbers(vec![1.0, 0.0, 0.0, 7.0])), "no sample of this filter");
     }
+    assert!(job.advance(&far, &mut || true).is_done());
+    assert_eq!(job.finish(&mut far), Update::Everything);
+    for (near, far) in near.run().estimates().iter().zip(far.run().estimates()) {
+        assert_eq!(format!("{near:?}"), format!("{far:?}"));
+    }
+    assert!(near.run().estimates().iter().any(|estimates| estimates.stop().is_some()));
+    assert!(near.run().estimates().iter().any(|estimates| !estimates.remarks().is_empty()));
+}
 
-    fn study() -> Study {
-        Study::new(&Scenario { duration: 1.0, ..Scenario::default() }, Source::Simulated, 100_000).unwrap()
-    }
+#[test]
+fn filters_that_are_taken_back_begin_again() {
+    let (scenario, mut study) = (of_all_kinds(), short_study());
+    let mut job = Job::new(&mut study, &scenario, None, 601).unwrap();
+    let places = job.leave_long(0.0);
+    job.advance(&study, &mut || true);
+    let record = job.whole_record(&study).unwrap().clone();
+    let mut tape = Tape::default();
+    Pass::new(&scenario, places[0], &record).unwrap().follow(&record, 200, &mut tape);
+    assert!(job.take(places[0], &tape));
+    job.take_back();
+    assert!(job.advance(&study, &mut || true).is_done());
+    job.finish(&mut study);
+    assert_eq!(study.run().checksum(), finished(&scenario).checksum());
+}
 
-    #[test]
-    fn filters_that_are_computed_elsewhere_have_the_same_bits() {
-        let (scenario, mut near, mut far) = (scenario(), study(), study());
-        let mut job = Job::new(&mut near, &scenario, None, 601).unwrap();
-        while !job.advance(&near, &mut || true).is_done() {}
-        job.finish(&mut near);
-        let mut job = Job::new(&mut far, &scenario, None, 601).unwrap();
-        let places = job.leave_long(0.0);
-        assert_eq!(places.len(), scenario.filters.len());
-        assert!(!job.advance(&far, &mut || true).is_done());
-        let record = job.whole_record(&far).unwrap().clone();
-        for place in places {
-            let mut pass = Pass::new(&scenario, place, &record).unwrap();
-            for samples in [4, 300, 601] {
-                let mut tape = Tape::default();
-                pass.follow(&record, samples, &mut tape);
-                assert!(job.take(place, &Tape::from_numbers(tape.numbers().to_vec())));
-            }
-            assert!(!job.take(place, &Tape::from_numbers(vec![1.0, 0.0, 0.0, 7.0])), "no sample of this filter");
-        }
-        assert!(job.advance(&far, &mut || true).is_done());
-        assert_eq!(job.finish(&mut far), Update::Everything);
-        for (near, far) in near.run().estimates().iter().zip(far.run().estimates()) {
-            assert_eq!(format!("{near:?}"), format!("{far:?}"));
-        }
-        assert!(near.run().estimates().iter().any(|estimates| estimates.stop().is_some()));
-        assert!(near.run().estimates().iter().any(|estimates| !estimates.remarks().is_empty()));
-    }
-
-    #[test]
-    fn filters_that_are_taken_back_begin_again() {
-        let (scenario, mut study) = (scenario(), study());
-        let mut job = Job::new(&mut study, &scenario, None, 601).unwrap();
-        let places = job.leave_long(0.0);
-        job.advance(&study, &mut || true);
-        let record = job.whole_record(&study).unwrap().clone();
-        let mut tape = Tape::default();
-        Pass::new(&scenario, places[0], &record).unwrap().follow(&record, 200, &mut tape);
-        assert!(job.take(places[0], &tape));
-        job.take_back();
-        assert!(job.advance(&study, &mut || true).is_done());
-        job.finish(&mut study);
-        let mut run = kalmanscope_core::Run::new(&scenario).unwrap();
-        run.finish();
-        assert_eq!(study.run().checksum(), run.checksum());
-    }
-
-    #[test]
-    fn a_part_of_a_record_is_computed_here() {
-        let (scenario, mut study) = (scenario(), study());
-        assert!(Job::new(&mut study, &scenario, None, 300).unwrap().leave_long(0.0).is_empty());
-    }
+#[test]
+fn a_part_of_a_record_is_computed_here() {
+    let (scenario, mut study) = (of_all_kinds(), short_study());
+    assert!(Job::new(&mut study, &scenario, None, 300).unwrap().leave_long(0.0).is_empty());
 }

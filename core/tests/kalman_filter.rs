@@ -33,10 +33,6 @@ fn readings(k: u32) -> [f64; 3] {
     [0, 1, 2].map(|i| if (k + i).is_multiple_of(5) && i > 0 { f64::NAN } else { libm::sin(f64::from(k * (i + 2))) })
 }
 
-fn rows(of: &Matrix, places: &[usize]) -> Matrix {
-    of.select_rows(places)
-}
-
 #[test]
 fn a_step_is_that_of_the_textbook() {
     for are_correlated in [false, true] {
@@ -58,8 +54,8 @@ fn a_step_is_that_of_the_textbook() {
             close(&filter.prior().cov, &p, "P⁻");
             close(&vector(&filter.prior().mean), &vector(&x), "x⁻");
             let there: Vec<usize> = (0..3).filter(|&i| !z[i].is_nan()).collect();
-            let some_h = rows(&h, &there);
-            let some_r = rows(&rows(&r, &there).transpose(), &there);
+            let some_h = h.select_rows(&there);
+            let some_r = r.select_rows(&there).select_columns(&there);
             let e = Vector::from_fn(there.len(), |i, _| z[there[i]]) - &some_h * &x;
             let s = &some_h * &p * some_h.transpose() + some_r;
             let inverse = s.clone().try_inverse().expect("S is positive definite");
@@ -152,20 +148,15 @@ fn refused(change: impl FnOnce(&mut [Matrix; 5], &mut Gaussian)) -> String {
 
 #[test]
 fn a_matrix_of_another_shape_is_refused_with_both_shapes() {
-    let shape = |matrix: usize, rows: usize, columns: usize| {
-        refused(|matrices, _| matrices[matrix] = Matrix::from_element(rows, columns, 0.1))
-    };
-    assert_eq!(shape(0, 3, 2), "A is 3 × 2, but must be 3 × 3: a row and a column for each component of the state");
-    assert_eq!(
-        shape(1, 2, 2),
-        "B is 2 × 2, but must be 3 × 2: a row for each component of the state, a column for each input"
-    );
-    assert_eq!(
-        shape(2, 3, 4),
-        "H is 3 × 4, but must be 3 × 3: a row for each sensor, a column for each component of the state"
-    );
-    assert_eq!(shape(3, 2, 2), "Q is 2 × 2, but must be 3 × 3: a row and a column for each component of the state");
-    assert_eq!(shape(4, 2, 2), "R is 2 × 2, but must be 3 × 3: a row and a column for each sensor");
+    for (matrix, rows, columns, said) in [
+        (0, 3, 2, "A is 3 × 2, but must be 3 × 3: a row and a column for each component of the state"),
+        (1, 2, 2, "B is 2 × 2, but must be 3 × 2: a row for each component of the state, a column for each input"),
+        (2, 3, 4, "H is 3 × 4, but must be 3 × 3: a row for each sensor, a column for each component of the state"),
+        (3, 2, 2, "Q is 2 × 2, but must be 3 × 3: a row and a column for each component of the state"),
+        (4, 2, 2, "R is 2 × 2, but must be 3 × 3: a row and a column for each sensor"),
+    ] {
+        assert_eq!(refused(|matrices, _| matrices[matrix] = Matrix::from_element(rows, columns, 0.1)), said);
+    }
     let cov = refused(|_, start| start.cov = Matrix::zeros(2, 3));
     assert_eq!(cov, "P is 2 × 3, but must be 3 × 3: a row and a column for each component of the initial mean");
     let nothing = refused(|_, start| start.mean = Vector::zeros(0));
@@ -203,15 +194,11 @@ fn a_step_that_is_refused_leaves_the_filter_as_it_was() {
     filter.step(&[0.1, 0.2], &readings(1)).expect("it goes on");
     let before = (filter.mean().clone(), filter.cov().clone());
     let message = |error: Result<(), SystemError>| error.expect_err("it is refused").to_string();
-    assert_eq!(
-        message(filter.predict(&[1.0])),
-        "the input has 1 numbers, but must have 2: a number for each column of B"
-    );
+    let said = "the input has 1 numbers, but must have 2: a number for each column of B";
+    assert_eq!(message(filter.predict(&[1.0])), said);
     assert_eq!(message(filter.predict(&[1.0, f64::NAN])), "the input[1] is NaN, but must be a finite number");
-    assert_eq!(
-        message(filter.update(&[1.0])),
-        "the sample has 1 numbers, but must have 3: a number for each sensor, NaN where it has no reading"
-    );
+    let said = "the sample has 1 numbers, but must have 3: a number for each sensor, NaN where it has no reading";
+    assert_eq!(message(filter.update(&[1.0])), said);
     assert_eq!(filter.update(&[0.0, f64::INFINITY, 0.0]), Err(FilterError::InfiniteMeasurement.into()));
     assert_eq!(filter.update(&[1e200, 0.0, 0.0]), Err(FilterError::ImpossibleMeasurement.into()));
     assert_eq!((filter.mean(), filter.cov()), (&before.0, &before.1));

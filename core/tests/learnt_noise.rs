@@ -1,9 +1,10 @@
 //! How large R and Q are: a filter that learns noise, and filters with several scales of Q.
 
 use kalmanscope_core::record::{Clocks, Timed};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Signal, Trouble};
+use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Trouble};
 
-use crate::run::{finished, finished_on, one_filter};
+use crate::numbers::{apart, mean};
+use crate::run::{finished, finished_on, one_filter, oscillator, values};
 
 fn coverage(
     kind: FilterKind,
@@ -22,8 +23,7 @@ fn coverage(
         (filter.adaptation.sensor_noise, filter.adaptation.forgetting) = (true, 0.99);
         change(&mut scenario);
         let true_std: Vec<f64> = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
-        let run = finished(&scenario);
-        let estimates = &run.estimates()[0];
+        let estimates = &finished(&scenario).estimates()[0].clone();
         assert_eq!(estimates.stop(), None, "{kind:?} {plant:?} {seed}");
         counts.resize(true_std.len(), [0, 0]);
         for k in (1500..estimates.len()).step_by(250) {
@@ -41,9 +41,9 @@ fn training_ends_and_what_was_learnt_stays() {
     for (kind, hold) in
         [(FilterKind::EKF, Hold::Zero), (FilterKind::UKF, Hold::First), (FilterKind::SR_UKF, Hold::Zero)]
     {
-        let mut scenario = Scenario { duration: 20.0, hold, ..one_filter(FilterKind::EKF) };
+        let mut scenario = Scenario { duration: 20.0, hold, ..one_filter(kind) };
         let filter = &mut scenario.filters[0];
-        (filter.kind, filter.fading) = (kind, 1.0);
+        filter.fading = 1.0;
         filter.sensor_std.iter_mut().for_each(|std| *std *= 3.0);
         (filter.adaptation.sensor_noise, filter.adaptation.process_noise) = (true, true);
         filter.adaptation.forgetting = 0.99;
@@ -52,7 +52,7 @@ fn training_ends_and_what_was_learnt_stays() {
         scenario.filters.insert(0, always);
         let run = finished(&scenario);
         let [always, trained] = [0, 1].map(|place| &run.estimates()[place]);
-        let noise = |of: &kalmanscope_core::Estimates, k: usize| of.sensor_noise(k, 0).expect("it learns R");
+        let noise = |of: &Estimates, k: usize| of.sensor_noise(k, 0).expect("it learns R");
         let far = |k: usize| (noise(always, k)[0] / noise(trained, k)[0] - 1.0).abs();
         assert!((0..=800).all(|k| far(k) == 0.0), "{kind:?}");
         assert!((801..=2000).all(|k| noise(trained, k) == noise(trained, 800)), "{kind:?}");
@@ -70,30 +70,24 @@ fn two_sigma_after_a_training_hold_the_true_noise() {
     println!("after training: {shares:?}");
     // What was learnt stays, so that each record counts once: three standard deviations of 200 and of 800 are 4.4 % and 2.2 %.
     let all: Vec<f64> = shares.into_iter().flatten().collect();
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let mean = mean(&all);
     assert!(all.iter().all(|share| *share >= 0.91) && (0.932..=0.976).contains(&mean), "{all:?}");
 }
 
 #[test]
 fn two_sigma_of_learnt_noise_hold_the_true_one() {
+    use {FilterKind as Kind, PlantKind as Plant};
+    let one_sensor = |scenario: &mut Scenario| {
+        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+        scenario.filters[0].sensor_std = vec![0.5 * scenario.sensors[0].noise_std];
+    };
     for (what, shares) in [
-        ("EKF", coverage(FilterKind::EKF, PlantKind::SDOF, |_| (), 0..200)),
-        ("UKF", coverage(FilterKind::UKF, PlantKind::SDOF, |_| (), 200..300)),
-        ("held", coverage(FilterKind::EKF, PlantKind::SDOF, |scenario| scenario.hold = Hold::First, 300..400)),
-        ("slow", coverage(FilterKind::EKF, PlantKind::SDOF, |s| s.filters[0].adaptation.forgetting = 0.995, 400..500)),
-        ("Duffing", coverage(FilterKind::UKF, PlantKind::DUFFING, |_| (), 500..560)),
-        (
-            "one sensor",
-            coverage(
-                FilterKind::EKF,
-                PlantKind::SDOF,
-                |scenario| {
-                    scenario.set_sensors(&[Quantity::DISPLACEMENT]);
-                    scenario.filters[0].sensor_std = vec![0.5 * scenario.sensors[0].noise_std];
-                },
-                560..660,
-            ),
-        ),
+        ("EKF", coverage(Kind::EKF, Plant::SDOF, |_| (), 0..200)),
+        ("UKF", coverage(Kind::UKF, Plant::SDOF, |_| (), 200..300)),
+        ("held", coverage(Kind::EKF, Plant::SDOF, |scenario| scenario.hold = Hold::First, 300..400)),
+        ("slow", coverage(Kind::EKF, Plant::SDOF, |s| s.filters[0].adaptation.forgetting = 0.995, 400..500)),
+        ("Duffing", coverage(Kind::UKF, Plant::DUFFING, |_| (), 500..560)),
+        ("one sensor", coverage(Kind::EKF, Plant::SDOF, one_sensor, 560..660)),
     ] {
         println!("{what}: {shares:?}");
         assert!(shares.iter().all(|share| (0.92..=0.98).contains(share)), "{what}: {shares:?}");
@@ -102,13 +96,11 @@ fn two_sigma_of_learnt_noise_hold_the_true_one() {
 
 /// An oscillator that is shaken at random, and a filter that takes Q to be wrong by a factor of `wrong` on √Q.
 fn scenario(seed: u64, wrong: f64) -> Scenario {
-    let mut scenario = Scenario { duration: 40.0, seed, ..one_filter(FilterKind::EKF) };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.05));
+    let mut scenario = Scenario { duration: 40.0, seed, plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.plant.disturbance_std = 2.0;
     let (_, truth) = scenario.true_noise();
     let filter = &mut scenario.filters[0];
-    *filter = FilterSettings { kind: FilterKind::EKF, fading: 1.0, process_scales: 17, ..filter.clone() };
+    (filter.fading, filter.process_scales) = (1.0, 17);
     for (channel, std) in truth.iter() {
         filter.process_std[channel] = wrong * std;
     }
@@ -123,8 +115,7 @@ fn coverage_of_q(wrong: f64, seeds: std::ops::Range<u64>, change: impl Fn(&mut S
     for seed in seeds {
         let mut scenario = scenario(seed, wrong);
         change(&mut scenario);
-        let run = finished(&scenario);
-        let estimates = &run.estimates()[0];
+        let estimates = &finished(&scenario).estimates()[0].clone();
         assert_eq!(estimates.stop(), None, "{seed}");
         for k in (1500..estimates.len()).step_by(250) {
             let [mean, std] = estimates.process_scale(k).expect("it tells the scale");
@@ -135,16 +126,22 @@ fn coverage_of_q(wrong: f64, seeds: std::ops::Range<u64>, change: impl Fn(&mut S
     inside as f64 / f64::from(all)
 }
 
-fn known(scenario: &mut Scenario) {
-    let filter = &mut scenario.filters[0];
-    filter.kind = FilterKind::KF;
-    filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
-    filter.initial_mean[Channel::DAMPING_RATIO] = 0.05;
-}
-
 #[test]
 fn two_sigma_hold_the_true_process_noise() {
     let forget = |scenario: &mut Scenario, a: f64| scenario.filters[0].adaptation.forgetting = a;
+    let known = |scenario: &mut Scenario| {
+        let filter = &mut scenario.filters[0];
+        (filter.kind, filter.initial_mean) = (FilterKind::KF, values([0.0, 0.0, 6.0, 0.05]));
+    };
+    let one_sensor = |scenario: &mut Scenario| {
+        scenario.set_sensors(&[Quantity::VELOCITY]);
+        scenario.filters[0].sensor_std = scenario.true_noise_for(&scenario.filters[0]).0;
+    };
+    let r_too = |scenario: &mut Scenario| {
+        let filter = &mut scenario.filters[0];
+        filter.adaptation.sensor_noise = true;
+        filter.sensor_std.iter_mut().for_each(|std| *std *= 2.0);
+    };
     for (what, share) in [
         ("EKF", coverage_of_q(0.2, 0..60, |_| ())),
         ("UKF", coverage_of_q(4.0, 100..160, |scenario| scenario.filters[0].kind = FilterKind::UKF)),
@@ -154,21 +151,8 @@ fn two_sigma_hold_the_true_process_noise() {
         ("slow", coverage_of_q(3.0, 500..560, |scenario| forget(scenario, 0.999))),
         ("trained", coverage_of_q(0.3, 600..750, |scenario| scenario.filters[0].adaptation.training = 14.0)),
         ("Duffing", coverage_of_q(1.5, 800..860, |scenario| scenario.set_plant(PlantKind::DUFFING))),
-        (
-            "one sensor",
-            coverage_of_q(0.7, 860..920, |scenario| {
-                scenario.set_sensors(&[Quantity::VELOCITY]);
-                scenario.filters[0].sensor_std = scenario.true_noise_for(&scenario.filters[0]).0;
-            }),
-        ),
-        (
-            "R too",
-            coverage_of_q(0.7, 960..1020, |scenario| {
-                let filter = &mut scenario.filters[0];
-                filter.adaptation.sensor_noise = true;
-                filter.sensor_std.iter_mut().for_each(|std| *std *= 2.0);
-            }),
-        ),
+        ("one sensor", coverage_of_q(0.7, 860..920, one_sensor)),
+        ("R too", coverage_of_q(0.7, 960..1020, r_too)),
     ] {
         println!("{what}: {share}");
         assert!((0.92..=0.98).contains(&share), "{what}: {share}");
@@ -183,8 +167,7 @@ fn estimates_are_those_of_a_filter_that_knows_q() {
         for seed in 2000..2040 {
             let mut scenario = scenario(seed, wrong);
             scenario.filters[0].process_scales = scales;
-            let run = finished(&scenario);
-            let estimates = &run.estimates()[0];
+            let estimates = &finished(&scenario).estimates()[0].clone();
             let place = estimates.place(Channel::NATURAL_FREQUENCY).expect("it is estimated");
             for k in (2000..estimates.len()).step_by(20) {
                 let (error, std) = (estimates.mean(k)[place] - 6.0, estimates.std(k, place));
@@ -219,7 +202,7 @@ fn readings_keep_their_times() {
     for k in (0..one.len()).step_by(50) {
         let [[a, std], [b, _]] = [one, other].map(|of| of.process_scale(k).expect("it tells the scale"));
         assert!((a - b).abs() < 1e-6 * std, "{k}: {a} {b}");
-        assert!((0..4).all(|i| (one.mean(k)[i] - other.mean(k)[i]).abs() < 1e-6 * one.std(k, i)), "{k}");
+        assert!(apart((other, k), (one, k)) < 1e-6, "{k}");
     }
 }
 
@@ -251,11 +234,8 @@ fn what_it_cannot_have_is_refused() {
         |filter| filter.process_scales = 0,
         |filter| filter.process_scales = 42,
     ] {
-        assert!(
-            refused(change).contains("process_scales") || refused(change).contains("guesses"),
-            "{}",
-            refused(change)
-        );
+        let said = refused(change);
+        assert!(said.contains("process_scales") || said.contains("guesses"), "{said}");
     }
 }
 
@@ -265,8 +245,7 @@ fn usual_noise_is_scaled_too() {
     let text =
         "duration = 20.0\nseed = 3\n[plant]\ndisturbance_std = 3.0\n[[filters]]\nkind = \"ekf\"\nprocess_scales = 9";
     let scenario = Scenario::from_toml(text).expect("it is a scenario");
-    let run = finished(&scenario);
-    let estimates = &run.estimates()[0];
+    let estimates = &finished(&scenario).estimates()[0].clone();
     let [_, std] = estimates.process_scale(estimates.len() - 1).expect("it tells the scale");
     assert!(std < 0.5, "it is told by readings: {std}");
     let n = estimates.channels().len();

@@ -7,6 +7,7 @@ use kalmanscope_core::{
     Wanted, simulate, smoothed,
 };
 
+use crate::numbers::apart;
 use crate::run::finished;
 
 /// A record with gaps, and smoothers of every kind: Jacobians, fading, jumps, logarithms, late input, white force, masses.
@@ -19,29 +20,17 @@ fn scenarios() -> Vec<Scenario> {
         FilterSettings { kind: FilterKind::IEKF, augment: vec![Channel::WHITE_FORCE], ..base.clone() },
         FilterSettings { kind: FilterKind::CKF, jump: true, ..base },
     ];
-    [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2]
-        .map(|kind| {
-            let mut scenario =
-                Scenario { duration: 4.0, hold: Hold::First, filters: filters.to_vec(), ..Scenario::default() };
-            scenario.plant.kind = kind;
-            scenario.number_filters();
-            scenario
-        })
-        .into()
+    let of = |kind| {
+        let mut scenario = Scenario { duration: 4.0, hold: Hold::First, ..Scenario::default() };
+        (scenario.plant.kind, scenario.filters) = (kind, filters.to_vec());
+        scenario.number_filters();
+        scenario
+    };
+    [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2].map(of).into()
 }
 
 fn record(scenario: &Scenario) -> Record {
-    let record = simulate(&Scenario { filters: Vec::new(), ..scenario.clone() });
-    record.with_gaps(|sensor, k| k > 0 && (k % (11 + sensor) == 3 || (150..170).contains(&k)))
-}
-
-/// The largest difference of two smoothed samples, in standard deviations of the latter.
-fn difference((one, k): (&Estimates, usize), (other, at): (&Estimates, usize)) -> f64 {
-    let of = |i: usize| {
-        let (mean, std) = (one.mean(k)[i] - other.mean(at)[i], one.std(k, i) - other.std(at, i));
-        if other.std(at, i) > 0.0 { mean.abs().max(std.abs()) / other.std(at, i) } else { mean.abs().max(std.abs()) }
-    };
-    (0..other.channels().len()).map(of).fold(0.0, f64::max)
+    simulate(scenario).with_gaps(|sensor, k| k > 0 && (k % (11 + sensor) == 3 || (150..170).contains(&k)))
 }
 
 /// What a look-ahead means: at each sample it is the smoother of a record that ends so many samples later.
@@ -62,7 +51,7 @@ fn each_sample_knows_what_comes_within_the_look_ahead() {
                 assert_eq!(lagged.len(), whole.last().unwrap()[place].len());
                 for k in 0..lagged.len() {
                     let then = &whole[(k + lag).min(whole.len() - 1)][place];
-                    let far = difference((&lagged, k), (then, k));
+                    let far = apart((&lagged, k), (then, k));
                     assert!(far < 1e-6, "{} {lag} of {k}: {far}", lagged.name());
                 }
             }
@@ -91,7 +80,7 @@ fn it_goes_along_with_a_run() {
                 assert_eq!(estimates.forgotten(), forgotten);
                 assert_eq!(estimates.len(), study.run().done().saturating_sub(37 + forgotten));
                 for k in 0..estimates.len() {
-                    assert_eq!(difference((estimates, k), (same, forgotten + k)), 0.0);
+                    assert_eq!(apart((estimates, k), (same, forgotten + k)), 0.0);
                 }
                 longest = longest.max(estimates.len());
             }
@@ -120,7 +109,7 @@ fn it_grows_with_a_live_record_and_has_all_of_it_at_the_end() {
     let (live, ended) = (study.analysis().smoothed(), ended.analysis().smoothed());
     for (live, ended) in live.iter().zip(ended) {
         assert_eq!((live.len(), ended.len()), (381, 401));
-        assert!((0..381).all(|k| difference((live, k), (ended, k)) == 0.0), "{}", live.name());
+        assert!((0..381).all(|k| apart((live, k), (ended, k)) == 0.0), "{}", live.name());
     }
 }
 
@@ -163,9 +152,9 @@ fn a_look_ahead_is_at_least_a_step() {
     };
     let endless = of(1e300);
     let [least, step, long, whole] = [1e-9, 0.01, 100.0, 0.0].map(of);
-    assert_eq!(difference((&least, 50), (&step, 50)), 0.0);
-    assert!(difference((&long, 50), (&whole, 50)) < 1e-6 && difference((&step, 50), (&whole, 50)) > 1e-3);
-    assert_eq!(difference((&endless, 50), (&long, 50)), 0.0);
+    assert_eq!(apart((&least, 50), (&step, 50)), 0.0);
+    assert!(apart((&long, 50), (&whole, 50)) < 1e-6 && apart((&step, 50), (&whole, 50)) > 1e-3);
+    assert_eq!(apart((&endless, 50), (&long, 50)), 0.0);
     for wrong in [-0.1, f64::NAN, f64::INFINITY] {
         scenario.filters[0].look_ahead = wrong;
         assert!(scenario.validate().is_err(), "{wrong}");

@@ -9,32 +9,28 @@ mod ambient;
 mod health;
 #[path = "common/import.rs"]
 mod import;
+#[path = "common/numbers.rs"]
+mod numbers;
 #[path = "common/phone.rs"]
 mod phone;
-#[path = "common/random.rs"]
-mod random;
 #[path = "common/run.rs"]
 mod run;
-#[path = "common/short_records.rs"]
-mod short_records;
 #[path = "../benches/situations/mod.rs"]
+#[expect(dead_code, reason = "benches take their arguments from it")]
 mod situations;
 #[path = "common/start_values.rs"]
 mod start_values;
 
 mod agreement;
-mod ambient_vibration;
 mod augmentations;
 mod bank;
 mod bounded;
 mod causes;
 mod clocks;
-mod considered;
 mod decay;
 mod delays;
 mod diagnosis;
 mod diagnostics;
-mod documents;
 mod equations;
 mod events;
 mod faults;
@@ -49,12 +45,10 @@ mod job;
 mod jump;
 mod kalman_filter;
 mod learnt_noise;
-mod lessons;
 mod live;
 mod look_ahead;
 mod measured;
 mod million_steps;
-mod model_classes;
 mod monte_carlo;
 mod motion;
 mod online;
@@ -62,10 +56,7 @@ mod oracles;
 mod outliers;
 mod own;
 mod plucks;
-mod prior;
 mod reference;
-mod remedies;
-mod ring;
 mod scenario;
 mod snapshots;
 mod start_value_records;

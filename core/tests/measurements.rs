@@ -14,12 +14,14 @@ use start_values::{Excitation, SENSORS, grid, right, shares, worst_of_losses};
 
 #[path = "common/ambient.rs"]
 mod ambient;
-#[path = "common/random.rs"]
-mod random;
+#[path = "common/numbers.rs"]
+#[expect(dead_code, reason = "tests need more of it")]
+mod numbers;
 #[path = "common/run.rs"]
 #[expect(dead_code, reason = "tests need more of it")]
 mod run;
 #[path = "common/start_values.rs"]
+#[expect(dead_code, reason = "tests need more of it")]
 mod start_values;
 
 fn main() {
@@ -64,20 +66,11 @@ fn print_decays() {
 }
 
 fn print_ambient() {
-    ambient_records_of_many_kinds();
-    two_sensors_of_a_building();
-    masses_of_three_hertz();
-}
-
-fn ambient_records_of_many_kinds() {
+    use Accelerometer::{BandLimited, Filtered, Held, Instant, Mean};
     for rate in [20.0, 50.0] {
         for sensors in SETS {
-            use Accelerometer::{BandLimited, Filtered, Held, Instant, Mean};
-            let kinds = if sensors.contains(&Quantity::ACCELERATION) {
-                &[Mean, BandLimited, Filtered, Instant, Held][..]
-            } else {
-                &[Mean]
-            };
+            let all = [Mean, BandLimited, Filtered, Instant, Held];
+            let kinds = if sensors.contains(&Quantity::ACCELERATION) { &all[..] } else { &all[..1] };
             for &kind in kinds {
                 let ends: Vec<End> = (1300..1306).map(|seed| end(&building(rate, sensors, kind, seed), 0)).collect();
                 let names: Vec<&str> = sensors.iter().map(|sensor| sensor.key()).collect();
@@ -85,19 +78,13 @@ fn ambient_records_of_many_kinds() {
             }
         }
     }
-}
-
-fn two_sensors_of_a_building() {
     for rate in [20.0, 50.0] {
-        for kind in [Accelerometer::Mean, Accelerometer::BandLimited, Accelerometer::Filtered, Accelerometer::Instant] {
+        for kind in [Mean, BandLimited, Filtered, Instant] {
             let ends: Vec<End> = (1350..1354).map(|seed| end(&building(rate, SETS[3], kind, seed), 0)).collect();
             report(&format!("{rate} Hz displacement+acceleration {kind:?}"), &ends);
         }
     }
-}
-
-fn masses_of_three_hertz() {
-    for kind in [Accelerometer::Mean, Accelerometer::BandLimited, Accelerometer::Filtered, Accelerometer::Instant] {
+    for kind in [Mean, BandLimited, Filtered, Instant] {
         for rate in [50.0, 100.0] {
             let ends: Vec<End> = (1300..1308).map(|seed| end(&mass(kind, rate, seed), 0)).collect();
             report(&format!("3.1 Hz, {rate} Hz, {kind:?}"), &ends);

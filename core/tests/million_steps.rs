@@ -1,23 +1,21 @@
 //! Numerical problems are reported at their sample, without panics and without silent NaN.
 
 use std::cell::Cell;
-use std::sync::Arc;
 
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
-    Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
-    Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values,
+    Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind,
+    Propagation, Quantity, Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values, simulate,
 };
 use proptest::prelude::*;
-use proptest::test_runner::{RngSeed, TestError, TestRunner};
+use proptest::test_runner::{TestError, TestRunner};
 
 use crate::health::{check_file, check_scenario, scenario_of};
-use crate::run::finished;
+use crate::run::{asset, built_in, cases, finished, finished_on, shrinking, values};
 
-/// The same cases every time, so that a failure is reproducible; other ones with another `KALMANSCOPE_TEST_SEED`.
-fn config(cases: u32) -> ProptestConfig {
+/// The same cases every time, and other ones with another `KALMANSCOPE_TEST_SEED`.
+fn config(count: u32) -> ProptestConfig {
     let seed = std::env::var("KALMANSCOPE_TEST_SEED").map_or(20_261_121, |text| text.parse().unwrap());
-    ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
+    cases(seed, count)
 }
 
 #[test]
@@ -57,17 +55,8 @@ proptest! {
     }
 }
 
-fn built_in(name: &str) -> Scenario {
-    file("assets/scenarios", name)
-}
-
 fn hostile(name: &str) -> Scenario {
-    file("tests/hostile", name)
-}
-
-fn file(folder: &str, name: &str) -> Scenario {
-    let path = format!("{}/../{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()
+    asset("../tests/hostile", name)
 }
 
 fn with_filter(kind: FilterKind) -> Scenario {
@@ -75,9 +64,13 @@ fn with_filter(kind: FilterKind) -> Scenario {
     Scenario { duration: 10.0, filters: vec![filter], ..Scenario::default() }
 }
 
-fn stop(scenario: &Scenario) -> Option<Stop> {
+fn checked(scenario: &Scenario) -> Run {
     check_scenario(scenario, 0).unwrap();
-    finished(scenario).estimates()[0].stop()
+    finished(scenario)
+}
+
+fn stop(scenario: &Scenario) -> Option<Stop> {
+    checked(scenario).estimates()[0].stop()
 }
 
 fn remark(estimates: &Estimates, what: Trouble) -> Option<Remark> {
@@ -86,9 +79,7 @@ fn remark(estimates: &Estimates, what: Trouble) -> Option<Remark> {
 
 #[test]
 fn healthy_filters_have_no_remarks() {
-    for name in
-        ["constant", "free-vibration", "hammer", "chirp", "stiffness-loss", "acceleration-only", "no-excitation"]
-    {
+    for name in "constant free-vibration hammer chirp stiffness-loss acceleration-only no-excitation".split(' ') {
         let run = finished(&built_in(name));
         assert_eq!(run.truth_stop(), None);
         for estimates in run.estimates() {
@@ -101,8 +92,7 @@ fn healthy_filters_have_no_remarks() {
 fn forgetting_without_excitation_winds_up_and_is_remarked_once() {
     let mut scenario = built_in("no-excitation");
     scenario.filters.iter_mut().for_each(|filter| filter.fading = 1.02);
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     for estimates in run.estimates().iter().filter(|e| e.kind() == FilterKind::EKF) {
         let limit = 1e3 * scenario.filters[0].initial_std[Channel::NATURAL_FREQUENCY];
         let far = (0..estimates.len()).find(|&k| estimates.std(k, 2) > limit).unwrap();
@@ -132,12 +122,8 @@ fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
         let filter = &mut scenario.filters[0];
         (filter.initial_std, filter.process_std) = (Values::ZERO, Values::ZERO);
         filter.sensor_std = vec![1e-200; 2];
-        assert_eq!(
-            stop(&scenario),
-            Some(Stop { sample: 1, reason: FilterError::SingularInnovation }),
-            "{}",
-            kind.name()
-        );
+        let expected = Stop { sample: 1, reason: FilterError::SingularInnovation };
+        assert_eq!(stop(&scenario), Some(expected), "{}", kind.name());
     }
 }
 
@@ -146,28 +132,16 @@ fn perfect_sensors_make_s_singular_sooner_or_later() {
     let mut scenario = with_filter(FilterKind::EKF);
     scenario.sensors.push(Sensor::new(Quantity::ACCELERATION, 0.0));
     let filter = &mut scenario.filters[0];
-    filter.sensor_std = vec![1e-200; 3];
-    filter.initial_std = Values::ZERO.with([(Channel::DISPLACEMENT, 0.1), (Channel::VELOCITY, 0.3)]);
-    filter.process_std = Values::ZERO;
+    (filter.sensor_std, filter.process_std) = (vec![1e-200; 3], Values::ZERO);
+    filter.initial_std = values([0.1, 0.3, 0.0, 0.0]);
     // The acceleration follows from displacement and velocity.
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::SingularInnovation }));
 }
 
 #[test]
 fn an_indefinite_covariance_is_refused_or_remarked() {
-    // A matrix of rank one that shrinks: its small variances are rounding errors.
-    let filter = FilterSettings {
-        kind: FilterKind::EKF,
-        initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
-        initial_std: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
-        process_std: Values::ZERO,
-        ..FilterSettings::default()
-    };
-    let force = Force::Step { amplitude: 0.3, at: 1.9 };
-    let scenario =
-        Scenario { dt: 0.2, duration: 40.0, force, sensors: vec![], filters: vec![filter], ..Scenario::default() };
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let scenario = shrinking(FilterKind::EKF);
+    let run = checked(&scenario);
     let indefinite = |r: &&Remark| matches!(r.what, Trouble::Indefinite(..));
     assert!(run.estimates()[0].remarks().iter().any(|r| indefinite(&r)), "{:?}", run.estimates()[0].remarks());
 }
@@ -175,9 +149,8 @@ fn an_indefinite_covariance_is_refused_or_remarked() {
 #[test]
 fn a_diverging_filter_stops_with_divergence() {
     let mut scenario = with_filter(FilterKind::EKF);
-    scenario.dt = 0.5;
-    scenario.duration = 1000.0;
-    scenario.filters[0].propagation = Some(kalmanscope_core::Propagation::Euler);
+    (scenario.dt, scenario.duration) = (0.5, 1000.0);
+    scenario.filters[0].propagation = Some(Propagation::Euler);
     (scenario.sensors, scenario.filters[0].sensor_std) = (vec![], vec![]);
     assert_eq!(stop(&scenario).unwrap().reason, FilterError::NotFinite);
 }
@@ -201,8 +174,7 @@ fn a_measurement_without_likelihood_is_not_called_divergence() {
     for kind in FilterKind::ALL {
         let mut scenario = with_filter(kind);
         scenario.plant.initial.displacement = 1e160;
-        let filter = &mut scenario.filters[0];
-        filter.sensor_std = vec![1e-5, 1.0];
+        scenario.filters[0].sensor_std = vec![1e-5, 1.0];
         let reason = stop(&scenario).unwrap().reason;
         assert_eq!(reason, FilterError::ImpossibleMeasurement, "{}", kind.name());
     }
@@ -213,8 +185,7 @@ fn a_diverging_plant_ends_the_record_with_a_reason() {
     let plant = Plant::default().of_kind(PlantKind::DUFFING).with(Channel::CUBIC_STIFFNESS, -300.0);
     let mut scenario = Scenario { plant, ..with_filter(FilterKind::UKF) };
     scenario.plant.initial.displacement = 1.0;
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     let TruthStop { sample, reason } = run.truth_stop().unwrap();
     assert!([Channel::DISPLACEMENT, Channel::VELOCITY].map(TruthError::Channel).contains(&reason), "{reason:?}");
     assert!(reason.to_string().contains("run away"));
@@ -227,13 +198,11 @@ fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
     let force = Force::Step { amplitude: 1.7e308, at: 0.05 };
     let mut scenario = Scenario { force, ..with_filter(FilterKind::EKF) };
     scenario.plant.disturbance_std = 1e308;
-    check_scenario(&scenario, 0).unwrap();
-    assert!(finished(&scenario).truth_stop().is_some());
+    assert!(checked(&scenario).truth_stop().is_some());
 
     let mut scenario = with_filter(FilterKind::EKF);
     scenario.sensors[1].noise_std = 1.7e308;
-    check_scenario(&scenario, 0).unwrap();
-    let reason = finished(&scenario).truth_stop().unwrap().reason;
+    let reason = checked(&scenario).truth_stop().unwrap().reason;
     assert_eq!(reason, TruthError::Reading(Quantity::VELOCITY));
 }
 
@@ -250,8 +219,7 @@ fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
 fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
     let mut scenario = with_filter(FilterKind::PF);
     scenario.filters[0].ensemble_size = 10;
-    scenario.filters[0].initial_std =
-        Values::ZERO.with([(Channel::VELOCITY, 1e153), (Channel::NATURAL_FREQUENCY, 1e153)]);
+    scenario.filters[0].initial_std = values([0.0, 1e153, 1e153, 0.0]);
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
 }
 
@@ -260,9 +228,7 @@ fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
     let scenario = with_filter(FilterKind::EKF);
     let is_missing = |sensor, k| sensor == 0 && ((200..230).contains(&k) || k == 300);
     let record = simulate(&scenario).with_gaps(is_missing);
-    let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
-    run.finish();
-    let estimates = &run.estimates()[0];
+    let estimates = &finished_on(&scenario, record).estimates()[0].clone();
     assert_eq!((estimates.missing(0), estimates.missing(1)), (31, 0));
     let what = Trouble::Missing(Quantity::DISPLACEMENT);
     assert_eq!(estimates.remarks(), [Remark { what, sample: 200, last: 229 }]);
@@ -275,8 +241,7 @@ fn a_sensor_without_a_quantity_of_the_filters_plant_is_remarked() {
     scenario.add_sensor(Sensor::new(Quantity::new(Aspect::DISPLACEMENT, 1), 0.01));
     scenario.filters.truncate(1);
     scenario.filters[0].plant = Some(PlantKind::SDOF);
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     let unknown = remark(&run.estimates()[0], Trouble::Unknown(Quantity::new(Aspect::DISPLACEMENT, 1))).unwrap();
     assert_eq!((unknown.sample, unknown.last), (1, run.len() - 1));
 }
@@ -287,8 +252,7 @@ fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
     let filter = &mut scenario.filters[0];
     filter.ensemble_size = 50;
     filter.sensor_std = vec![1e-6; 2];
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     let estimates = &run.estimates()[0];
     let collapse = remark(estimates, Trouble::Collapse).unwrap();
     for k in collapse.sample..collapse.sample + 10 {
@@ -303,16 +267,14 @@ fn learnt_noise_that_vanishes_or_grows_is_remarked() {
     let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::EKF) };
     scenario.sensors.iter_mut().for_each(|sensor| sensor.noise_std = 0.0);
     scenario.filters[0].adaptation = adaptation;
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     let vanishing = remark(&run.estimates()[0], Trouble::VanishingSensorNoise(Quantity::DISPLACEMENT));
     assert!(vanishing.is_some_and(|r| r.sample > 50), "{:?}", run.estimates()[0].remarks());
 
     let mut scenario = with_filter(FilterKind::EKF);
     scenario.filters[0].sensor_std = vec![1e-7; 2];
     scenario.filters[0].adaptation = Adaptation { process_noise: false, ..adaptation };
-    check_scenario(&scenario, 0).unwrap();
-    let run = finished(&scenario);
+    let run = checked(&scenario);
     let growing = remark(&run.estimates()[0], Trouble::GrowingSensorNoise(Quantity::DISPLACEMENT));
     assert!(growing.is_some(), "{:?}", run.estimates()[0].remarks());
 }

@@ -5,9 +5,11 @@
 
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::filter::Normal;
-use kalmanscope_core::{
-    Channel, CramerRao, FilterKind, FilterSettings, Force, Pass, PlantKind, Run, Scenario, Scores, Signal,
-};
+use kalmanscope_core::{Channel, Diagnostics, FilterKind, FilterSettings, Force, Pass, PlantKind, Scenario, Scores};
+
+use crate::numbers::ADAPTIVE;
+use crate::run::{bound, finished};
+use crate::situations::on_two_threads;
 
 const SEEDS: u64 = 200;
 
@@ -20,7 +22,7 @@ fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
         Scenario { seed, duration: 6.0, dt: 0.02, force: Force::WhiteNoise { std: 10.0 }, ..Scenario::default() };
     scenario.plant.kind = plant;
     scenario.plant.disturbance_std = 1.0;
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
     let mut filter = FilterSettings { kind, fading: 1.0, ensemble_size: 400, ..FilterSettings::default() };
     (filter.sensor_std, filter.process_std) = scenario.true_noise();
     let mut normal = Normal::from_seed(seed + 77);
@@ -50,28 +52,23 @@ struct Outcome {
 
 fn outcome(plant: PlantKind, kind: FilterKind, seed: u64) -> Outcome {
     let scenario = scenario(plant, kind, seed);
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
     assert_eq!(estimates.stop(), None, "{} {} seed {seed}", plant.key(), kind.name());
     let last = estimates.len() - 1;
-    let diagnostics = kalmanscope_core::Diagnostics::new(estimates, record);
+    let diagnostics = Diagnostics::new(estimates, record);
     let total = diagnostics.nees_within(last..last + 1);
     let mut scores = Scores::new(&Pass::history(&scenario, 0).unwrap(), record);
     Pass::new(&scenario, 0, record).unwrap().follow(record, usize::MAX, &mut scores.against(record));
-    let mut bound = CramerRao::new(&scenario, 0, scenario.dt).unwrap();
-    bound.follow(record);
+    let bound = bound(&scenario, 0, record);
     let over = |(place, &channel): (usize, &Channel)| {
         let floor = bound.std(last, bound.place(channel)?);
         let error = estimates.canonical_mean(last, place) - record.truth(channel)?[last];
         (channel.is_parameter() && floor > 0.0 && estimates.std(last, place) > 0.0).then(|| (error / floor).powi(2))
     };
     let over_bound = estimates.channels().iter().enumerate().filter_map(over).collect();
-    Outcome {
-        nees: (total.sum, total.degrees),
-        nis: (scores.outcome().nis.sum, scores.outcome().nis.degrees),
-        over_bound,
-    }
+    let nis = &scores.outcome().nis;
+    Outcome { nees: (total.sum, total.degrees), nis: (nis.sum, nis.degrees), over_bound }
 }
 
 /// The two-sided 99.9 % bounds of the mean of sums of squares with `degrees` degrees of freedom in all, by degree.
@@ -82,17 +79,12 @@ fn bounds(degrees: u32) -> (f64, f64) {
 
 #[track_caller]
 fn assert_consistent(plant: PlantKind, kind: FilterKind, slack: f64) {
-    let outcomes: Vec<Outcome> = std::thread::scope(|scope| {
-        let halves = [0, 1].map(|half| {
-            scope.spawn(move || (0..SEEDS / 2).map(|i| outcome(plant, kind, 1 + half + 2 * i)).collect::<Vec<_>>())
-        });
-        halves.into_iter().flat_map(|half| half.join().unwrap()).collect()
-    });
+    let seeds: Vec<u64> = (1..=SEEDS).collect();
+    let outcomes = on_two_threads(&seeds, |seed| outcome(plant, kind, *seed));
     let name = format!("{} {}", plant.key(), kind.name());
-    for (what, sums) in [
-        ("NEES", outcomes.iter().map(|o| o.nees).collect::<Vec<_>>()),
-        ("NIS", outcomes.iter().map(|o| o.nis).collect()),
-    ] {
+    let nees: Vec<_> = outcomes.iter().map(|o| o.nees).collect();
+    let nis: Vec<_> = outcomes.iter().map(|o| o.nis).collect();
+    for (what, sums) in [("NEES", nees), ("NIS", nis)] {
         let degrees: u32 = sums.iter().map(|(_, degrees)| degrees).sum();
         let level = sums.iter().map(|(sum, _)| sum).sum::<f64>() / f64::from(degrees);
         let (low, high) = bounds(degrees);
@@ -100,8 +92,7 @@ fn assert_consistent(plant: PlantKind, kind: FilterKind, slack: f64) {
         let slack = if what == "NEES" { slack } else { 1.0 + 0.1 * (slack - 1.0) };
         assert!((low / slack..=high * slack).contains(&level), "{name}: mean {what} {level} outside {low} … {high}");
     }
-    let parameters = outcomes[0].over_bound.len();
-    for place in 0..parameters {
+    for place in 0..outcomes[0].over_bound.len() {
         let ratio = (outcomes.iter().map(|o| o.over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
         println!("{name}: rms error over bound {ratio:.3}");
         // The bound is that of one trajectory, which the errors of a short record of a chain stay below on average.
@@ -111,23 +102,10 @@ fn assert_consistent(plant: PlantKind, kind: FilterKind, slack: f64) {
 }
 
 #[test]
-fn the_kalman_filter_is_consistent() {
+fn the_kalman_filter_and_those_that_linearise_or_have_sigma_points_are_consistent() {
     assert_consistent(PlantKind::SDOF, FilterKind::KF, 1.0);
-}
-
-#[test]
-fn linearising_filters_are_consistent() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2] {
-        for kind in [FilterKind::EKF, FilterKind::IEKF] {
-            assert_consistent(plant, kind, APPROXIMATE);
-        }
-    }
-}
-
-#[test]
-fn sigma_point_filters_are_consistent() {
-    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2] {
-        for kind in [FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
+        for kind in ADAPTIVE {
             assert_consistent(plant, kind, APPROXIMATE);
         }
     }

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::record::Input;
 use kalmanscope_core::{Channel, FilterSettings, Hold, InputKind, PlantKind, Propagation, Record, Scenario};
 
-use crate::run::{finished, finished_on};
+use crate::numbers::{Random, apart, beliefs, rms};
+use crate::run::{finished, finished_on, forced, truth};
 
 struct Case {
     equation: &'static str,
@@ -54,20 +54,6 @@ const CASES: [Case; 12] = [
     case!("x'' + c x' + b x^3 = f", [("c", 0.3), ("b", 20.0)], 1.6, 0.7, 10.0, 1.0),
 ];
 
-struct Dice(u64);
-
-impl Dice {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let (a, b) = (self.uniform(), self.uniform());
-        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    }
-}
-
 /// The standard deviation of a guess, as a share of the truth.
 const SPREAD: f64 = 0.05;
 
@@ -75,10 +61,7 @@ const SPREAD: f64 = 0.05;
 fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize, seed: u64) -> Scenario {
     let Case { equation, truth, swing, size, force, begin } = case;
     let (dt, noise) = (swing / samples, noise * size);
-    let mut dice = Dice(seed);
-    for _ in 0..10 {
-        dice.uniform();
-    }
+    let mut random = Random::new(seed);
     let each = |of: &mut dyn FnMut(f64) -> f64| -> String {
         truth.iter().map(|(name, value)| format!("{name} = {:e}\n", of(*value))).collect()
     };
@@ -95,7 +78,7 @@ fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize
     let sensors: String = masses.iter().map(sensor).collect();
     let belief = format!(
         "[filters.initial_mean]\n{}{}[filters.initial_std]\n{}{}[filters.process_std]\n{}{}",
-        each(&mut |value| value * (1.0 + SPREAD * dice.normal())),
+        each(&mut |value| value * (1.0 + SPREAD * random.normal())),
         motion(*begin, 0.0),
         each(&mut |value| value * SPREAD),
         motion(noise, noise),
@@ -112,34 +95,23 @@ fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize
     Scenario::from_toml(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// The sum of the squares of error over σ at the end, and their number, of each filter over the channels that are parameters.
-fn errors(scenario: &Scenario) -> Vec<[f64; 2]> {
-    let run = finished(scenario);
-    let (last, record) = (run.samples() - 1, run.record());
-    assert_eq!(record.len(), run.samples(), "{:?}", scenario.plant.kind);
-    let of = |estimates: &kalmanscope_core::Estimates| {
-        assert_eq!((estimates.stop(), estimates.len()), (None, last + 1), "{:?}", scenario.plant.kind);
-        let mut sums = [0.0, 0.0];
-        for (place, channel) in estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter()) {
-            let error = estimates.mean(last)[place] - record.truth(*channel).unwrap()[last];
-            sums[0] += (error / estimates.std(last, place)).powi(2);
-            sums[1] += 1.0;
-        }
-        sums
-    };
-    run.estimates().iter().map(of).collect()
-}
-
 fn hold(name: &str, scenarios: impl Iterator<Item = Scenario>) {
-    let mut sums: Vec<[f64; 2]> = Vec::new();
+    let mut errors: Vec<Vec<f64>> = Vec::new();
     for scenario in scenarios {
-        let each = errors(&scenario);
-        sums.resize(each.len(), [0.0, 0.0]);
-        for (sum, own) in sums.iter_mut().zip(each) {
-            *sum = [sum[0] + own[0], sum[1] + own[1]];
+        let run = finished(&scenario);
+        let (last, record) = (run.samples() - 1, run.record());
+        assert_eq!(record.len(), run.samples(), "{name}");
+        errors.resize(run.estimates().len(), Vec::new());
+        for (estimates, errors) in run.estimates().iter().zip(&mut errors) {
+            assert_eq!((estimates.stop(), estimates.len()), (None, last + 1), "{name}");
+            let parameters = estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter());
+            let error = |(place, channel)| {
+                (estimates.mean(last)[place] - truth(record, channel)[last]) / estimates.std(last, place)
+            };
+            errors.extend(parameters.map(|(place, channel)| error((place, *channel))));
         }
     }
-    let rms: Vec<f64> = sums.iter().map(|[square, count]| (square / count).sqrt()).collect();
+    let rms: Vec<f64> = errors.iter().map(|errors| rms(errors)).collect();
     println!("{name:70} {rms:.2?}");
     assert!(rms.iter().all(|rms| (0.8..1.25).contains(rms)), "{name}: rms of error over σ {rms:.2?}");
 }
@@ -161,9 +133,8 @@ fn errors_of_equations_are_as_large_as_their_bands_say() {
 fn errors_of_the_duffing_oscillator_are_as_large_as_their_bands_say() {
     for (dt, noise) in [(0.02, 0.002), (0.02, 0.01), (0.01, 0.002), (0.01, 0.01)] {
         let of = |seed: u64| {
-            let mut dice = Dice(seed + 77);
-            (0..10).for_each(|_| _ = dice.uniform());
-            let mut guess = |value: f64| value * (1.0 + SPREAD * dice.normal());
+            let mut random = Random::new(seed + 77);
+            let mut guess = |value: f64| value * (1.0 + SPREAD * random.normal());
             let belief = format!(
                 "initial_mean = {{ natural_frequency = {:e}, damping_ratio = {:e}, cubic_stiffness = {:e} }}\n\
                  initial_std = {{ displacement = 0.01, velocity = 0.01, natural_frequency = 0.3, damping_ratio = 0.001, cubic_stiffness = 0.5 }}\n\
@@ -202,11 +173,9 @@ fn the_plant_says_how_the_mean_moves() {
     // A setting wins over the automatic number, and the textbook's steps are single ones.
     let set = FilterSettings { substeps: 3, ..usual.clone() };
     assert_eq!([steps(&set, linear), steps(&set, PlantKind::DUFFING)], [3, 3]);
-    let book = FilterSettings { propagation: Some(Propagation::LocalLinearisation), ..usual.clone() };
-    assert_eq!(
-        (book.propagation_for(PlantKind::DUFFING), steps(&book, PlantKind::DUFFING)),
-        (Propagation::LocalLinearisation, 1)
-    );
+    let local = Propagation::LocalLinearisation;
+    let book = FilterSettings { propagation: Some(local), ..usual.clone() };
+    assert_eq!((book.propagation_for(PlantKind::DUFFING), steps(&book, PlantKind::DUFFING)), (local, 1));
     // A stiffer spring and a longer step ask for more.
     let mut stiff = usual.clone();
     stiff.initial_mean[Channel::NATURAL_FREQUENCY] = 30.0;
@@ -222,11 +191,7 @@ fn the_default_of_a_linear_plant_has_the_bits_of_the_book() {
             .concat();
         Scenario::from_toml(&format!("duration = 4.0\n{filters}")).unwrap()
     };
-    let bits = |scenario: &Scenario| -> Vec<u64> {
-        let run = finished(scenario);
-        let all = run.estimates().iter().flat_map(|estimates| (0..estimates.len()).map(move |k| estimates.mean(k)));
-        all.flatten().map(|number| number.to_bits()).collect()
-    };
+    let bits = |scenario: &Scenario| finished(scenario).estimates().iter().flat_map(beliefs).collect::<Vec<u64>>();
     let set = "propagation = \"local_linearisation\"\nsubsteps = 1\n";
     assert_eq!(bits(&text("")), bits(&text(set)));
     assert_eq!(text("propagation = \"automatic\"\n"), text(""));
@@ -257,8 +222,7 @@ fn finer(record: &Record) -> Record {
     let values = (0..n).map(between).collect();
     let measured = |k: usize| if k.is_multiple_of(STEPS) { record.measured(0)[k / STEPS] } else { f64::NAN };
     let columns = vec![(record.sensors()[0], (0..n).map(measured).collect())];
-    let input = Input { kind: InputKind::Force, hold: Hold::First, values };
-    Record::new(record.dt() / STEPS as f64, input, columns).unwrap()
+    forced(record.dt() / STEPS as f64, Hold::First, values, columns)
 }
 
 #[test]
@@ -270,13 +234,8 @@ fn substeps_are_those_of_a_finer_record() {
         let pairs = [(&run.estimates()[0], &fine.estimates()[0]), (&run.smoothed()[0], &fine.smoothed()[0])];
         for (which, (coarse, fine)) in pairs.into_iter().enumerate() {
             for k in 0..coarse.len() {
-                for channel in 0..coarse.channels().len() {
-                    let (found, expected) = (coarse.mean(k)[channel], fine.mean(STEPS * k)[channel]);
-                    let (std, expected_std) = (coarse.std(k, channel), fine.std(STEPS * k, channel));
-                    let place = format!("{kind}, {which}, sample {k}, channel {channel}");
-                    assert!((found - expected).abs() <= 1e-6 * expected_std.max(1e-6), "{place}: {found} {expected}");
-                    assert!((std / expected_std - 1.0).abs() < 1e-6, "{place}: {std} {expected_std}");
-                }
+                let far = apart((coarse, k), (fine, STEPS * k));
+                assert!(far < 1e-6, "{kind}, {which}, sample {k}: {far}");
             }
         }
     }
@@ -286,8 +245,6 @@ fn substeps_are_those_of_a_finer_record() {
 fn an_impossible_number_of_substeps_is_named() {
     let mut scenario = divided("ekf", 1);
     scenario.filters[0].substeps = 101;
-    assert_eq!(
-        scenario.validate().unwrap_err().to_string(),
-        "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as its error asks for)"
-    );
+    let said = "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as its error asks for)";
+    assert_eq!(scenario.validate().unwrap_err().to_string(), said);
 }

@@ -1,18 +1,22 @@
-//! A filter over samples that come in one by one has the bits of a pass over their record.
+//! A filter over samples that come in one by one has the bits of a pass over their record; and the belief before the update, which a sink
+//! can ask for.
 
-use kalmanscope_core::record::Record;
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, Hold, InputKind, LastSample, OnlineFilter, Pass, RunError, Scenario, simulate,
+    Channel, Estimates, FilterKind, Hold, InputKind, LastSample, OnlineFilter, Pass, Quantity, Record, RunError,
+    Sample, Scenario, Sensor, Sink as _, simulate,
 };
 
-use crate::run::one_filter;
-
-const DT: f64 = 0.01;
+use crate::numbers::bits;
+use crate::run::{Each, finished, one_filter, readings};
 
 fn of(kind: FilterKind) -> Scenario {
-    let mut scenario = Scenario { dt: DT, duration: 3.0, ..one_filter(kind) };
+    let mut scenario = Scenario { duration: 3.0, ..one_filter(kind) };
     scenario.filters[0].ensemble_size = 50;
     scenario
+}
+
+fn held(kind: FilterKind, hold: Hold) -> Scenario {
+    Scenario { hold, ..of(kind) }
 }
 
 fn record(scenario: &Scenario) -> Record {
@@ -26,28 +30,22 @@ fn passed(scenario: &Scenario, record: &Record) -> Estimates {
     estimates
 }
 
-fn readings(record: &Record, k: usize) -> [f64; 2] {
-    [record.measured(0)[k], record.measured(1)[k]]
-}
-
 fn assert_same(one: &Estimates, other: &Estimates, what: &str) {
-    let bits = |estimates: &Estimates| {
-        let updates = (0..estimates.len()).flat_map(|k| {
-            let matrices = estimates.innovation_cov(k).iter().chain(estimates.gain(k));
-            estimates.innovation(k).iter().chain(matrices).map(|x| x.to_bits()).collect::<Vec<_>>()
-        });
+    let updates = |estimates: &Estimates| {
+        let sample = |k| [estimates.innovation(k), estimates.innovation_cov(k), estimates.gain(k)].map(bits);
+        let updates = (0..estimates.len()).flat_map(sample).flatten();
         updates.chain(estimates.log_likelihoods().map(f64::to_bits)).collect::<Vec<u64>>()
     };
     assert_eq!((one.len(), one.stop()), (other.len(), other.stop()), "{what}");
     assert_eq!(one.checksum(), other.checksum(), "{what}");
-    assert!(bits(one) == bits(other), "{what}");
+    assert!(updates(one) == updates(other), "{what}");
 }
 
 fn variants(kind: FilterKind) -> Vec<(String, Scenario)> {
     let mut variants = Vec::new();
     for hold in [Hold::Zero, Hold::First] {
         for input_delay in [0, 3, -4] {
-            let mut scenario = Scenario { hold, ..of(kind) };
+            let mut scenario = held(kind, hold);
             scenario.filters[0].input_delay = input_delay;
             variants.push((format!("{kind:?} {hold:?} {input_delay}"), scenario));
         }
@@ -110,4 +108,101 @@ fn a_filter_can_be_sent_to_another_thread() {
         online.pass().done()
     };
     assert_eq!(std::thread::spawn(step).join().ok(), Some(1));
+}
+
+fn samples(scenario: &Scenario, record: &Record, wants_prior: bool) -> Vec<LastSample> {
+    let mut all = Vec::new();
+    let keep = |sample: &Sample<'_>| {
+        all.push(LastSample::default());
+        all.last_mut().unwrap().push(sample);
+    };
+    let mut sink = Each { wants_prior, call: keep };
+    Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut sink);
+    assert_eq!(all.len(), record.len());
+    all
+}
+
+fn variants_with_prior(kind: FilterKind) -> Vec<Scenario> {
+    let mut variants = vec![held(kind, Hold::Zero), held(kind, Hold::First)];
+    if kind == FilterKind::UKF {
+        variants[0].filters[0].guesses = 3;
+    }
+    variants[1].filters[0].jump = kind != FilterKind::KF && !kind.is_sampled();
+    let mut white = held(kind, Hold::Zero);
+    white.filters[0].augment = vec![Channel::WHITE_FORCE];
+    if white.validate().is_ok() {
+        variants.push(white);
+    }
+    variants
+}
+
+#[test]
+fn a_linear_update_leads_from_the_prior_to_the_mean() {
+    for scenario in FilterKind::ALL.into_iter().flat_map(variants_with_prior) {
+        let (run, kind) = (finished(&scenario), scenario.filters[0].kind);
+        let all = samples(&scenario, run.record(), true);
+        let first = all[0].sample();
+        assert_eq!((&first.prior_mean, &first.prior_cov), (&first.mean, &first.cov), "{kind:?}");
+        for (k, sample) in all.iter().map(LastSample::sample).enumerate().skip(1) {
+            let Sample { mean, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = sample;
+            let n = mean.len();
+            assert_eq!((prior_mean.len(), prior_cov.len()), (n, n * n));
+            for (i, &e) in innovation.iter().enumerate() {
+                let z = run.record().measured(i)[k];
+                assert!((z - prior_mean[i] - e).abs() < 1e-12, "{kind:?} {k}: e = z - H y⁻");
+                let variance = innovation_cov[3 * i] - prior_cov[i * (n + 1)];
+                let r = scenario.filters[0].sensor_std[i].powi(2);
+                assert!((variance - r).abs() < 1e-10, "{kind:?} {k}: S = H P⁻ Hᵀ + R, {variance} {r}");
+            }
+            if kind.is_sampled() {
+                continue;
+            }
+            for i in 0..n {
+                let moved: f64 = innovation.iter().enumerate().map(|(j, e)| gain[j * n + i] * e).sum();
+                assert!((prior_mean[i] + moved - mean[i]).abs() < 1e-12, "{kind:?} {k} {i}: y = y⁻ + K e");
+            }
+            for i in 0..n {
+                for j in 0..n {
+                    // P = P⁻ - K H P⁻, H of the first two components.
+                    let told: f64 = (0..2).map(|s| gain[s * n + i] * prior_cov[s * n + j]).sum();
+                    let expected = prior_cov[j * n + i] - told;
+                    assert!((expected - sample.cov[j * n + i]).abs() < 1e-10, "{kind:?} {k} {i} {j}: P = (I - K H) P⁻");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sink_that_does_not_ask_gets_none_and_the_same_estimates() {
+    for scenario in FilterKind::ALL.into_iter().flat_map(variants_with_prior) {
+        let run = finished(&scenario);
+        let (with, without) = (samples(&scenario, run.record(), true), samples(&scenario, run.record(), false));
+        for (k, (with, without)) in with.iter().zip(&without).enumerate() {
+            let (with, without) = (with.sample(), without.sample());
+            assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty());
+            assert_eq!((with.mean, with.cov), (without.mean, without.cov));
+            assert_eq!(with.mean, run.estimates()[0].mean(k));
+        }
+    }
+}
+
+#[test]
+fn a_prior_is_in_the_channels_units() {
+    for hold in [Hold::Zero, Hold::First] {
+        for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+            let mut scenario = held(kind, hold);
+            scenario.filters[0].log_parameters = true;
+            // Nothing is measured at all, so that the belief is what it was before each update.
+            scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];
+            scenario.filters[0].sensor_std = vec![0.01];
+            let run = finished(&scenario);
+            let record = run.record().clone().with_gaps(|_, _| true);
+            for sample in samples(&scenario, &record, true).iter().map(LastSample::sample) {
+                assert_eq!((&sample.prior_mean, &sample.prior_cov), (&sample.mean, &sample.cov), "{kind:?} {hold:?}");
+                let wn = sample.prior_mean[2];
+                assert!((wn - scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY]).abs() < 1e-9, "{wn}");
+            }
+        }
+    }
 }

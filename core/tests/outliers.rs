@@ -2,9 +2,10 @@
 
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::scenario::Fault;
-use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, Robust, Run, Scenario, Wanted};
+use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, Robust, Scenario, Wanted, simulate};
 
-use crate::run::{finished, finished_on};
+use crate::numbers::{ADAPTIVE, rms};
+use crate::run::{finished, finished_on, oscillator};
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -19,13 +20,9 @@ struct Sums {
 
 /// An oscillator that stays, watched in displacement and velocity; outliers of 10 to 30 σ in every tenth displacement.
 fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scenario {
-    let mut scenario =
-        Scenario { seed, duration: 60.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
-    scenario.filters[0] = FilterSettings { kind, robust, ..scenario.filters[0].clone() };
-    for (channel, value) in [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)] {
-        let signal = scenario.plant.parameter_mut(channel).expect("it is a parameter");
-        *signal = kalmanscope_core::Signal::Constant(value);
-    }
+    let filter = FilterSettings { kind, robust, ..FilterSettings::default() };
+    let plant = oscillator(6.0, 0.05);
+    let mut scenario = Scenario { seed, duration: 60.0, plant, filters: vec![filter], ..Scenario::default() };
     scenario.plant.disturbance_std = 0.3;
     // What the filter knows of the noise is true but for the outliers.
     let (sensor_std, process_std) = scenario.true_noise();
@@ -37,26 +34,19 @@ fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scen
 }
 
 fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) {
-    let scenario = scenario(seed, kind, robust, is_clean);
-    let run = finished(&scenario);
-    let clean = Run::new(&self::scenario(seed, kind, robust, true)).map(|mut run| {
-        run.finish();
-        run
-    });
-    let clean = clean.expect("it can be run");
+    let run = finished(&scenario(seed, kind, robust, is_clean));
+    let clean = finished(&scenario(seed, kind, robust, true));
     let analysis = Analysis::new(&run, Wanted::diagnostics(Depth::All));
     let estimates = &run.estimates()[0];
     assert_eq!(estimates.stop(), None, "seed {seed}");
     let late = 2 * estimates.len() / 3..estimates.len();
-    for (square, (channel, truth)) in
-        sums.squares.iter_mut().zip([(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)])
-    {
+    let truths = [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)];
+    for (square, (channel, truth)) in sums.squares.iter_mut().zip(truths) {
         let place = estimates.place(channel).expect("it is estimated");
         let errors = late.clone().map(|k| estimates.canonical_mean(k, place) - truth);
-        *square += errors.map(|e| e * e).sum::<f64>() / late.len() as f64;
+        *square += rms(&errors.collect::<Vec<_>>()).powi(2);
     }
-    let nees = analysis.diagnostics()[0].nees()[estimates.len() - 1];
-    sums.nees += nees;
+    sums.nees += analysis.diagnostics()[0].nees()[estimates.len() - 1];
     sums.seeds += 1;
     for k in late {
         let is_outlier = run.record().measured(0)[k] != clean.record().measured(0)[k];
@@ -134,18 +124,15 @@ fn robust_filters_over_two_hundred_seeds() {
 #[test]
 fn a_reading_that_counts_for_nothing_is_no_reason_to_stop() {
     for robust in Robust::ALL {
-        for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF, FilterKind::IEKF] {
-            let mut scenario =
-                Scenario { duration: 20.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
+        for kind in ADAPTIVE {
+            let filters = vec![FilterSettings::default()];
+            let mut scenario = Scenario { duration: 20.0, filters, ..Scenario::default() };
             scenario.set_sensors(&[Quantity::DISPLACEMENT]);
             (scenario.filters[0].kind, scenario.filters[0].robust) = (kind, robust);
             let std = scenario.sensors[0].noise_std;
-            let run = finished(&scenario);
-            let record = run.record().clone();
             let far = |k: usize| if k > 1000 && k.is_multiple_of(50) { 30.0 * std } else { 0.0 };
-            let record = record.with_measured(|_, k, z| z + far(k));
-            let run = finished_on(&scenario, record);
-            let estimates = &run.estimates()[0];
+            let record = simulate(&scenario).with_measured(|_, k, z| z + far(k));
+            let estimates = &finished_on(&scenario, record).estimates()[0].clone();
             assert_eq!(estimates.stop(), None, "{kind:?} {robust:?}");
             let left_out = (1001..estimates.len()).filter(|&k| estimates.innovation(k)[0].is_nan()).count();
             let expected = if robust.is_on() { 18..24 } else { 0..1 };
@@ -161,9 +148,8 @@ fn noise_that_is_learnt_from_readings_is_not_learnt_from_those_that_count_for_no
         scenario.filters[0].sensor_std = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
         (scenario.filters[0].adaptation.process_noise, scenario.filters[0].robust) = (true, robust);
         let std = scenario.sensors[0].noise_std;
-        let run = finished(&scenario);
         let far = |k: usize| if k.is_multiple_of(50) { 12.0 * std } else { 0.0 };
-        let record = run.record().clone().with_measured(|sensor, k, z| if sensor == 0 { z + far(k) } else { z });
+        let record = simulate(&scenario).with_measured(|sensor, k, z| if sensor == 0 { z + far(k) } else { z });
         let run = finished_on(&scenario, record);
         assert_eq!(run.estimates()[0].stop(), None, "{robust:?}");
     }

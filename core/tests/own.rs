@@ -53,16 +53,11 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
     static OWN: FilterInfo = FilterInfo {
         key: "own_pf",
         name: "own PF",
-        description: "particles from outside",
-        reference: "Gordon, Salmond and Smith (1993)",
-        is_sampled: true,
         has_own_likelihood: true,
-        evaluations: |settings, _| 4 * settings.ensemble_size,
-        time: |settings, n| 75.0 * (settings.ensemble_size * n) as f64,
-        has_propagation: false,
         way: Way::Belief(|initial, settings, normal| {
             Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
         }),
+        ..*FilterKind::PF.info()
     };
     let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
         let scenario = Scenario { duration: 0.5, ..one_filter(kind) };
@@ -95,18 +90,7 @@ impl Plant for Impostor {
 
 #[test]
 fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
-    static EKF: FilterInfo = FilterInfo {
-        key: "ekf",
-        name: "my EKF",
-        description: "another one with this key",
-        reference: "",
-        is_sampled: false,
-        has_own_likelihood: false,
-        evaluations: |_, _| 1,
-        time: |_, _| 1000.0,
-        has_propagation: false,
-        way: FilterKind::UKF.info().way,
-    };
+    static EKF: FilterInfo = FilterInfo { key: "ekf", name: "my EKF", ..*FilterKind::UKF.info() };
     let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));
     assert!(plant != PlantKind::SDOF && plant == PlantKind::new(&Impostor) && kind != FilterKind::EKF);
     let refused = |change: &dyn Fn(&mut Scenario), message: &str| {

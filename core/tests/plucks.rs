@@ -2,28 +2,21 @@
 
 use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::import::read;
-use kalmanscope_core::record::{Clocks, Input, Record, Timed};
+use kalmanscope_core::record::{Clocks, Record, Timed};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Scenario, Sensor, Summary, VerdictKind,
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, Identified, Quantity, Scenario, Sensor, Summary, Values,
+    VerdictKind,
 };
-use nalgebra::{Matrix2, RowVector2, SMatrix, SVector, Vector2};
+use nalgebra::{RowVector2, SMatrix, SVector, Vector2};
 
+use crate::numbers::{ADAPTIVE, Random, transition};
 use crate::phone::{Phone, USUAL};
-use crate::random::Random;
-use crate::run::{finished_on, identified};
+use crate::run::{finished_on, forced, identified, values};
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;
 /// ωₙ and ζ.
 const OF: [f64; 2] = [6.0, 0.02];
-
-fn transition(t: f64) -> Matrix2<f64> {
-    let [w, z] = OF;
-    let moved = w * (1.0 - z * z).sqrt();
-    let (sin, cos) = (moved * t).sin_cos();
-    let ratio = z * w / moved;
-    Matrix2::new(cos + ratio * sin, sin / moved, -w * w / moved * sin, cos - ratio * sin) * (-z * w * t).exp()
-}
 
 /// Readings of displacement with an offset, of a motion that is pulled at some samples and lost before them.
 fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
@@ -32,7 +25,7 @@ fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
     let mut values = Vec::new();
     for k in 0..600 {
         if k > 0 {
-            state = transition(DT) * state;
+            state = transition(OF, DT) * state;
         }
         if pulls.contains(&k) {
             state = Vector2::new(1.5 * random.normal(), 4.0 * random.normal());
@@ -40,33 +33,30 @@ fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
         let lost = pulls.iter().any(|&pull| k < pull && k + 25 > pull);
         values.push(if lost { f64::NAN } else { state[0] + offset + NOISE * random.normal() });
     }
-    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; values.len()] };
-    Record::new(DT, input, vec![(Quantity::DISPLACEMENT, values)]).expect("it is a record")
+    forced(DT, Hold::Zero, vec![0.0; values.len()], vec![(Quantity::DISPLACEMENT, values)])
 }
 
 fn scenario(kind: FilterKind, plucks: &[f64]) -> Scenario {
-    let mut scenario =
-        Scenario { dt: DT, sensors: vec![Sensor::new(Quantity::DISPLACEMENT, NOISE)], ..Scenario::default() };
-    let mut filter =
-        FilterSettings { kind, sensor_std: vec![NOISE], plucks: plucks.to_vec(), ..FilterSettings::default() };
-    for (channel, mean, std) in [
-        (Channel::DISPLACEMENT, 0.0, 1.5),
-        (Channel::VELOCITY, 0.0, 6.0),
-        (Channel::NATURAL_FREQUENCY, OF[0], if kind == FilterKind::KF { 0.0 } else { 0.3 }),
-        (Channel::DAMPING_RATIO, OF[1], if kind == FilterKind::KF { 0.0 } else { 0.01 }),
-    ] {
-        (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
-    }
-    scenario.filters = vec![filter];
-    scenario
+    let [wn, zeta] = if kind == FilterKind::KF { [0.0; 2] } else { [0.3, 0.01] };
+    let filter = FilterSettings {
+        kind,
+        sensor_std: vec![NOISE],
+        plucks: plucks.to_vec(),
+        initial_mean: values([0.0, 0.0, OF[0], OF[1]]),
+        initial_std: values([1.5, 6.0, wn, zeta]),
+        process_std: Values::ZERO,
+        ..FilterSettings::default()
+    };
+    let sensors = vec![Sensor::new(Quantity::DISPLACEMENT, NOISE)];
+    Scenario { dt: DT, sensors, filters: vec![filter], ..Scenario::default() }
 }
 
 #[test]
 fn a_kf_is_the_least_squares_of_all_parts() {
     let bias = Channel::from_key("bias_displacement").expect("there is one");
-    for (seed, kind) in [(1, FilterKind::KF), (2, FilterKind::KF)] {
+    for seed in [1, 2] {
         let record = record(seed, &[200, 410], 0.3);
-        let mut scenario = scenario(kind, &[3.995, 8.19]);
+        let mut scenario = scenario(FilterKind::KF, &[3.995, 8.19]);
         let filter = &mut scenario.filters[0];
         filter.augment = vec![bias];
         (filter.initial_mean[bias], filter.initial_std[bias], filter.process_std[bias]) = (0.0, 0.5, 0.0);
@@ -80,7 +70,7 @@ fn a_kf_is_the_least_squares_of_all_parts() {
             let mut row = SMatrix::<f64, 1, 7>::zeros();
             for (place, begin) in [(0, 0), (2, 199), (4, 409)] {
                 if k > begin || begin == 0 {
-                    let of: RowVector2<f64> = transition(DT * (k - begin) as f64).row(0).into_owned();
+                    let of: RowVector2<f64> = transition(OF, DT * (k - begin) as f64).row(0).into_owned();
                     row.fixed_view_mut::<1, 2>(0, place).copy_from(&of);
                 }
             }
@@ -105,11 +95,8 @@ fn a_kf_is_the_least_squares_of_all_parts() {
         let smoothed = run.smoothed()[0].clone();
         for k in [0, 150, 199, 200, 300, 409, 410, 599] {
             let expected = (row(k) * all)[0] - all[6];
-            assert!(
-                (smoothed.mean(k)[0] - expected).abs() < 1e-7,
-                "{seed}, {k}: {} for {expected}",
-                smoothed.mean(k)[0]
-            );
+            let found = smoothed.mean(k)[0];
+            assert!((found - expected).abs() < 1e-7, "{seed}, {k}: {found} for {expected}");
             assert!((smoothed.std(k, place) / cov[(6, 6)].sqrt() - 1.0).abs() < 1e-6, "{seed}, {k}");
         }
     }
@@ -118,8 +105,7 @@ fn a_kf_is_the_least_squares_of_all_parts() {
 #[test]
 fn all_parts_together_know_more() {
     let pulls = [200, 400];
-    let kinds = [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
-    for (place, kind) in kinds.into_iter().enumerate() {
+    for (place, kind) in ADAPTIVE.into_iter().enumerate() {
         let (mut inside, mut spoilt, mut narrower) = ([0, 0], 0, 0);
         for seed in 0..20 {
             let record = record(100 + 20 * place as u64 + seed, &pulls, 0.0);
@@ -196,12 +182,10 @@ fn a_phone_that_is_plucked_twice_knows_more() {
 
 #[test]
 fn what_samples_its_belief_has_no_plucks() {
-    for kind in [FilterKind::ENKF, FilterKind::PF] {
-        let error = scenario(kind, &[1.0]).validate().expect_err("it is refused").to_string();
-        assert!(error.contains("plucks"), "{error}");
-    }
-    for plucks in [&[2.0, 1.0][..], &[1.0, 1.0], &[f64::NAN], &[f64::INFINITY]] {
-        let error = scenario(FilterKind::EKF, plucks).validate().expect_err("it is refused").to_string();
+    let sampled = [FilterKind::ENKF, FilterKind::PF].map(|kind| (kind, &[1.0][..]));
+    let wrong = [&[2.0, 1.0][..], &[1.0, 1.0], &[f64::NAN], &[f64::INFINITY]].map(|plucks| (FilterKind::EKF, plucks));
+    for (kind, plucks) in sampled.into_iter().chain(wrong) {
+        let error = scenario(kind, plucks).validate().expect_err("it is refused").to_string();
         assert!(error.contains("plucks"), "{error}");
     }
 }
@@ -212,7 +196,7 @@ fn a_free_run_begins_anew() {
     for (plucks, is_good) in [(&[3.995, 8.19][..], true), (&[], false)] {
         let scenario = scenario(FilterKind::EKF, plucks);
         let run = finished_on(&scenario, record.clone());
-        let model = kalmanscope_core::Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], 599);
+        let model = Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], 599);
         let free = model.run(run.record(), 0..600);
         let fit = free.fits[0].expect("there are readings");
         assert_eq!(fit.rms < 1.2 * NOISE, is_good, "{fit:?}");

@@ -1,9 +1,10 @@
 //! The results of an independent program are reproduced to 1e-8.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use kalmanscope_core::{Record, Run, Scenario};
+use kalmanscope_core::{Record, Scenario};
+
+use crate::run::finished_on;
 
 const CASES: [&str; 7] = [
     "ekf-acceleration-only",
@@ -25,9 +26,7 @@ fn worst_deviation(case: &str) -> (f64, usize) {
     let scenario = Scenario::from_toml(&toml).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let file = std::fs::File::open(data(&format!("{case}.record.csv"))).unwrap();
-    let record = Arc::new(Record::read_csv(file, &sensors).unwrap());
-    let mut run = Run::on_record(&scenario, record).unwrap();
-    run.finish();
+    let run = finished_on(&scenario, Record::read_csv(file, &sensors).unwrap());
     let estimates = &run.estimates()[0];
     assert_eq!(estimates.stop(), None);
 
@@ -66,10 +65,8 @@ fn every_case_holds_to_1e_8() {
 
 #[test]
 fn every_case_in_the_folder_is_listed() {
-    let mut names: Vec<String> = std::fs::read_dir(data(""))
-        .unwrap()
-        .filter_map(|entry| entry.unwrap().file_name().into_string().unwrap().strip_suffix(".toml").map(str::to_owned))
-        .collect();
+    let files = std::fs::read_dir(data("")).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = files.filter_map(|file| file.strip_suffix(".toml").map(str::to_owned)).collect();
     names.sort();
     assert_eq!(names, CASES);
 }

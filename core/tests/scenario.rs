@@ -1,26 +1,39 @@
-//! Scenario files: valid contents, and the messages for invalid ones.
+//! Scenario files: valid contents, and the messages for invalid ones; scenarios from documents of any format, and records from columns.
 
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Builder, Mapping, read};
+use kalmanscope_core::record::Input;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, PlantKind, Quantity, Scenario, ScenarioError,
-    Sensor, Signal, Values,
+    Channel, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Quantity, Record, RecordError, Run,
+    RunError, Scenario, ScenarioError, Sensor, Signal, Values, document, simulate,
 };
+
+use crate::run::{assets, finished, finished_on, one_filter, oscillator};
 
 fn parsed(text: &str) -> Scenario {
     Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
 }
 
-#[track_caller]
-fn assert_refused(cases: &[(&str, &str)]) {
-    for (text, expected) in cases {
-        match Scenario::from_toml(text) {
-            Ok(_) => panic!("accepted: {text}"),
-            // Channels of equations that other tests type follow in lists of channels: such a list is compared as far as it is given.
-            Err(error) => match expected.strip_suffix('…') {
-                Some(begin) => assert!(error.to_string().starts_with(begin), "{text}: {error}"),
-                None => assert_eq!(error.to_string(), *expected, "{text}"),
-            },
+/// Asserts that the texts of a section are refused with their messages.
+fn assert_refused(section: &str, other: impl Fn(&str, &str) -> bool) {
+    let table = include_str!("refused.txt").split("## ").find(|part| part.starts_with(section)).unwrap();
+    for line in table.lines().skip(1) {
+        let (text, expected) = line.split_once(" => ").unwrap();
+        let text = text.replace("\\n", "\n");
+        if other(&text, expected) {
+            continue;
         }
+        let error = Scenario::from_toml(&text).expect_err(&text).to_string();
+        // Lists of channels end with those of equations that other tests type.
+        let mut rest = Some(error.as_str());
+        for (place, part) in expected.split('…').enumerate() {
+            let found =
+                rest.and_then(|rest| rest.split_once(part).filter(|(before, _)| place > 0 || before.is_empty()));
+            rest = found.map(|(_, after)| after);
+        }
+        assert!(rest.is_some_and(|rest| rest.is_empty() || expected.ends_with('…')), "{text}: {error}");
     }
 }
 
@@ -28,22 +41,13 @@ const SAMPLE: &str = include_str!("sample.toml");
 
 #[test]
 fn the_sample_has_the_expected_settings() {
-    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: Values| {
-        rest.with([
-            (Channel::DISPLACEMENT, displacement),
-            (Channel::VELOCITY, velocity),
-            (Channel::NATURAL_FREQUENCY, natural_frequency),
-            (Channel::DAMPING_RATIO, damping_ratio),
-        ])
-    };
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+    let with = |values: [f64; 4], rest: Values| rest.with(channels.into_iter().zip(values));
     let expected = Scenario {
         seed: 1,
         dt: 0.01,
         duration: 60.0,
-        plant: Plant::default()
-            .of_kind(PlantKind::SDOF)
-            .with(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }))
-            .with(Channel::DAMPING_RATIO, 0.05),
+        plant: oscillator(Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }), 0.05),
         input: InputKind::Force,
         hold: Hold::Zero,
         force: Force::WhiteNoise { std: 10.0 },
@@ -151,92 +155,22 @@ fn every_kind_of_force_can_be_written() {
 
 #[test]
 fn impossible_values_are_refused_with_key_value_and_limits() {
-    const POSITIVE: &str = "but must be a finite number above 0";
-    const NOT_NEGATIVE: &str = "but must be a finite number, at least 0";
-    const FINITE: &str = "but must be a finite number";
-    let cases = [
-        ("dt = 0", "`dt` is 0", POSITIVE),
-        ("dt = nan", "`dt` is NaN", POSITIVE),
-        ("duration = -1", "`duration` is -1", POSITIVE),
-        ("duration = 1e9", "`duration` is 1000000000", "but must be from 1 to 99999999 times dt"),
-        ("duration = 1e-3", "`duration` is 0.001", "but must be from 1 to 99999999 times dt"),
-        ("plant.natural_frequency = inf", "`plant.natural_frequency` is inf", FINITE),
-        (
-            "plant.natural_frequency = 0",
-            "`plant.natural_frequency` is 0 at its lowest",
-            "but must be above 0 at all times",
-        ),
-        (
-            "plant.natural_frequency = { sine = { mean = 1, amplitude = -2, period = 3 } }",
-            "`plant.natural_frequency` is -1 at its lowest",
-            "but must be above 0 at all times",
-        ),
-        (
-            "plant.damping_ratio = -0.1",
-            "`plant.damping_ratio` is -0.1 at its lowest",
-            "but must be at least 0 at all times",
-        ),
-        (
-            "plant.damping_ratio = { sine = { mean = 1, amplitude = 0, period = 0 } }",
-            "`plant.damping_ratio.sine.period` is 0",
-            POSITIVE,
-        ),
-        (
-            "plant.damping_ratio = { ramp = { from = 1, to = 1, start = 9, end = 3 } }",
-            "`plant.damping_ratio.ramp.end` is 3",
-            "but must be at least ramp.start = 9",
-        ),
-        (
-            "plant.damping_ratio = { step = { from = 1, to = nan, at = 3 } }",
-            "`plant.damping_ratio.step.to` is NaN",
-            FINITE,
-        ),
-        ("plant.initial.displacement = inf", "`plant.initial.displacement` is inf", FINITE),
-        ("plant.initial.velocity = nan", "`plant.initial.velocity` is NaN", FINITE),
-        ("plant.disturbance_std = -1", "`plant.disturbance_std` is -1", NOT_NEGATIVE),
-        ("force.white_noise.std = -1", "`force.white_noise.std` is -1", NOT_NEGATIVE),
-        ("force.sine = { amplitude = inf, frequency = 1 }", "`force.sine.amplitude` is inf", FINITE),
-        ("force.chirp = { amplitude = 1, from = 1, to = 1, sweep = 0 }", "`force.chirp.sweep` is 0", POSITIVE),
-        ("force.impulse_train = { impulse = 1, period = -1 }", "`force.impulse_train.period` is -1", POSITIVE),
-        ("force.step = { amplitude = 1, at = nan }", "`force.step.at` is NaN", FINITE),
-        ("[[sensors]]\nmeasures = \"velocity\"\nnoise_std = -1", "`sensors[0].noise_std` is -1", NOT_NEGATIVE),
-        (
-            "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 2",
-            "`sensors[1].measures` is \"velocity\" again",
-            "but must be a quantity that no other sensor measures",
-        ),
-        (
-            "[[filters]]\nfading = 0.9",
-            "`filters[0].fading` is 0.9",
-            "but must be a finite number, at least 1 (1 forgets nothing)",
-        ),
-        ("[[filters]]\n[[filters]]\neta = -1", "`filters[1].eta` is -1", NOT_NEGATIVE),
-        (
-            "[[filters]]\nsensor_std = [1]",
-            "`filters[0].sensor_std` is a list of 1",
-            "but must be a list of 2, one for each sensor",
-        ),
-        ("[[filters]]\nsensor_std = [1, 0]", "`filters[0].sensor_std[1]` is 0", POSITIVE),
-        ("[[filters]]\ninitial_mean.velocity = nan", "`filters[0].initial_mean.velocity` is NaN", FINITE),
-        ("[[filters]]\ninitial_std.damping_ratio = -1", "`filters[0].initial_std.damping_ratio` is -1", NOT_NEGATIVE),
-        ("[[filters]]\nprocess_std.displacement = inf", "`filters[0].process_std.displacement` is inf", NOT_NEGATIVE),
-    ];
-    for (text, what, allowed) in cases {
-        let expected = format!("{what}, {allowed}");
-        if what.ends_with(" NaN") || what.ends_with(" inf") {
-            // The reader of files has no such number; programs may set one.
-            let error = Scenario::from_toml(text).unwrap_err().to_string();
-            assert!(error.starts_with("line ") && error.ends_with(": must be a finite number"), "{error}");
-            let mut scenario: Scenario = toml::from_str(text).unwrap();
-            scenario.filters.iter_mut().for_each(|filter| filter.sensor_std = vec![1.0; 2]);
-            assert_eq!(scenario.validate().unwrap_err().to_string(), expected);
-            continue;
+    assert_refused("values", |text, expected| {
+        let is_finite = !expected.contains(" is NaN, ") && !expected.contains(" is inf, ");
+        if is_finite {
+            assert!(matches!(Scenario::from_toml(text), Err(ScenarioError::Value { .. })), "{text}");
+            return false;
         }
-        assert_refused(&[(text, &expected)]);
-        assert!(matches!(Scenario::from_toml(text), Err(ScenarioError::Value { .. })), "{text}");
-    }
-    let many = "[[filters]]\n".repeat(17);
-    assert_refused(&[(&many, "`filters` is a list of 17, but must be at most 16")]);
+        // The reader of files has no such number; programs may set one.
+        let error = Scenario::from_toml(text).unwrap_err().to_string();
+        assert!(error.starts_with("line ") && error.ends_with(": must be a finite number"), "{error}");
+        let mut scenario: Scenario = toml::from_str(text).unwrap();
+        scenario.filters.iter_mut().for_each(|filter| filter.sensor_std = vec![1.0; 2]);
+        assert_eq!(scenario.validate().unwrap_err().to_string(), expected);
+        true
+    });
+    let many = Scenario::from_toml(&"[[filters]]\n".repeat(17)).unwrap_err().to_string();
+    assert_eq!(many, "`filters` is a list of 17, but must be at most 16");
     assert_eq!(parsed(&"[[filters]]\n".repeat(16)).filters.len(), 16);
 }
 
@@ -264,145 +198,204 @@ fn a_seed_that_toml_cannot_hold_is_refused() {
 
 #[test]
 fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
-    assert_refused(&[
-        (
-            "\nsed = 1",
-            "line 2: `sed`: unknown field `sed`, expected one of `seed`, `dt`, `duration`, `plant`, `force`, `input`, `hold`, \
-             `sensors`, `filters`, `record`, `draw`",
-        ),
-        (
-            "[plant]\nmass = 1",
-            "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` \
-             or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
-             `hysteresis_gamma`, `yield_beta`, `yield_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
-             `white_force`, `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, …",
-        ),
-        (
-            "[plant]\ninitial = { x = 1 }",
-            "line 2: `plant.initial.x`: unknown field `x`, expected `displacement` or `velocity`",
-        ),
-        (
-            "[plant]\nnatural_frequency = { jump = 1 }",
-            "line 2: `plant.natural_frequency.jump`: unknown field `jump`, expected one of `step`, `ramp`, `sine`",
-        ),
-        (
-            "[plant.damping_ratio.step]\nfrom = 1\nto = 2\nat = 3\nend = 4",
-            "line 5: `plant.damping_ratio.step.end`: unknown field `end`, expected one of `from`, `to`, `at`",
-        ),
-        (
-            "[force]\nnoise = 1",
-            "line 1: `force`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
-             `impulse_train`, `step`",
-        ),
-        (
-            "[force]\nwhite_noise = { std = 1, mean = 2 }",
-            "line 2: `force.white_noise.mean`: unknown field `mean`, expected `std`",
-        ),
-        (
-            "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\nbias = 2",
-            "line 4: `sensors[0].bias`: unknown field `bias`, expected one of `measures`, `noise_std`, `faults`",
-        ),
-        (
-            "[[filters]]\ninitial_std = { mass = 1 }",
-            "line 2: `filters[0].initial_std.mass`: unknown field `mass`, expected one of `displacement`, `velocity`, …",
-        ),
-    ]);
+    assert_refused("keys", |_, _| false);
     // `docs.rs` holds all keys to their table.
     let error = Scenario::from_toml("[[filters]]\n[[filters]]\nlambda = 1").unwrap_err().to_string();
-    assert!(
-        error.starts_with("line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, "),
-        "{error}"
-    );
+    let said = "line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, ";
+    assert!(error.starts_with(said), "{error}");
 }
 
 #[test]
 fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
-    let signal = "expected a number, or a table with exactly one of `step`, `ramp`, `sine`";
-    let refused = |text: &str, message: String| assert_refused(&[(text, &message)]);
-    for (value, found) in [
-        ("\"low\"", "invalid type: string \"low\""),
-        ("{}", "invalid value: map"),
-        (
-            "{ sine = { mean = 6, amplitude = 1, period = 9 }, step = { from = 6, to = 5, at = 3 } }",
-            "invalid value: map",
-        ),
-    ] {
-        refused(
-            &format!("[plant]\ndamping_ratio = {value}"),
-            format!("line 2: `plant.damping_ratio`: {found}, {signal}"),
-        );
-    }
-    let quantities = "`displacement`, `velocity`, `acceleration`, `total_acceleration`, `drift`, and of other masses as in \
-                      `displacement_2`";
-    refused(
-        "[[sensors]]\nmeasures = \"jerk\"\nnoise_std = 1",
-        format!("line 2: `sensors[0].measures`: unknown variant `jerk`, expected one of {quantities}"),
-    );
+    assert_refused("types", |_, _| false);
     let kinds = FilterKind::ALL.map(|kind| format!("`{}`", kind.key())).join(", ");
-    refused(
-        "[[filters]]\nkind = \"lqr\"",
-        format!("line 2: `filters[0].kind`: unknown variant `lqr`, expected one of {kinds}"),
-    );
-    assert_refused(&[
-        ("seed = 1.5", "line 1: `seed`: invalid type: floating point `1.5`, expected u64"),
-        ("seed = -1", "line 1: `seed`: invalid value: integer `-1`, expected u64"),
-        ("seed = 1\n\ndt = \"fast\"", "line 3: `dt`: invalid type: string \"fast\", expected f64"),
-        ("plant = 3", "line 1: `plant`: invalid type: integer `3`, expected a table"),
-        (
-            "[plant]\nkind = \"mdof\"",
-            "line 2: `plant.kind`: unknown variant `mdof`, expected one of `sdof`, `duffing`, `bouc_wen`, `bouc_wen_1`, `shear_2`, \
-             `shear_3`, `shear_4`, `shear_5`, `shear_6`, `shear_7`, `shear_8`, `shear_9`, `shear_10`",
-        ),
-        (
-            "[plant]\nkind = 3",
-            "line 2: `plant.kind`: invalid type: integer `3`, expected the key of a plant, or a table with an equation",
-        ),
-        (
-            "[plant]\ninitial = { velocity = true }",
-            "line 2: `plant.initial.velocity`: invalid type: boolean `true`, expected f64",
-        ),
-        (
-            "[plant]\nnatural_frequency = { step = { from = 1, to = [], at = 2 } }",
-            "line 2: `plant.natural_frequency.step.to`: invalid type: sequence, expected f64",
-        ),
-        (
-            "[plant]\nnatural_frequency = { step = 1 }",
-            "line 2: `plant.natural_frequency.step`: invalid type: integer `1`, expected a table",
-        ),
-        (
-            "[plant]\nnatural_frequency = { step = { from = 1, to = 2 } }",
-            "line 2: `plant.natural_frequency.step`: missing field `at`",
-        ),
-        ("force = 3", "line 1: `force`: invalid type: integer `3`, expected a word, or a table with exactly one key"),
-        ("force = {}", "line 1: `force`: invalid value: map, expected a table with exactly one key"),
-        ("[force]\nsine = { amplitude = 1.0 }", "line 2: `force.sine`: missing field `frequency`"),
-        (
-            "[force]\nsine = { amplitude = \"a\", frequency = 1 }",
-            "line 2: `force.sine.amplitude`: invalid type: string \"a\", expected f64",
-        ),
-        (
-            "force = \"noise\"",
-            "line 1: `force`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
-             `impulse_train`, `step`",
-        ),
-        ("sensors = 3", "line 1: `sensors`: invalid type: integer `3`, expected a sequence"),
-        ("[[sensors]]\nmeasures = \"velocity\"", "line 1: `sensors[0]`: missing field `noise_std`"),
-        ("[[filters]]\nname = 3", "line 2: `filters[0].name`: invalid type: integer `3`, expected a string"),
-        (
-            "[[filters]]\nsensor_std = 1",
-            "line 2: `filters[0].sensor_std`: invalid type: integer `1`, expected a sequence",
-        ),
-        (
-            "[[filters]]\n[[filters]]\nsensor_std = [\n1,\n\"a\"]",
-            "line 5: `filters[1].sensor_std[1]`: invalid type: string \"a\", expected f64",
-        ),
-        (
-            "[[filters]]\nprocess_std = { velocity = \"a\" }",
-            "line 2: `filters[0].process_std.velocity`: invalid type: string \"a\", expected f64",
-        ),
-        (
-            "[[filters]]\nprocess_std = 3",
-            "line 2: `filters[0].process_std`: invalid type: integer `3`, expected a table",
-        ),
-    ]);
+    let error = Scenario::from_toml("[[filters]]\nkind = \"lqr\"").unwrap_err().to_string();
+    assert_eq!(error, format!("line 2: `filters[0].kind`: unknown variant `lqr`, expected one of {kinds}"));
+}
+
+#[test]
+fn options_that_do_not_go_together_are_refused_in_words() {
+    assert_refused("options", |_, _| false);
+}
+
+fn json(toml: &str) -> String {
+    document::to_json(&document::from_toml(toml).expect("it is TOML")).expect("JSON can express it")
+}
+
+fn from_json(text: &str) -> Result<Scenario, String> {
+    let document = document::from_json(text).map_err(|error| error.to_string())?;
+    Scenario::from_document(&document).map_err(|error| error.to_string())
+}
+
+#[test]
+fn every_file_of_the_project_is_the_same_scenario_as_json() {
+    let files = assets("scenarios");
+    for (name, text) in &files {
+        let expected = Scenario::from_toml(text).expect("it is a scenario");
+        assert_eq!(from_json(&json(text)).as_ref(), Ok(&expected), "{name}");
+        let document = expected.to_document().expect("a document can express it");
+        assert_eq!(Scenario::from_document(&document).as_ref(), Ok(&expected), "{name}");
+        let written = document::to_json(&document).expect("JSON can express it");
+        assert_eq!(from_json(&written).as_ref(), Ok(&expected), "{name}");
+    }
+    assert!(files.len() > 5, "{}", files.len());
+}
+
+#[test]
+fn what_a_file_may_leave_out_a_document_may_too() {
+    assert_eq!(from_json("{}"), Scenario::from_toml("").map_err(|error| error.to_string()));
+    let scenario = from_json(r#"{"sensors": [{"measures": "velocity", "noise_std": 1}], "filters": [{}, {}]}"#);
+    let scenario = scenario.expect("it is a scenario");
+    let names: Vec<(u32, &str)> = scenario.filters.iter().map(|filter| (filter.id, filter.name.as_str())).collect();
+    assert_eq!(names, [(1, "EKF"), (2, "EKF 2")]);
+    assert_eq!(scenario.filters[1].sensor_std, [1.0]);
+}
+
+#[test]
+fn names_that_are_changed_are_told() {
+    let text = json("[[filters]]\nname = \"a\"\n[[filters]]\nname = \"a\"");
+    let document = document::from_json(&text).expect("it is JSON");
+    let (scenario, remarks) = Scenario::from_document_with_remarks(&document).expect("it is a scenario");
+    assert_eq!(scenario.filters[1].name, "a 2");
+    assert_eq!(remarks, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
+}
+
+#[test]
+fn an_error_has_the_path_of_its_key_and_no_line() {
+    let refused = |text: &str| from_json(text).expect_err("it is no scenario");
+    assert!(refused(r#"{"filters": [{}, {"knd": "ukf"}]}"#).starts_with("`filters[1].knd`: unknown field `knd`"));
+    assert_eq!(refused(r#"{"dt": "soon"}"#), "`dt`: invalid type: string \"soon\", expected f64");
+    assert!(refused(r#"{"dt": -1}"#).starts_with("`dt` is -1, but must be "));
+    // A list of nothing would be the default.
+    assert_eq!(refused("[]"), "expected a table");
+}
+
+fn input(values: &[f64]) -> Input {
+    Input { kind: InputKind::Force, hold: Hold::Zero, values: values.to_vec() }
+}
+
+fn message(result: Result<Record, RecordError>) -> String {
+    result.unwrap_err().to_string()
+}
+
+#[test]
+fn columns_make_a_record() {
+    let measured = vec![(Quantity::VELOCITY, vec![1.0, f64::NAN]), (Quantity::DISPLACEMENT, vec![0.5, 0.25])];
+    let record = Record::new(0.5, input(&[2.0, 3.0]), measured).unwrap();
+    let record = record.with_truth(vec![(Channel::VELOCITY, vec![0.9, 1.1])]).unwrap().starting_at(10.0);
+    assert_eq!((record.dt(), record.len(), record.time(1)), (0.5, 2, 10.5));
+    assert_eq!(record.input(), [2.0, 3.0]);
+    assert_eq!(record.sensors(), [Quantity::VELOCITY, Quantity::DISPLACEMENT]);
+    assert!(record.measured(0)[1].is_nan());
+    assert_eq!(record.truth(Channel::VELOCITY), Some(&[0.9, 1.1][..]));
+    assert_eq!(record.truth(Channel::DISPLACEMENT), None);
+}
+
+#[test]
+fn invalid_columns_are_reported() {
+    let velocity = |values: &[f64]| vec![(Quantity::VELOCITY, values.to_vec())];
+    let two = [0.0, 1.0];
+    let twice = [velocity(&two), velocity(&two)].concat();
+    for (dt, values, columns, said) in [
+        (0.0, two, vec![], "dt = 0 s, but must be positive and finite"),
+        (f64::NAN, two, vec![], "dt = NaN s, but must be positive and finite"),
+        (0.1, [0.0, f64::NAN], vec![], "sample 1, column `input`: NaN is not a finite number"),
+        (0.1, two, velocity(&[0.0]), "column `velocity` has 1 values, but the input has 2"),
+        (0.1, two, velocity(&[f64::INFINITY, 0.0]), "sample 0, column `velocity`: inf is not a number or NaN"),
+        (0.1, two, twice, "there are two columns `velocity`"),
+    ] {
+        assert_eq!(message(Record::new(dt, input(&values), columns)), said);
+    }
+    let record = Record::new(0.1, input(&two), velocity(&two)).unwrap();
+    let truth = message(record.with_truth(vec![(Channel::VELOCITY, vec![0.0; 3])]));
+    assert_eq!(truth, "column `true_velocity` has 3 values, but the input has 2");
+}
+
+#[test]
+fn a_record_is_run_with_the_scenarios_hold_and_only_with_its_input() {
+    let mut scenario = Scenario { duration: 2.0, ..one_filter(FilterKind::EKF) };
+    let run = finished(&scenario);
+    let record = Arc::new(run.record().clone());
+    assert_eq!(finished_on(&scenario, Arc::clone(&record)).checksum(), run.checksum());
+    scenario.input = InputKind::GroundAcceleration;
+    let error = Run::on_record(&scenario, record).err();
+    let expected = RunError::InputKind { record: InputKind::Force, scenario: InputKind::GroundAcceleration };
+    assert_eq!(error, Some(expected));
+}
+
+#[test]
+fn a_record_is_simulated_and_changed_without_a_run() {
+    let scenario = Scenario { duration: 1.0, ..Scenario::default() };
+    let run = finished(&scenario);
+    let record = simulate(&scenario);
+    assert_eq!(&record, run.record());
+    let measured = record.clone().without_truth();
+    assert!(Channel::all().iter().all(|&channel| measured.truth(channel).is_none()));
+    assert_eq!((measured.input(), measured.measured(1)), (record.input(), record.measured(1)));
+    let gaps = record.clone().with_gaps(|sensor, k| sensor == 1 && k == 7);
+    let missing = |sensor: usize| gaps.measured(sensor).iter().filter(|value| value.is_nan()).count();
+    assert!([missing(0), missing(1)] == [0, 1] && gaps.measured(1)[7].is_nan());
+    let changed =
+        record.clone().with_measured(|sensor, k, value| if (sensor, k) == (0, 3) { 2.0 * value } else { value });
+    assert_eq!(changed.measured(0)[3], 2.0 * record.measured(0)[3]);
+    assert_eq!((changed.measured(0)[4], changed.measured(1)), (record.measured(0)[4], record.measured(1)));
+}
+
+/// Its file is the record of every plant under every input, with each sensor alone and with all: its columns mean what they are called.
+#[test]
+fn a_file_of_a_simulated_record_is_that_record() {
+    let mut count = 0;
+    for kind in PlantKind::ALL {
+        for input in [InputKind::Force, InputKind::GroundAcceleration] {
+            for hold in [Hold::Zero, Hold::First] {
+                let all: Vec<Quantity> = kind.quantities().collect();
+                for sensors in all.iter().map(std::slice::from_ref).chain([&all[..]]) {
+                    let mut scenario = Scenario { dt: 0.03, duration: 0.9, input, hold, ..Scenario::default() };
+                    scenario.set_plant(kind);
+                    scenario.set_sensors(sensors);
+                    let record = simulate(&scenario).with_gaps(|sensor, k| (sensor + k) % 7 == 3);
+                    let mut file = Vec::new();
+                    record.write_csv(&mut file).unwrap();
+                    let table = read(file, None).unwrap();
+                    for (mapping, of, _) in [Mapping::guess_for(&table, sensors), Mapping::guess_for(&table, &[])] {
+                        let again = Builder::new(&table, &mapping, of, hold).unwrap().finish().unwrap().record;
+                        assert_eq!(bits(&again), bits(&record), "{kind:?} {input:?} {sensors:?}");
+                    }
+                    count += 1;
+                }
+            }
+        }
+    }
+    assert!(count > 500, "{count}");
+}
+
+/// All of a record, without a number that is not equal to itself.
+type Bits = (f64, f64, InputKind, Hold, Vec<(String, Vec<u64>)>);
+
+fn bits(record: &Record) -> Bits {
+    let of = |values: &[f64]| {
+        values.iter().map(|value| if value.is_nan() { 0 } else { 1 + value.to_bits() }).collect::<Vec<u64>>()
+    };
+    let sensors = record.sensors().iter().enumerate().map(|(i, sensor)| (sensor.name(), of(record.measured(i))));
+    let truth = Channel::all().iter().filter_map(|c| Some((format!("true {}", c.key()), of(record.truth(*c)?))));
+    let mut columns: Vec<_> = sensors.chain(truth).collect();
+    columns.sort();
+    columns.push(("input".to_owned(), of(record.input())));
+    (record.dt(), record.time(0), record.input_kind(), record.hold(), columns)
+}
+
+#[test]
+fn an_accelerometer_on_the_ground_is_what_the_scenario_calls_it() {
+    let of = |text: &str, sensors: &[Quantity]| {
+        let mapping = Mapping::guess_for(&read(text.as_bytes(), None).unwrap(), sensors).0;
+        mapping.sensors.into_keys().collect::<Vec<_>>()
+    };
+    let (relative, total) = (Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION);
+    let felt = "time,ground (g),roof acc (g)\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(felt, &[]), of(felt, &[total])], [vec![total], vec![total]], "an accelerometer feels the ground");
+    assert_eq!(of(felt, &[relative]), [relative]);
+    let other = "time,ground_acceleration,acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(other, &[]), of(other, &[relative])], [vec![total], vec![relative]]);
+    let own = "t,ground_acceleration,acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(own, &[]), of(own, &[Quantity::DISPLACEMENT])], [vec![relative], vec![relative]]);
 }

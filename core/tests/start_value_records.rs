@@ -1,13 +1,20 @@
-//! Start values on records of many excitations, sensors and dampings, and on free decays, made here and not by the core: the guess,
-//! and the end of the filter that begins with it.
+//! Start values on records of many excitations, sensors and dampings, on free decays and on records without an input, made here and not
+//! by the core: the guess, and the end of the filter that begins with it.
 
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use kalmanscope_core::import::read;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, Propagation, Quantity, VerdictKind};
 
-use crate::run::with_input;
-use crate::short_records::right_of_short;
+use crate::ambient::{Accelerometer, Ambient, End, SETS, building, end, end_on, mass};
+use crate::numbers::Random;
+use crate::run::{forced, imported};
+use crate::situations::with_input;
 use crate::start_values::{
-    Excitation, Oscillator, RingDown, SENSORS, grid, outcome, record, right, shares, suggestion, worst_of_losses,
+    Excitation, Oscillator, RingDown, SENSORS, grid, outcome, record, right, right_of_short, shares, suggestion,
+    worst_of_losses,
 };
 
 #[test]
@@ -34,7 +41,7 @@ fn start_values_of_a_grid_of_short_records() {
 #[test]
 fn rounding_stops_no_filter_of_a_motion_that_has_died_out() {
     for (hertz, rate, seed) in [(2.3, 50.0, 403), (35.0, 750.0, 401)] {
-        let truth = Oscillator { natural_frequency: std::f64::consts::TAU * hertz, damping_ratio: 0.02 };
+        let truth = Oscillator { natural_frequency: TAU * hertz, damping_ratio: 0.02 };
         let record = record(truth, Excitation::Step, Quantity::DISPLACEMENT, 1.0 / rate, 8192, seed);
         let (is_right, ends, text) = outcome(&record, truth);
         assert!(is_right && ends, "{hertz} Hz: {text}");
@@ -43,12 +50,10 @@ fn rounding_stops_no_filter_of_a_motion_that_has_died_out() {
 
 #[test]
 fn lost_readings_change_no_start_value() {
-    for (sensor, seed) in SENSORS.into_iter().zip([7, 8, 9]) {
-        let (off, text) = worst_of_losses(sensor, Excitation::White, 0.02, seed);
-        assert!(off < 0.05, "{text}");
-    }
-    for (excitation, seed) in [(Excitation::Multisine, 10), (Excitation::Hammer, 11)] {
-        let (off, text) = worst_of_losses(Quantity::ACCELERATION, excitation, 0.02, seed);
+    let white = SENSORS.into_iter().zip([7, 8, 9]).map(|(sensor, seed)| (sensor, Excitation::White, seed));
+    let others = [(Excitation::Multisine, 10), (Excitation::Hammer, 11)];
+    for (sensor, excitation, seed) in white.chain(others.map(|(kind, seed)| (Quantity::ACCELERATION, kind, seed))) {
+        let (off, text) = worst_of_losses(sensor, excitation, 0.02, seed);
         assert!(off < 0.05, "{text}");
     }
 }
@@ -59,10 +64,8 @@ fn a_guess_that_is_not_found_is_said() {
     let whole = record(truth, Excitation::White, Quantity::DISPLACEMENT, 0.01, 8000, 7);
     let half = suggestion(&with_input(&whole, vec![0.0; 8000]).with_gaps(|_, k| k % 13 < 9));
     let problem = half.problem.as_ref().expect("there is no guess");
-    assert!(
-        suggestion(&whole.clone().with_gaps(|_, k| k % 13 < 9)).problem.is_none(),
-        "the input explains what is left"
-    );
+    let explained = suggestion(&whole.clone().with_gaps(|_, k| k % 13 < 9));
+    assert!(explained.problem.is_none(), "the input explains what is left");
     let said = |text: &str| half.reasons.iter().any(|reason| reason.contains(text));
     assert!(problem.starts_with("no start values of ωₙ and ζ could be found, because too many readings"), "{problem}");
     assert!(!said("R as large"), "{:?}", half.reasons);
@@ -82,18 +85,14 @@ fn a_prediction_whose_mean_or_jacobian_is_not_exact_is_divided_where_samples_are
     assert!(matches!(substeps[..], [ekf, rk, ukf] if ekf > 1 && rk > 1 && ukf > 1), "{substeps:?}");
 }
 
-fn changed(record: &Record, input: impl Fn(f64) -> f64, reading: impl Fn(f64) -> f64) -> Record {
-    let values = record.input().iter().map(|value| input(*value)).collect();
-    with_input(record, values).with_measured(|_, _, value| reading(value))
-}
-
 #[test]
 fn offsets_of_arrays_are_no_motion() {
     let truth = Oscillator { natural_frequency: 6.0, damping_ratio: 0.05 };
     for (sensor, seed) in SENSORS.into_iter().zip(3..) {
         let whole = record(truth, Excitation::White, sensor, 0.02, 6000, seed);
         for gain in [1.0, 0.4] {
-            let offset = changed(&whole, |f| (f + 3.0) / gain, |y| y + 0.5);
+            let input = whole.input().iter().map(|f| (f + 3.0) / gain).collect();
+            let offset = with_input(&whole, input).with_measured(|_, _, y| y + 0.5);
             let (is_right, ends, text) = outcome(&offset, truth);
             assert!(is_right && ends, "{} gain {gain}: {text}", sensor.key());
         }
@@ -108,15 +107,113 @@ fn start_values_of_a_decay_are_right() {
 
 #[test]
 fn a_decay_that_ends_in_noise_has_good_start_values() {
-    let decay = RingDown {
-        natural_frequency: 6.0,
-        damping_ratio: 0.05,
-        rate: 50.0,
-        periods: 80.0,
-        sensor: Quantity::DISPLACEMENT,
-        noise: 0.02,
-        seed: 3,
-    };
+    let (natural_frequency, damping_ratio, sensor) = (6.0, 0.05, Quantity::DISPLACEMENT);
+    let decay = RingDown { natural_frequency, damping_ratio, rate: 50.0, periods: 80.0, sensor, noise: 0.02, seed: 3 };
     let (is_right, text) = decay.outcome();
     assert!(is_right, "{text}");
+}
+
+/// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
+/// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.
+fn assert_right(end: &End, most: f64, name: &str) {
+    let End { errors, sigmas, verdict, is_white, text, .. } = end;
+    assert!(*is_white, "{name}: {text}");
+    let std = errors[0] / sigmas[0];
+    assert!(errors[0].abs() < (3.0 * std).max(0.005) && errors[1].abs() < 0.2, "{name}: {text}");
+    assert!(sigmas[1].abs() < most, "{name}: {text}");
+    assert_eq!(*verdict, VerdictKind::Consistent, "{name}: {text}");
+}
+
+/// σ of ζ is about a fifth too small where an accelerometer stands alone.
+const ALONE: f64 = 4.0;
+
+#[test]
+fn a_building_in_the_wind_is_identified_by_any_sensor() {
+    use Accelerometer::{BandLimited, Held, Mean};
+    for (rate, sensor, kind, seed, filter) in [
+        (20.0, Quantity::DISPLACEMENT, Mean, 50, "EKF"),
+        (20.0, Quantity::VELOCITY, Mean, 51, "EKF"),
+        (20.0, Quantity::ACCELERATION, Mean, 51, "EKF"),
+        (20.0, Quantity::ACCELERATION, BandLimited, 50, "EKF"),
+        (20.0, Quantity::ACCELERATION, Held, 50, "EKF"),
+        (20.0, Quantity::ACCELERATION, Mean, 50, "UKF"),
+        (50.0, Quantity::DISPLACEMENT, Mean, 51, "EKF"),
+        (50.0, Quantity::VELOCITY, Mean, 51, "EKF"),
+        (50.0, Quantity::ACCELERATION, BandLimited, 51, "EKF"),
+    ] {
+        let end = end(&building(rate, &[sensor], kind, seed), usize::from(filter == "UKF"));
+        let most = if sensor == Quantity::ACCELERATION { ALONE } else { 3.0 };
+        assert_right(&end, most, &format!("{rate} Hz {} {kind:?} {filter}", sensor.key()));
+        assert!(end.guess[0].abs() < 0.01 && end.guess[1].abs() < 0.3, "{}", end.text);
+    }
+}
+
+#[test]
+fn an_accelerometer_beside_a_displacement_leaves_it_right() {
+    use Accelerometer::{BandLimited, Filtered, Mean};
+    let both = SETS[3];
+    for (rate, kind, seed) in
+        [(20.0, Mean, 60), (20.0, BandLimited, 61), (20.0, Filtered, 62), (50.0, BandLimited, 63), (50.0, Filtered, 64)]
+    {
+        let end = end(&building(rate, both, kind, seed), 0);
+        assert_right(&end, 3.0, &format!("{rate} Hz {kind:?}"));
+        assert!(end.reasons.contains("the filters do without the acceleration"), "{}", end.reasons);
+    }
+}
+
+/// Rows of a fast record, from 4 to 12 apart: the white force counts in samples, and the other filters read at the times of the rows.
+#[test]
+fn readings_at_irregular_times_take_a_white_force_too() {
+    let mut good = 0;
+    for seed in 70..78 {
+        let sensor = [Quantity::DISPLACEMENT, Quantity::VELOCITY][seed as usize % 2];
+        let fast = Ambient { seconds: 300.0, noise: 0.05, ..building(200.0, &[sensor], Accelerometer::Mean, seed) };
+        let (record, mut random) = (fast.record(), Random::new(seed));
+        let (mut text, mut k) = (format!("t [s],{}\n", sensor.key()), 0);
+        while k < record.len() {
+            writeln!(text, "{},{}", record.time(k), record.measured(0)[k]).unwrap();
+            k += 4 + (9.0 * random.uniform()) as usize;
+        }
+        let record = imported(&read(text, None).unwrap(), Hold::First).0.record;
+        assert!(record.clocks().is_some());
+        let end = end_on(&record, [fast.natural_frequency, fast.damping_ratio], 0);
+        println!("seed {seed}: {}", end.text);
+        assert!(end.is_white && end.sigmas.iter().all(|sigma| sigma.abs() < 3.5), "seed {seed}: {}", end.text);
+        assert!(end.reasons.contains("take each reading at a sample"), "{}", end.reasons);
+        good += usize::from(end.verdict != VerdictKind::Overconfident);
+    }
+    assert!(good >= 6, "{good} of 8 are not overconfident");
+}
+
+#[test]
+fn a_loggers_low_pass_is_said_and_leaves_frequency_and_damping_right() {
+    for (rate, seed) in [(20.0, 60), (20.0, 61), (50.0, 60)] {
+        let End { errors, is_white, text, reasons, .. } =
+            end(&building(rate, &[Quantity::ACCELERATION], Accelerometer::Filtered, seed), 0);
+        assert!(is_white && errors[0].abs() < 0.005 && errors[1].abs() < 0.2, "{rate} Hz: {text}");
+        assert!(reasons.contains("as behind a logger's low-pass filter"), "{rate} Hz: {reasons}");
+    }
+}
+
+#[test]
+fn three_minutes_of_an_accelerometer_on_a_mass_are_within_three_sigma() {
+    use Accelerometer::{BandLimited, Mean};
+    for (kind, rate, seed) in [(Mean, 50.0, 50), (Mean, 100.0, 50), (BandLimited, 100.0, 51)] {
+        let End { sigmas, verdict, is_white, text, .. } = end(&mass(kind, rate, seed), 0);
+        assert!(is_white && sigmas.iter().all(|sigma| sigma.abs() < 3.0), "{kind:?} {rate} Hz: {text}");
+        assert_eq!(verdict, VerdictKind::Consistent, "{kind:?} {rate} Hz: {text}");
+    }
+}
+
+#[test]
+fn a_decay_needs_no_force() {
+    let (wn, zeta, dt) = (6.0_f64, 0.01_f64, 0.02);
+    let mut random = Random::new(4);
+    let at = |k: usize| (-zeta * wn * k as f64 * dt).exp() * (wn * k as f64 * dt).cos();
+    let measured = (0..4000).map(|k| at(k) + 0.003 * random.normal()).collect();
+    let record = forced(dt, Hold::First, vec![0.0; 4000], vec![(Quantity::DISPLACEMENT, measured)]);
+    let suggestion = suggestion(&record);
+    let filter = &suggestion.scenario.filters[0];
+    assert!(!filter.augment.contains(&Channel::WHITE_FORCE), "{:?}", suggestion.reasons);
+    assert!((filter.initial_mean[Channel::NATURAL_FREQUENCY] / wn - 1.0).abs() < 0.02, "{:?}", suggestion.reasons);
 }

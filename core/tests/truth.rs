@@ -1,43 +1,17 @@
 //! The simulator against independent solutions, among them scipy's `lsim` for an input that is linear between samples.
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{
-    Channel, Force, Hold, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError, simulate,
-};
+use kalmanscope_core::{Channel, Force, Hold, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
+use nalgebra::Vector2;
 
-use crate::run::finished;
-
-fn simulated(scenario: &Scenario) -> Record {
-    let record = simulate(scenario);
-    assert_eq!(record.len(), scenario.samples());
-    record
-}
+use crate::numbers::{largest, mean, rms, runge_kutta, transition};
+use crate::run::{finished, oscillator, simulated, truth};
 
 const SDOF: [Channel; 4] =
     [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
-fn truth(record: &Record, channel: Channel) -> &[f64] {
-    record.truth(channel).unwrap()
-}
-
 fn steady(wn: f64, zeta: f64, force: Force) -> Scenario {
-    let mut scenario = Scenario { duration: 20.0, force, ..Scenario::default() };
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
-    scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
-    scenario
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, x| most.max(x.abs()))
-}
-
-fn free_vibration(wn: f64, zeta: f64, x0: f64, v0: f64, t: f64) -> (f64, f64) {
-    let wd = wn * (1.0 - zeta * zeta).sqrt();
-    let (c, s) = (x0, (v0 + zeta * wn * x0) / wd);
-    let decay = (-zeta * wn * t).exp();
-    let (sin, cos) = (wd * t).sin_cos();
-    let x = decay * (c * cos + s * sin);
-    (x, decay * wd * (s * cos - c * sin) - zeta * wn * x)
+    Scenario { duration: 20.0, force, plant: oscillator(wn, zeta), ..Scenario::default() }
 }
 
 #[test]
@@ -48,7 +22,7 @@ fn free_vibration_is_the_closed_form() {
         scenario.plant.initial.velocity = -1.5;
         let record = simulated(&scenario);
         for k in 0..record.len() {
-            let (x, v) = free_vibration(wn, zeta, 0.5, -1.5, record.time(k));
+            let [x, v]: [f64; 2] = (transition([wn, zeta], record.time(k)) * Vector2::new(0.5, -1.5)).into();
             let size = 0.5 + 1.5 / wn;
             assert!((truth(&record, Channel::DISPLACEMENT)[k] - x).abs() < 1e-11 * size, "x at {k} of {wn}, {zeta}");
             assert!((truth(&record, Channel::VELOCITY)[k] - v).abs() < 1e-11 * size * wn, "v at {k} of {wn}, {zeta}");
@@ -62,37 +36,26 @@ fn a_step_of_force_gives_the_step_response() {
     let record = simulated(&steady(wn, zeta, Force::Step { amplitude: 3.0, at }));
     let rest = 3.0 / (wn * wn);
     for k in 0..record.len() {
-        let (x, v) = match record.time(k) - at {
-            t if t <= 0.0 => (0.0, 0.0),
-            // Seen from the new position of rest, the mass is released at the negative of it.
-            t => free_vibration(wn, zeta, -rest, 0.0, t),
-        };
-        let x = if record.time(k) > at { x + rest } else { x };
-        assert!((truth(&record, Channel::DISPLACEMENT)[k] - x).abs() < 1e-12 * rest.max(1.0), "x at {k}");
+        // Seen from the new position of rest, the mass is released at the negative of it.
+        let rest = Vector2::new(rest, 0.0);
+        let since = (record.time(k) - at).max(0.0);
+        let [x, v]: [f64; 2] = (transition([wn, zeta], since) * -rest + rest).into();
+        assert!((truth(&record, Channel::DISPLACEMENT)[k] - x).abs() < 1e-12, "x at {k}");
         assert!((truth(&record, Channel::VELOCITY)[k] - v).abs() < 1e-11, "v at {k}");
     }
     assert!(largest(truth(&record, Channel::DISPLACEMENT)) > 1.5 * rest, "it overshoots");
 }
 
 /// Force and parameters held over each step, integrated by Runge-Kutta steps of at most 0.2 ms.
-fn dense(record: &Record, disturbance: &[f64]) -> Vec<(f64, f64)> {
+fn dense(record: &Record, disturbance: &[f64]) -> Vec<Vector2<f64>> {
     let (wn, zeta) = (truth(record, Channel::NATURAL_FREQUENCY), truth(record, Channel::DAMPING_RATIO));
-    let mut state = (truth(record, Channel::DISPLACEMENT)[0], truth(record, Channel::VELOCITY)[0]);
+    let mut state = Vector2::new(truth(record, Channel::DISPLACEMENT)[0], truth(record, Channel::VELOCITY)[0]);
     let mut states = vec![state];
     for k in 0..record.len() - 1 {
         let push = record.force(k) + disturbance.get(k).copied().unwrap_or(0.0);
-        let rate = |(x, v): (f64, f64)| (v, push - 2.0 * zeta[k] * wn[k] * v - wn[k] * wn[k] * x);
+        let rate = |y: Vector2<f64>, _| Vector2::new(y[1], push - 2.0 * zeta[k] * wn[k] * y[1] - wn[k] * wn[k] * y[0]);
         let substeps = (record.dt() / 2e-4).ceil();
-        let dt = record.dt() / substeps;
-        for _ in 0..substeps as usize {
-            let along = |d: (f64, f64), by: f64| (state.0 + d.0 * by, state.1 + d.1 * by);
-            let k1 = rate(state);
-            let k2 = rate(along(k1, dt / 2.0));
-            let k3 = rate(along(k2, dt / 2.0));
-            let k4 = rate(along(k3, dt));
-            let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * b + 2.0 * c + d) / 6.0;
-            state = along((mean(k1.0, k2.0, k3.0, k4.0), mean(k1.1, k2.1, k3.1, k4.1)), dt);
-        }
+        state = (0..substeps as usize).fold(state, |y, _| runge_kutta(y, 0.0, record.dt() / substeps, rate));
         states.push(state);
     }
     states
@@ -105,8 +68,8 @@ fn assert_dense(record: &Record, disturbance: &[f64]) {
     let (x_size, v_size) = (largest(x), largest(v));
     assert!(x_size > 0.01 && v_size > 0.01, "it moves");
     for (k, expected) in expected.iter().enumerate() {
-        assert!((x[k] - expected.0).abs() < 1e-9 * x_size, "x at {k}: {} instead of {}", x[k], expected.0);
-        assert!((v[k] - expected.1).abs() < 1e-9 * v_size, "v at {k}: {} instead of {}", v[k], expected.1);
+        assert!((x[k] - expected[0]).abs() < 1e-9 * x_size, "x at {k}: {} instead of {}", x[k], expected[0]);
+        assert!((v[k] - expected[1]).abs() < 1e-9 * v_size, "v at {k}: {} instead of {}", v[k], expected[1]);
     }
 }
 
@@ -137,7 +100,7 @@ fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
             record.measured(0)[k] - known
         })
         .collect();
-    let std = (felt.iter().map(|d| d * d).sum::<f64>() / felt.len() as f64).sqrt();
+    let std = rms(&felt);
     assert!((std - 2.0).abs() < 0.2, "std {std}");
     assert_dense(&record, &felt);
 }
@@ -157,8 +120,7 @@ fn each_sensor_has_its_noise() {
         };
         let errors: Vec<f64> = (0..record.len()).map(|k| record.measured(i)[k] - clean(k)).collect();
         let n = errors.len() as f64;
-        let mean = errors.iter().sum::<f64>() / n;
-        let std = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        let (mean, std) = (mean(&errors), rms(&errors));
         assert!(mean.abs() < 4.0 * sensor.noise_std / n.sqrt(), "mean {mean}");
         assert!((std / sensor.noise_std - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "std {std}");
         noise.push(errors);
@@ -195,8 +157,7 @@ fn filters_do_not_touch_the_record() {
     let mut other = scenario.clone();
     other.filters[0].fading = 1.5;
     other.filters.pop();
-    let run = finished(&other);
-    assert_eq!(run.record(), &simulated(&scenario));
+    assert_eq!(finished(&other).record(), &simulated(&scenario));
 }
 
 #[test]
@@ -236,11 +197,10 @@ fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     scenario.plant.set(Channel::DAMPING_RATIO, 0.0);
     scenario.plant.set(Channel::CUBIC_STIFFNESS, 300.0);
     (scenario.plant.initial.displacement, scenario.plant.initial.velocity) = (0.3, 1.0);
-    // The energy bounds the motion, so it cannot diverge; but forty radians per step need more halvings than are
-    // allowed.
+    // The energy bounds the motion, so it cannot diverge; but forty radians per step need more halvings than are allowed.
     let run = finished(&scenario);
     let energy = |k: usize| {
-        let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| run.record().truth(c).unwrap()[k]);
+        let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| truth(run.record(), c)[k]);
         0.5 * v * v + 18.0 * x * x + 75.0 * x * x * x * x
     };
     assert!((0..run.record().len()).all(|k| (energy(k) / energy(0) - 1.0).abs() < 1e-6), "energy is kept");
@@ -263,6 +223,7 @@ fn response(kind: PlantKind, dt: f64, hold: Hold) -> Run {
     let mut scenario = Scenario { dt, duration: 199.0 * dt, force, hold, filters: vec![], ..Scenario::default() };
     scenario.set_plant(kind);
     scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    scenario.plant.set(Channel::CUBIC_STIFFNESS, 0.0);
     finished(&scenario)
 }
 
@@ -270,7 +231,7 @@ fn response(kind: PlantKind, dt: f64, hold: Hold) -> Run {
 fn from_lsim(run: &Run, kind: PlantKind, reference: &[Vec<f64>]) -> f64 {
     let mut worst = 0.0_f64;
     for (place, &channel) in kind.channels()[..kind.motion()].iter().enumerate() {
-        let truth = run.record().truth(channel).unwrap();
+        let truth = truth(run.record(), channel);
         assert_eq!(truth.len(), reference.len());
         let size = reference.iter().map(|row| row[2 + place].abs()).fold(0.0, f64::max);
         for (found, row) in truth.iter().zip(reference) {
@@ -301,16 +262,8 @@ fn a_linear_plant_answers_a_piecewise_linear_input_as_lsim_says() {
 #[test]
 fn a_plant_with_hardly_any_cubic_stiffness_answers_like_a_linear_one() {
     let linear = response(PlantKind::SDOF, 0.05, Hold::First);
-    let mut scenario = Scenario { dt: 0.05, duration: 9.95, hold: Hold::First, filters: vec![], ..Scenario::default() };
-    scenario.force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 10.0 };
-    scenario.set_plant(PlantKind::DUFFING);
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
-    scenario.plant.set(Channel::CUBIC_STIFFNESS, 0.0);
-    let run = finished(&scenario);
-    let [x, reference] = [&run, &linear].map(|run| run.record().truth(Channel::DISPLACEMENT).unwrap());
-    let size = reference.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    assert!(
-        x.iter().zip(reference).all(|(a, b)| (a - b).abs() < 1e-9 * size),
-        "Runge-Kutta steps against the exact response"
-    );
+    let run = response(PlantKind::DUFFING, 0.05, Hold::First);
+    let [x, reference] = [&run, &linear].map(|run| truth(run.record(), Channel::DISPLACEMENT));
+    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9 * largest(reference);
+    assert!(x.iter().zip(reference).all(is_near), "Runge-Kutta steps against the exact response");
 }

@@ -9,11 +9,11 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 };
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Verdict,
-    simulate,
+    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Signal,
+    Verdict, simulate,
 };
 
-use crate::run::{finished, finished_on, remedies};
+use crate::run::{built_in, finished, finished_on, oscillator, remedies, values};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
@@ -26,21 +26,16 @@ fn verdict_on(run: &Run) -> Option<Verdict> {
 }
 
 fn verdict(scenario: &Scenario) -> Option<Verdict> {
-    let run = finished(scenario);
-    verdict_on(&run)
+    verdict_on(&finished(scenario))
 }
 
-fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
-    let record = simulate(scenario).without_truth();
-    let run = finished_on(scenario, record);
-    verdict_on(&run)
+fn without_truth(scenario: &Scenario) -> Run {
+    finished_on(scenario, simulate(scenario).without_truth())
 }
 
 fn well_tuned(kind: FilterKind) -> Scenario {
-    let mut scenario = Scenario::default();
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    let settings = FilterSettings { kind, fading: 1.0, ..scenario.filters[0].clone() };
-    Scenario { filters: vec![settings], ..scenario }
+    let filter = FilterSettings { kind, fading: 1.0, ..Scenario::default().filters[0].clone() };
+    Scenario { plant: oscillator(6.0, 0.05), filters: vec![filter], ..Scenario::default() }
 }
 
 fn process_times(scenario: &mut Scenario, channels: &[Channel], factor: f64) {
@@ -50,13 +45,21 @@ fn process_times(scenario: &mut Scenario, channels: &[Channel], factor: f64) {
 }
 
 fn sensor_variance_times(scenario: &mut Scenario, factor: f64) {
-    for std in &mut scenario.filters[0].sensor_std {
-        *std *= factor.sqrt();
-    }
+    scenario.filters[0].sensor_std.iter_mut().for_each(|std| *std *= factor.sqrt());
 }
 
 fn stiffness_loss(scenario: &mut Scenario) {
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }));
+    frequency_falls(scenario, 4.8, 1.0);
+}
+
+fn frequency_falls(scenario: &mut Scenario, to: f64, fading: f64) {
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to, at: 30.0 }));
+    scenario.filters[0].fading = fading;
+}
+
+fn frequency_moves(scenario: &mut Scenario, signal: Signal) {
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, signal);
+    process_times(scenario, &PARAMETERS, 0.01);
 }
 
 fn no_excitation(scenario: &mut Scenario) {
@@ -73,55 +76,27 @@ const SITUATIONS: &[Situation] = &[
     ("well tuned, 1 s", |s| s.duration = 1.0, &[Consistent]),
     ("fading", |s| s.filters[0].fading = 1.005, &[Consistent]),
     ("bad first guess", |s| s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0, &[Consistent, Recovered]),
-    (
-        "mirrored first guess",
-        |s| {
-            s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = -8.0;
-            s.filters[0].initial_mean[Channel::DAMPING_RATIO] = -0.1;
-        },
-        &[Consistent, Recovered],
-    ),
-    (
-        "fading, sudden change",
-        |s| {
-            stiffness_loss(s);
-            s.filters[0].fading = 1.005;
-        },
-        &[Consistent, Recovered],
-    ),
+    ("mirrored first guess", |s| s.filters[0].initial_mean = values([0.0, 0.0, -8.0, -0.1]), &[Consistent, Recovered]),
+    ("fading, sudden change", |s| frequency_falls(s, 4.8, 1.005), &[Consistent, Recovered]),
     (
         "fading, sudden change 3 s ago",
         |s| {
-            stiffness_loss(s);
+            frequency_falls(s, 4.8, 1.005);
             s.duration = 33.0;
-            s.filters[0].fading = 1.005;
         },
         &[Consistent, Recovered, Overconfident],
     ),
-    (
-        "fading, frequency halved",
-        |s| {
-            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 3.0, at: 30.0 }));
-            s.filters[0].fading = 1.005;
-        },
-        &[Consistent, Recovered],
-    ),
+    ("fading, frequency halved", |s| frequency_falls(s, 3.0, 1.005), &[Consistent, Recovered]),
     ("no excitation", no_excitation, &[Consistent, NotIdentifiable]),
     ("Q too small, sudden change", stiffness_loss, &[Overconfident, Recovered]),
     (
         "Q too small, drift",
-        |s| {
-            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 10.0, end: 50.0 }));
-            process_times(s, &PARAMETERS, 0.01);
-        },
+        |s| frequency_moves(s, Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 10.0, end: 50.0 })),
         &[Overconfident],
     ),
     (
         "Q too small, swinging frequency",
-        |s| {
-            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 20.0 }));
-            process_times(s, &PARAMETERS, 0.01);
-        },
+        |s| frequency_moves(s, Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 20.0 })),
         &[Overconfident],
     ),
     ("Q far too large", |s| process_times(s, Channel::all(), 100.0), &[Underconfident]),
@@ -143,9 +118,7 @@ const SITUATIONS: &[Situation] = &[
         "sure of a wrong frequency",
         |s| {
             s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 40.0;
-            for &channel in Channel::all() {
-                s.filters[0].initial_std[channel] *= 0.1;
-            }
+            Channel::all().iter().for_each(|channel| s.filters[0].initial_std[*channel] *= 0.1);
             process_times(s, Channel::all(), 0.01);
         },
         &[Diverged],
@@ -215,25 +188,25 @@ const UNTOLD: &[VerdictKind] = &[Consistent, NotIdentifiable];
 const BAD: &[VerdictKind] = &[Overconfident];
 
 const BUILT_IN: &[(&str, &[&[VerdictKind]])] = &[
-    (include_str!("../../assets/scenarios/acceleration-only.toml"), &[GOOD, GOOD]),
-    (include_str!("../../assets/scenarios/chirp.toml"), &[GOOD, GOOD]),
-    (include_str!("../../assets/scenarios/constant.toml"), &[GOOD, GOOD]),
-    (include_str!("../../assets/scenarios/free-vibration.toml"), &[GOOD, GOOD]),
-    (include_str!("../../assets/scenarios/hammer.toml"), &[GOOD, GOOD]),
-    (include_str!("../../assets/scenarios/known-parameters.toml"), &[GOOD, BAD]),
-    (include_str!("../../assets/scenarios/no-excitation.toml"), &[UNTOLD, UNTOLD]),
-    (include_str!("../../assets/scenarios/slow-drift.toml"), &[BAD, BAD]),
-    (include_str!("../../assets/scenarios/stiffness-loss.toml"), &[GOOD, GOOD]),
+    ("acceleration-only", &[GOOD, GOOD]),
+    ("chirp", &[GOOD, GOOD]),
+    ("constant", &[GOOD, GOOD]),
+    ("free-vibration", &[GOOD, GOOD]),
+    ("hammer", &[GOOD, GOOD]),
+    ("known-parameters", &[GOOD, BAD]),
+    ("no-excitation", &[UNTOLD, UNTOLD]),
+    ("slow-drift", &[BAD, BAD]),
+    ("stiffness-loss", &[GOOD, GOOD]),
 ];
 
 #[test]
 fn built_in_scenarios_have_their_verdicts() {
-    for (toml, expected) in BUILT_IN {
-        let scenario = Scenario::from_toml(toml).unwrap();
+    for (name, expected) in BUILT_IN {
+        let scenario = built_in(name);
         assert_eq!(scenario.filters.len(), expected.len());
         for (filter, &kinds) in scenario.filters.iter().zip(*expected) {
             let alone = |seed| Scenario { seed, filters: vec![filter.clone()], ..scenario.clone() };
-            let name = format!("{} {}", toml.lines().next().unwrap(), filter.name);
+            let name = format!("{name} {}", filter.name);
             assert_verdict(&name, scenario.seed, kinds, verdict(&alone(scenario.seed)));
             // Without excitation, about three records in a hundred give an error above 3σ.
             let right = SEEDS.filter(|&seed| kinds.contains(&verdict(&alone(seed)).unwrap().kind)).count();
@@ -246,12 +219,12 @@ fn built_in_scenarios_have_their_verdicts() {
 fn innovations_alone_tell_much() {
     let alone = ["well tuned", "fading, sudden change", "Q too small, drift", "Q far too large", "R a tenth"];
     let more = ["R tenfold", "small disturbance", "large disturbance", "wrong frequency held for certain"];
-    for &(name, change, expected) in SITUATIONS.iter().filter(|(name, ..)| alone.contains(name) || more.contains(name))
-    {
+    let told = |(name, ..): &&Situation| alone.contains(name) || more.contains(name);
+    for &(name, change, expected) in SITUATIONS.iter().filter(told) {
         for seed in SEEDS {
             let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
             change(&mut scenario);
-            let verdict = verdict_without_truth(&scenario).unwrap();
+            let verdict = verdict_on(&without_truth(&scenario)).unwrap();
             assert!(verdict.reason.ends_with("(the truth is not known: innovations only)"), "{verdict}");
             assert_verdict(name, seed, expected, Some(verdict));
         }
@@ -274,9 +247,7 @@ fn stiffening_spring() -> Record {
             (x, v) = (x + h * c, v + h * d);
         }
     }
-    let scenario = well_tuned(FilterKind::EKF);
-    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
-    Record::read_csv(text.as_bytes(), &sensors).unwrap()
+    Record::read_csv(text.as_bytes(), &[Quantity::DISPLACEMENT, Quantity::VELOCITY]).unwrap()
 }
 
 #[test]
@@ -310,8 +281,7 @@ fn innovations_that_are_too_small_together_are_not_called_overconfident() {
         for (std, factor) in scenario.filters[0].sensor_std.iter_mut().zip([0.7_f64, 10.0]) {
             *std *= factor.sqrt();
         }
-        let record = simulate(&scenario).without_truth();
-        let run = finished_on(&scenario, record);
+        let run = without_truth(&scenario);
         let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
         assert!(nis.mean < 0.9 * nis.expected, "seed {seed}: {nis:?}");
         let verdict = verdict_on(&run).unwrap();
@@ -325,15 +295,10 @@ fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overc
     let mut left = 0;
     for seed in SEEDS {
         let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
-        for sensor in &mut scenario.sensors {
-            let faults = "faults = { coloured = { time = 0.01 } }";
-            let text = format!(
-                "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.1\n{faults}\n[[filters]]\nsensor_std = [0.1]"
-            );
-            sensor.faults = Scenario::from_toml(&text).unwrap().sensors[0].faults;
-        }
-        let record = simulate(&scenario).without_truth();
-        let run = finished_on(&scenario, record);
+        let text = "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.1\nfaults = { coloured = { time = 0.01 } }";
+        let faults = Scenario::from_toml(text).unwrap().sensors[0].faults;
+        scenario.sensors.iter_mut().for_each(|sensor| sensor.faults = faults);
+        let run = without_truth(&scenario);
         let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
         let verdict = verdict_on(&run).unwrap();
         let is_above = nis.mean > nis.expected * (1.0 + 2.0 * (2.0 / (2.0 * 6000.0_f64)).sqrt());
@@ -376,7 +341,7 @@ fn two_gains_of_which_only_the_product_is_known_are_named() {
             let truth =
                 "[plant]\nnatural_frequency = 6.0\n[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n";
             let text = format!("seed = {seed}\nduration = 60.0\n{truth}[[filters]]\nfading = 1.0\n{augment}");
-            verdict_without_truth(&Scenario::from_toml(&text).unwrap()).unwrap().reason
+            verdict_on(&without_truth(&Scenario::from_toml(&text).unwrap())).unwrap().reason
         });
         let words = "of the input gain and the sensor gain of the displacement only the product is known";
         assert!(both.contains(words) && !one.contains("is known, to"), "{seed}: {both}; {one}");

@@ -3,7 +3,7 @@
 use kalmanscope_core::diagnosis::VerdictKind::{self, *};
 
 macro_rules! faults {
-    ($($(#[$doc:meta])* $name:ident,)*) => {
+    ($($(#[$doc:meta])* $name:ident: [$($cause:literal),*],)*) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub(crate) enum Fault {
             $($(#[$doc])* $name,)*
@@ -11,61 +11,67 @@ macro_rules! faults {
 
         impl Fault {
             pub(crate) const ALL: &[Self] = &[$(Self::$name),*];
+
+            pub(crate) fn causes(self) -> &'static [&'static str] {
+                match self {
+                    $(Self::$name => &[$($cause),*],)*
+                }
+            }
         }
     };
 }
 faults! {
-    WellTuned,
-    SensorNoiseTooLarge,
-    SensorNoiseTooSmall,
-    SensorNoiseContrary,
+    WellTuned: [],
+    SensorNoiseTooLarge: ["sensor_noise"],
+    SensorNoiseTooSmall: ["sensor_noise"],
+    SensorNoiseContrary: ["sensor_noise"],
     /// Q a hundredth.
-    ProcessNoiseTooSmall,
+    ProcessNoiseTooSmall: ["process_noise"],
     /// Q hundredfold.
-    ProcessNoiseTooLarge,
-    ProcessNoiseTenth,
-    ProcessNoiseTenfold,
-    HardeningSpring,
-    YieldingSpring,
-    MissingMode,
-    WindUp,
-    SuddenChange,
-    SlowDrift,
-    InputGain,
-    InputOffset,
-    InputDelay,
-    InputHold,
-    SensorBias,
-    FeltDisturbance,
-    NoExcitation,
+    ProcessNoiseTooLarge: ["process_noise"],
+    ProcessNoiseTenth: ["process_noise"],
+    ProcessNoiseTenfold: ["process_noise"],
+    HardeningSpring: ["spring"],
+    YieldingSpring: ["spring"],
+    MissingMode: ["missing_mode"],
+    WindUp: ["wind_up"],
+    SuddenChange: ["sudden_change"],
+    SlowDrift: ["slow_drift", "sudden_change"],
+    InputGain: ["input_gain"],
+    InputOffset: ["input_offset", "sensor_bias"],
+    InputDelay: ["input_delay", "input_hold"],
+    InputHold: ["input_hold", "input_delay"],
+    SensorBias: ["sensor_bias"],
+    FeltDisturbance: ["felt_disturbance"],
+    NoExcitation: ["no_excitation"],
     /// A particle filter with too few particles.
-    CollapsedSample,
+    CollapsedSample: ["collapsed_sample"],
     /// A particle filter with many particles, which are enough or not.
-    LargeSample,
-    /// A slow force that nobody records.
-    UnknownForce,
+    LargeSample: [],
+    /// A slow force that nobody records; one in three is a wave.
+    UnknownForce: ["unknown_force", "periodic_force"],
     /// ωₙ swings.
-    Swing,
+    Swing: ["slow_drift"],
     /// A wave near ωₙ that nobody records.
-    UnknownWave,
-    DryFriction,
+    UnknownWave: ["unknown_force", "periodic_force"],
+    DryFriction: ["dry_friction"],
     /// Quadratic damping.
-    Drag,
+    Drag: ["drag"],
     /// Few distinct values.
-    Quantised,
-    Clipped,
+    Quantised: ["coarse"],
+    Clipped: ["clipped"],
     /// One reading in a hundred is far off.
-    Outliers,
+    Outliers: ["outliers"],
     /// The noise of sensors resembles that before.
-    Coloured,
-    NoisierLater,
-    NoiseSwings,
+    Coloured: ["coloured_noise"],
+    NoisierLater: ["changing_noise"],
+    NoiseSwings: ["changing_noise"],
     /// A line in a sensor.
-    Hum,
-    NoisyInput,
-    Scale,
+    Hum: [],
+    NoisyInput: ["process_noise", "white_force"],
+    Scale: ["sensor_scale"],
     /// The input is not recorded in the last quarter.
-    DeadInput,
+    DeadInput: ["still_input"],
 }
 
 impl Fault {
@@ -83,43 +89,6 @@ impl Fault {
             | Self::SuddenChange
             | Self::SlowDrift => &[Underconfident],
             _ => &[],
-        }
-    }
-
-    pub(crate) fn causes(self) -> &'static [&'static str] {
-        match self {
-            Self::WellTuned | Self::LargeSample | Self::Hum => &[],
-            Self::SensorNoiseTooLarge | Self::SensorNoiseTooSmall | Self::SensorNoiseContrary => &["sensor_noise"],
-            Self::Quantised => &["coarse"],
-            Self::Clipped => &["clipped"],
-            Self::Outliers => &["outliers"],
-            Self::Coloured => &["coloured_noise"],
-            Self::Scale => &["sensor_scale"],
-            Self::ProcessNoiseTooSmall
-            | Self::ProcessNoiseTooLarge
-            | Self::ProcessNoiseTenth
-            | Self::ProcessNoiseTenfold => &["process_noise"],
-            Self::NoisyInput => &["process_noise", "white_force"],
-            Self::HardeningSpring | Self::YieldingSpring => &["spring"],
-            Self::MissingMode => &["missing_mode"],
-            Self::WindUp => &["wind_up"],
-            Self::SuddenChange => &["sudden_change"],
-            Self::SlowDrift => &["slow_drift", "sudden_change"],
-            Self::Swing => &["slow_drift"],
-            Self::InputGain => &["input_gain"],
-            Self::InputOffset => &["input_offset", "sensor_bias"],
-            Self::InputDelay => &["input_delay", "input_hold"],
-            Self::InputHold => &["input_hold", "input_delay"],
-            Self::SensorBias => &["sensor_bias"],
-            Self::FeltDisturbance => &["felt_disturbance"],
-            Self::NoExcitation => &["no_excitation"],
-            Self::CollapsedSample => &["collapsed_sample"],
-            // One in three of these forces is a wave.
-            Self::UnknownForce | Self::UnknownWave => &["unknown_force", "periodic_force"],
-            Self::DryFriction => &["dry_friction"],
-            Self::Drag => &["drag"],
-            Self::NoisierLater | Self::NoiseSwings => &["changing_noise"],
-            Self::DeadInput => &["still_input"],
         }
     }
 }

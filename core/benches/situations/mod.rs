@@ -6,7 +6,9 @@ mod fault;
 mod truth;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use kalmanscope_core::record::Input;
 use kalmanscope_core::scenario::Faults;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
@@ -16,6 +18,20 @@ use kalmanscope_core::{
 pub(crate) use fault::Fault;
 
 use draw::Draw;
+
+/// The first seed that no limit was set on.
+pub(crate) const FIRST: u64 = 1_000_000;
+
+/// The first seed and the number of seeds that a bench is asked for.
+pub(crate) fn seeds(number: u64) -> std::ops::Range<u64> {
+    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let first = numbers.first().copied().unwrap_or(FIRST);
+    first..first + numbers.get(1).copied().unwrap_or(number)
+}
+
+pub(crate) fn is_asked_for(option: &str) -> bool {
+    std::env::args().any(|word| word == option)
+}
 
 pub(crate) struct Situation {
     pub(crate) faults: Vec<Fault>,
@@ -162,11 +178,8 @@ impl Situation {
                 for (i, std) in filter.sensor_std.iter_mut().enumerate() {
                     *std *= if all || i == place { factor } else { 1.0 };
                 }
-                *note = format!(
-                    "{} variance times {:.3}",
-                    if all { "all".to_owned() } else { place.to_string() },
-                    factor * factor
-                );
+                let which = if all { "all".to_owned() } else { place.to_string() };
+                *note = format!("{which} variance times {:.3}", factor * factor);
             }
             Fault::SensorNoiseContrary => {
                 let (a, b) = (draw.log_uniform(3.0, 30.0), draw.log_uniform(3.0, 30.0));
@@ -220,4 +233,27 @@ pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
 
 pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
     Arc::new(record.clone().without_truth())
+}
+
+pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let truth = Channel::all().iter().filter_map(|&channel| Some((channel, record.truth(channel)?.to_vec())));
+    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
+    other.expect("the columns are as long")
+}
+
+/// The outcomes of jobs, in their order.
+pub(crate) fn on_two_threads<T: Sync, R: Send>(jobs: &[T], outcome: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|place| *place < jobs.len());
+        std::iter::from_fn(take).map(|place| (place, outcome(&jobs[place]))).collect::<Vec<_>>()
+    };
+    let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let threads = [0, 1].map(|_| scope.spawn(work));
+        threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
+    });
+    done.sort_by_key(|(place, _)| *place);
+    done.into_iter().map(|(_, outcome)| outcome).collect()
 }

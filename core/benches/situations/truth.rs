@@ -1,12 +1,11 @@
 //! The faults that are the truth's, what a filter does not know of the plant, its input and its sensors, and those of its record.
 
 use kalmanscope_core::equation::EquationSettings;
-use kalmanscope_core::record::Input;
 use kalmanscope_core::scenario::Fault as Family;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, Force, Hold, PlantKind, Record, Scenario, Sensor, Signal};
 
-use super::{Draw, Fault, SETS};
+use super::{Draw, Fault, SETS, with_input};
 
 /// Gives the truth a fault of a random size, and says in words which. `size` is the root mean square of the displacement \[m\],
 /// `power` the density of the force \[m²/s³\].
@@ -30,8 +29,7 @@ pub(super) fn disturb(
         Fault::YieldingSpring => {
             truth.plant.kind = PlantKind::BOUC_WEN;
             for channel in PlantKind::BOUC_WEN.parameters() {
-                let usual = channel.usual_truth();
-                truth.plant.set(channel, usual);
+                truth.plant.set(channel, channel.usual_truth());
             }
             truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
             let yielding = draw.uniform(0.7, 1.5) * size;
@@ -62,9 +60,8 @@ pub(super) fn disturb(
         }
         Fault::SlowDrift => {
             let to = wn * draw.uniform(0.8, 0.93);
-            truth
-                .plant
-                .set(Channel::NATURAL_FREQUENCY, Signal::Ramp(Ramp { from: wn, to, start: 0.0, end: truth.duration }));
+            let drift = Ramp { from: wn, to, start: 0.0, end: truth.duration };
+            truth.plant.set(Channel::NATURAL_FREQUENCY, Signal::Ramp(drift));
             *note = format!("to {:.2}", to / wn);
         }
         Fault::InputGain => {
@@ -95,28 +92,17 @@ pub(super) fn disturb(
             truth.plant.input_delay = draw.choice(&[-3, -2, -1, 1, 2, 3]);
             *note = format!("{} samples", truth.plant.input_delay);
         }
-        Fault::InputHold => {
-            truth.hold = Hold::First;
-        }
+        Fault::InputHold => truth.hold = Hold::First,
         Fault::SensorBias => {
             let sensor = draw.choice(&truth.sensors);
             let bias = draw.sign() * draw.log_uniform(1.0, 6.0) * sensor.noise_std;
             let drifts = draw.chance(0.3);
-            let duration = truth.duration;
-            if drifts {
-                truth.plant.set(
-                    sensor.measures.bias(),
-                    Signal::Ramp(Ramp { from: -bias, to: bias, start: 0.0, end: duration }),
-                );
-            } else {
-                truth.plant.set(sensor.measures.bias(), bias);
-            }
-            *note = format!(
-                "{} {:.1} of noise{}",
-                sensor.measures.key(),
-                bias / sensor.noise_std,
-                if drifts { ", drifts" } else { "" }
-            );
+            let drift = Ramp { from: -bias, to: bias, start: 0.0, end: truth.duration };
+            let signal = if drifts { Signal::Ramp(drift) } else { Signal::Constant(bias) };
+            truth.plant.set(sensor.measures.bias(), signal);
+            let (key, size, drifts) =
+                (sensor.measures.key(), bias / sensor.noise_std, if drifts { ", drifts" } else { "" });
+            *note = format!("{key} {size:.1} of noise{drifts}");
         }
         Fault::Swing => {
             let (amplitude, period) = (wn * draw.uniform(0.03, 0.08), truth.duration * draw.uniform(0.3, 0.7));
@@ -206,9 +192,5 @@ pub(super) fn recorded(fault: Fault, record: Record, truth: &Scenario, draw: &mu
         Fault::DeadInput => input[n * 3 / 4..].fill(0.0),
         _ => return record,
     }
-    let columns = record.sensors().iter().enumerate().map(|(i, &q)| (q, record.measured(i).to_vec())).collect();
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values: input };
-    let known = Channel::all().iter().filter_map(|&channel| Some((channel, record.truth(channel)?.to_vec())));
-    let copy = Record::new(record.dt(), input, columns).and_then(|copy| copy.with_truth(known.collect()));
-    copy.expect("it is like the one before")
+    with_input(&record, input)
 }

@@ -1,11 +1,11 @@
 //! Records without an input, of a simulator of its own, and the ends of filters on them.
 
-use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Hold, InputKind, Quantity, Record, VerdictKind};
+use kalmanscope_core::{Channel, Hold, Quantity, Record, VerdictKind};
+use nalgebra::Vector2;
 
-use crate::random::Random;
-use crate::run::finished_on;
+use crate::numbers::{Random, rms, transition};
+use crate::run::{finished_on, forced, last, verdict};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Accelerometer {
@@ -81,14 +81,14 @@ impl Ambient {
         // Ten time constants before the first sample.
         let before = (10.0 / (zeta * wn) * rate) as usize + 4;
         let force = self.force(before + samples + 1, &mut random);
-        let wd = wn * (1.0 - zeta * zeta).sqrt();
-        let (decay, cos, sin) = ((-zeta * wn * h).exp(), (wd * h).cos(), (wd * h).sin());
+        let transition = transition([wn, zeta], h);
         let mut low_pass =
             [Biquad::low_pass(0.4 / fine as f64, 0.541_196), Biquad::low_pass(0.4 / fine as f64, 1.306_563)];
-        let (mut x, mut v) = (0.0, 0.0);
+        let mut state = Vector2::zeros();
         let (mut xs, mut vs, mut accelerations) = (Vec::new(), Vec::new(), Vec::new());
         let (mut halves, mut last) = (Vec::new(), 0.0);
         for (k, &f) in force.iter().enumerate() {
+            let [x, v]: [f64; 2] = state.into();
             let acceleration = f - 2.0 * zeta * wn * v - wn * wn * x;
             let filtered = low_pass.iter_mut().fold(acceleration, |value, biquad| biquad.next(value));
             if k % fine == 0 && k / fine >= before {
@@ -99,16 +99,13 @@ impl Ambient {
                     _ => acceleration,
                 });
             }
-            let (rest, from) = (f / (wn * wn), x - f / (wn * wn));
-            (x, v) = (
-                decay * (cos * from + sin * (v + zeta * wn * from) / wd) + rest,
-                decay * (cos * v - sin * (wn * wn * from + zeta * wn * v) / wd),
-            );
+            let rest = Vector2::new(f / (wn * wn), 0.0);
+            state = transition * (state - rest) + rest;
             if (k + 1) % fine == HALF {
                 if (k + 1) / fine >= before {
-                    halves.push((v - last) * rate);
+                    halves.push((state[1] - last) * rate);
                 }
-                last = v;
+                last = state[1];
             }
         }
         if self.accelerometer == Accelerometer::Mean {
@@ -121,12 +118,11 @@ impl Ambient {
                 _ => &accelerations,
             };
             let signal = &signal[..samples];
-            let size = (signal.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
+            let size = rms(signal);
             (quantity, signal.iter().map(|y| y + self.noise * size * random.normal()).collect())
         });
         let columns = columns.collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; samples] };
-        Record::new(1.0 / rate, input, columns).unwrap()
+        forced(1.0 / rate, Hold::First, vec![0.0; samples], columns)
     }
 }
 
@@ -174,13 +170,10 @@ pub(crate) fn end_on(record: &Record, truth: [f64; 2], place: usize) -> End {
     let channels = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     let guess = [0, 1].map(|i| filter.initial_mean[channels[i]] / truth[i] - 1.0);
     let run = finished_on(&suggestion.scenario, record.clone());
-    let estimates = &run.estimates()[place];
-    let last = estimates.len() - 1;
-    let places = channels.map(|channel| estimates.place(channel).unwrap());
-    let errors = [0, 1].map(|i| estimates.mean(last)[places[i]] / truth[i] - 1.0);
-    let stds = [0, 1].map(|i| estimates.std(last, places[i]) / truth[i]);
-    let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, record), estimates, record, None).unwrap();
-    let verdict = diagnosis.verdict.unwrap().kind;
+    let ends = channels.map(|channel| last(&run.estimates()[place], channel));
+    let errors = [0, 1].map(|i| ends[i].0 / truth[i] - 1.0);
+    let stds = [0, 1].map(|i| ends[i].1 / truth[i]);
+    let verdict = verdict(&run, place);
     let text = format!(
         "guess {:+.2} % {:+.0} %, end {:+.2} % {:+.0} % (σ {:.2} % {:.0} %), {:?}, force {force:?}, R {:?}, {}",
         100.0 * guess[0],

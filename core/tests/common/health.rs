@@ -297,6 +297,7 @@ impl Dice<'_> {
     }
 
     fn filter(&mut self, scenario: &Scenario) -> FilterSettings {
+        use Propagation::{Euler, LocalLinearisation, RungeKutta};
         let usual = FilterSettings::default();
         let kind = self.pick(&FilterKind::ALL);
         let plant = self.one_in(6).then(|| self.pick(&PlantKind::ALL[..6]));
@@ -305,12 +306,7 @@ impl Dice<'_> {
             kind,
             plant,
             log_parameters: self.one_in(4),
-            propagation: self.pick(&[
-                None,
-                Some(Propagation::LocalLinearisation),
-                Some(Propagation::RungeKutta),
-                Some(Propagation::Euler),
-            ]),
+            propagation: self.pick(&[None, Some(LocalLinearisation), Some(RungeKutta), Some(Euler)]),
             iterations: 1 + usize::from(self.byte() % 6),
             ensemble_size: 2 + usize::from(self.byte() % 20),
             adaptation: Adaptation {

@@ -1,6 +1,8 @@
 //! The raw readings of a phone on an oscillator that is plucked.
 
-use crate::random::Random;
+use nalgebra::Vector2;
+
+use crate::numbers::{Random, transition};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Phone {
@@ -43,15 +45,9 @@ impl Phone {
             v.map(|x| x / length)
         };
         let [w, z] = [self.frequency, self.damping];
-        let moved = w * (1.0 - z * z).sqrt();
         let free = |t: f64| {
-            // ẍ of x(t) = x₀ exp(-ζωₙt) (cos ω_d t + ζωₙ/ω_d sin ω_d t)
-            let x0 = self.amplitude / (w * w);
-            let ratio = z * w / moved;
-            let e = x0 * (-z * w * t).exp();
-            let x = e * ((moved * t).cos() + ratio * (moved * t).sin());
-            let v = -e * w * w / moved * (moved * t).sin();
-            -2.0 * z * w * v - w * w * x
+            let state = transition([w, z], t) * Vector2::new(self.amplitude / (w * w), 0.0);
+            -2.0 * z * w * state[1] - w * w * state[0]
         };
         let count = (self.seconds * self.rate) as usize;
         (0..count)

@@ -1,14 +1,17 @@
-//! Runs for tests.
+//! Scenarios and runs for tests.
 
 use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::import::{Builder, Mapping, Table, read};
+use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
 use kalmanscope_core::record::Input;
-use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Hold, Record, Run, Scenario, Task as _,
+    Channel, CramerRao, Diagnosis, Diagnostics, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold,
+    InputKind, Plant, Quantity, Record, Run, Sample, Scenario, Signal, Sink, Stop, Task as _, Values, VerdictKind,
+    simulate,
 };
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");
@@ -30,6 +33,22 @@ pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) ->
     finished_on(scenario, imported.expect("it is a record").record)
 }
 
+/// A record under a force.
+pub(crate) fn forced(dt: f64, hold: Hold, values: Vec<f64>, columns: Vec<(Quantity, Vec<f64>)>) -> Record {
+    Record::new(dt, Input { kind: InputKind::Force, hold, values }, columns).expect("the columns are a record")
+}
+
+/// A record whose truth does not stop.
+pub(crate) fn simulated(scenario: &Scenario) -> Record {
+    let record = simulate(scenario);
+    assert_eq!(record.len(), scenario.samples());
+    record
+}
+
+pub(crate) fn truth(record: &Record, channel: Channel) -> &[f64] {
+    record.truth(channel).expect("its truth is known")
+}
+
 pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.filters.truncate(1);
@@ -37,36 +56,164 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     scenario
 }
 
+/// An oscillator that does not change.
+pub(crate) fn oscillator(natural_frequency: impl Into<Signal>, damping_ratio: impl Into<Signal>) -> Plant {
+    let plant = Plant::default().with(Channel::NATURAL_FREQUENCY, natural_frequency);
+    plant.with(Channel::DAMPING_RATIO, damping_ratio)
+}
+
+/// A filter that takes ωₙ and ζ for known.
+pub(crate) fn knowing(kind: FilterKind, [wn, zeta]: [f64; 2]) -> FilterSettings {
+    FilterSettings {
+        kind,
+        initial_mean: values([0.0, 0.0, wn, zeta]),
+        initial_std: values([0.3, 1.0, 0.0, 0.0]),
+        process_std: values([1e-4, 0.02, 0.0, 0.0]),
+        fading: 1.0,
+        ..Scenario::default().filters[0].clone()
+    }
+}
+
+/// The values of x, ẋ, ωₙ and ζ; those of all other channels are zero.
+pub(crate) fn values(of: [f64; 4]) -> Values {
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+    Values::ZERO.with(channels.into_iter().zip(of))
+}
+
+/// The scenarios of a folder of `assets`: their names, in order, and their texts.
+pub(crate) fn assets(folder: &str) -> Vec<(String, String)> {
+    let folder = format!("{}/../assets/{folder}", env!("CARGO_MANIFEST_DIR"));
+    let files = std::fs::read_dir(folder).expect("there is a folder").map(|file| file.expect("it can be read").path());
+    let mut files: Vec<_> = files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
+    files.sort();
+    let name = |path: &std::path::Path| path.file_stem().expect("it has a name").to_string_lossy().into_owned();
+    files.iter().map(|path| (name(path), std::fs::read_to_string(path).expect("it can be read"))).collect()
+}
+
+pub(crate) fn asset(folder: &str, name: &str) -> Scenario {
+    let path = format!("{}/../assets/{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+    Scenario::from_toml(&text).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+pub(crate) fn built_in(name: &str) -> Scenario {
+    asset("scenarios", name)
+}
+
 pub(crate) fn last(estimates: &Estimates, channel: Channel) -> (f64, f64) {
     let (k, place) = (estimates.len() - 1, estimates.place(channel).expect("it is estimated"));
     (estimates.mean(k)[place], estimates.std(k, place))
 }
 
-pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
-    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
-    let truth = Channel::all().iter().filter_map(|&channel| Some((channel, record.truth(channel)?.to_vec())));
-    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
-    other.expect("the columns are as long")
+pub(crate) fn readings(record: &Record, k: usize) -> Vec<f64> {
+    (0..record.sensors().len()).map(|sensor| record.measured(sensor)[k]).collect()
+}
+
+/// A filter of events after all samples of a record.
+pub(crate) fn after_events(scenario: &Scenario, record: &Record) -> EventFilter {
+    let mut events = EventFilter::new(scenario, 0).expect("it follows events");
+    for k in 0..record.len() {
+        events.take(record.time(k), record.input()[k], &readings(record, k)).expect("it is taken in");
+    }
+    events
+}
+
+/// The Cramér-Rao bound of a filter.
+pub(crate) fn bound(scenario: &Scenario, filter: usize, record: &Record) -> CramerRao {
+    let mut bound = CramerRao::new(scenario, filter, scenario.dt).expect("there is a bound");
+    bound.follow(record);
+    bound
+}
+
+pub(crate) fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
+    let diagnostics = Diagnostics::new(estimates, record);
+    Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge")
+}
+
+/// The verdict on a filter of a run.
+pub(crate) fn verdict(run: &Run, filter: usize) -> VerdictKind {
+    diagnosis(&run.estimates()[filter], run.record()).verdict.expect("there are enough readings").kind
 }
 
 pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy> {
     let estimates = &run.estimates()[filter];
     let diagnostics = Diagnostics::new(estimates, record);
-    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge");
-    let search = diagnosis.search(run.scenario(), filter, &diagnostics, estimates, record);
+    let search = diagnosis(estimates, record).search(run.scenario(), filter, &diagnostics, estimates, record);
     search.expect("it can be run").run()
+}
+
+/// The record that an importer makes of a table, and what it takes the columns for.
+pub(crate) fn imported(table: &Table, hold: Hold) -> (Imported, Mapping) {
+    let (mapping, kind) = Mapping::guess(table);
+    let imported = Builder::new(table, &mapping, kind, hold).and_then(Builder::finish);
+    (imported.expect("it is a record"), mapping)
+}
+
+/// The settings that an importer suggests for a table, once its mapping and the scenario are changed, and their run.
+pub(crate) fn suggested(
+    table: &Table,
+    change_mapping: impl Fn(&mut Mapping),
+    change: impl Fn(&mut Scenario),
+) -> (Suggestion, Run) {
+    let (mut mapping, kind) = Mapping::guess(table);
+    change_mapping(&mut mapping);
+    let build = |mapping: &Mapping, hold| Builder::new(table, mapping, kind, hold).and_then(Builder::finish);
+    let record = build(&mapping, Hold::First).expect("it is a record").record;
+    let mut scenario = scenario_for(&record);
+    scenario.record = Some(mapping.clone());
+    change(&mut scenario);
+    let suggestion = suggest(&scenario, &record);
+    let scenario = &suggestion.scenario;
+    let record = build(scenario.record.as_ref().unwrap_or(&mapping), scenario.hold).expect("it is a record").record;
+    let run = finished_on(scenario, record);
+    (suggestion, run)
 }
 
 /// The last ωₙ and ζ of the first filter that an importer sets up for a table, each with its σ, and the run.
 pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
-    let (mapping, kind) = Mapping::guess(table);
-    let imported = Builder::new(table, &mapping, kind, Hold::First).and_then(Builder::finish);
-    let record = imported.expect("it is a record").record;
+    let (Imported { record, .. }, mapping) = imported(table, Hold::First);
     let mut scenario = scenario_for(&record);
     scenario.record = Some(mapping);
     let scenario = suggest(&scenario, &record).scenario;
     let run = finished_on(&scenario, record);
     let of = |channel| last(&run.estimates()[0], channel);
     ([Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(of), run)
+}
+
+/// A covariance of rank one that only shrinks: rounding makes its small variances positive or negative.
+pub(crate) fn shrinking(kind: FilterKind) -> Scenario {
+    let filter = FilterSettings {
+        kind,
+        initial_mean: values([0.0, 0.0, 61.7, 0.55]),
+        initial_std: values([0.0, 0.0, 1.0, 0.0]),
+        process_std: Values::ZERO,
+        ..FilterSettings::default()
+    };
+    let force = Force::Step { amplitude: 0.3, at: 1.9 };
+    Scenario { dt: 0.2, duration: 40.0, force, sensors: vec![], filters: vec![filter], ..Scenario::default() }
+}
+
+/// The same random cases every time, so that a failure is reproducible.
+pub(crate) fn cases(seed: u64, cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
+}
+
+/// Calls a function with each sample, and with the belief before the update if so wished.
+pub(crate) struct Each<F> {
+    pub(crate) wants_prior: bool,
+    pub(crate) call: F,
+}
+
+impl<F: FnMut(&Sample<'_>)> Sink for Each<F> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        (self.call)(sample);
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        panic!("{stop:?}");
+    }
+
+    fn wants_prior(&self) -> bool {
+        self.wants_prior
+    }
 }

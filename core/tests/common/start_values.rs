@@ -1,14 +1,14 @@
-//! Start values on records of many excitations, sensors and dampings, and on free decays without an input, made here and not by
-//! the core: the guess, and the end of the filter that begins with it.
+//! Start values on records of many excitations, sensors and dampings, on free decays without an input, and on short records under a
+//! force whose column has another unit, made here and not by the core: the guess, and the end of the filter that begins with it.
 
 use std::collections::BTreeMap;
 
-use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record};
+use kalmanscope_core::{Channel, FilterSettings, Hold, Quantity, Record};
+use nalgebra::Vector2;
 
-use crate::random::Random;
-use crate::run::finished_on;
+use crate::numbers::{Random, largest, rms, runge_kutta, transition};
+use crate::run::{finished_on, forced, last};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Oscillator {
@@ -30,16 +30,10 @@ pub(crate) enum Excitation {
 }
 
 impl Excitation {
-    pub(crate) const ALL: [Self; 8] = [
-        Self::White,
-        Self::Hammer,
-        Self::Prbs,
-        Self::Multisine,
-        Self::LowPassed,
-        Self::WideSweep,
-        Self::NarrowSweep,
-        Self::Step,
-    ];
+    pub(crate) const ALL: [Self; 8] = {
+        use Excitation::{Hammer, LowPassed, Multisine, NarrowSweep, Prbs, Step, White, WideSweep};
+        [White, Hammer, Prbs, Multisine, LowPassed, WideSweep, NarrowSweep, Step]
+    };
 
     /// The force at each sample, of the size of one [m/s²].
     fn force(self, truth: Oscillator, dt: f64, samples: usize, random: &mut Random) -> Vec<f64> {
@@ -118,31 +112,24 @@ pub(crate) fn record(
     let mut random = Random::new(seed);
     let force = excitation.force(truth, dt, samples, &mut random);
     let Oscillator { natural_frequency: wn, damping_ratio: zeta } = truth;
-    let wd = wn * (1.0 - zeta * zeta).sqrt();
-    let (decay, cos, sin) = ((-zeta * wn * dt).exp(), (wd * dt).cos(), (wd * dt).sin());
-    let (mut x, mut v) = (0.0, 0.0);
+    let transition = transition([wn, zeta], dt);
+    let mut state = Vector2::zeros();
     let mut signal = Vec::with_capacity(samples);
     for &f in &force {
-        signal.push(if sensor == Quantity::DISPLACEMENT {
-            x
-        } else if sensor == Quantity::VELOCITY {
-            v
-        } else {
-            f - 2.0 * zeta * wn * v - wn * wn * x
-        });
-        let (rest, from) = (f / (wn * wn), x - f / (wn * wn));
-        (x, v) = (
-            decay * (cos * from + sin * (v + zeta * wn * from) / wd) + rest,
-            decay * (cos * v - sin * (wn * wn * from + zeta * wn * v) / wd),
-        );
+        signal.push(reading(sensor, state.into(), f - 2.0 * zeta * wn * state[1] - wn * wn * state[0]));
+        let rest = Vector2::new(f / (wn * wn), 0.0);
+        state = transition * (state - rest) + rest;
     }
-    let size = (signal.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
+    let size = rms(&signal);
     let measured = signal.iter().map(|y| y + 0.01 * size * random.normal()).collect();
-    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: force };
-    Record::new(dt, input, vec![(sensor, measured)]).unwrap()
+    forced(dt, Hold::Zero, force, vec![(sensor, measured)])
 }
 
 pub(crate) const SENSORS: [Quantity; 3] = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
+
+pub(crate) fn reading(sensor: Quantity, [x, v]: [f64; 2], acceleration: f64) -> f64 {
+    [x, v, acceleration][SENSORS.iter().position(|one| *one == sensor).unwrap()]
+}
 
 pub(crate) fn suggestion(record: &Record) -> Suggestion {
     suggest(&scenario_for(record), record)
@@ -154,9 +141,8 @@ pub(crate) fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String
     let guess = suggestion.scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY];
     let run = finished_on(&suggestion.scenario, record.clone());
     let ekf = &run.estimates()[0];
-    let last = |channel| ekf.mean(ekf.len() - 1)[ekf.place(channel).unwrap()];
     let error = |value: f64, truth: f64| (value / truth - 1.0).abs();
-    let (wn, zeta) = (last(Channel::NATURAL_FREQUENCY), last(Channel::DAMPING_RATIO));
+    let (wn, zeta) = (last(ekf, Channel::NATURAL_FREQUENCY).0, last(ekf, Channel::DAMPING_RATIO).0);
     let ends = error(wn, truth.natural_frequency) < 0.01 && error(zeta, truth.damping_ratio) < 0.15;
     let text = format!(
         "guess {:.3}, end {:.4} {:.4}, {:?}",
@@ -206,6 +192,10 @@ pub(crate) fn shares([right, ends, all]: Counts) -> [f64; 2] {
     [right, ends].map(|count| 100.0 * count as f64 / all as f64)
 }
 
+fn gain(filter: &FilterSettings) -> f64 {
+    if filter.augment.contains(&Channel::INPUT_GAIN) { filter.initial_mean[Channel::INPUT_GAIN] } else { 1.0 }
+}
+
 type Losses = Box<dyn Fn(usize) -> bool>;
 
 /// The largest relative change of a start value by four kinds of losses, and in words.
@@ -216,36 +206,29 @@ pub(crate) fn worst_of_losses(
     seed: u64,
 ) -> (f64, String) {
     let mut worst = (0.0, String::new());
-    {
-        let truth = Oscillator { natural_frequency: 19.5, damping_ratio };
-        let whole = record(truth, excitation, sensor, 0.01, 8000, seed);
-        let mut random = Random::new(seed + 1000);
-        let random: Vec<bool> = (0..8000).map(|_| random.uniform() < 0.01).collect();
-        let losses: [(&str, Losses); 4] = [
-            ("1 % at random", Box::new(move |k| random[k])),
-            ("one in 97", Box::new(|k| k % 97 == 50)),
-            ("bursts", Box::new(|k| k % 400 > 380)),
-            ("two long gaps", Box::new(|k| (1000..1120).contains(&k) || (5000..5300).contains(&k))),
-        ];
-        let values = |record: &Record| {
-            let scenario = suggestion(record).scenario;
-            let filter = &scenario.filters[0];
-            let gain = filter.augment.contains(&Channel::INPUT_GAIN).then(|| filter.initial_mean[Channel::INPUT_GAIN]);
-            [
-                filter.sensor_std[0],
-                filter.initial_mean[Channel::NATURAL_FREQUENCY],
-                filter.initial_mean[Channel::DAMPING_RATIO],
-                gain.unwrap_or(1.0),
-            ]
-        };
-        let before = values(&whole);
-        for (name, is_lost) in losses {
-            let after = values(&whole.clone().with_gaps(|_, k| is_lost(k)));
-            for ((what, before), after) in ["R", "ωₙ", "ζ", "gain"].iter().zip(before).zip(after) {
-                let change = (after / before - 1.0).abs();
-                if change > worst.0 {
-                    worst = (change, format!("{} {name}: {what} {before} {after}", sensor.key()));
-                }
+    let truth = Oscillator { natural_frequency: 19.5, damping_ratio };
+    let whole = record(truth, excitation, sensor, 0.01, 8000, seed);
+    let mut random = Random::new(seed + 1000);
+    let random: Vec<bool> = (0..8000).map(|_| random.uniform() < 0.01).collect();
+    let losses: [(&str, Losses); 4] = [
+        ("1 % at random", Box::new(move |k| random[k])),
+        ("one in 97", Box::new(|k| k % 97 == 50)),
+        ("bursts", Box::new(|k| k % 400 > 380)),
+        ("two long gaps", Box::new(|k| (1000..1120).contains(&k) || (5000..5300).contains(&k))),
+    ];
+    let values = |record: &Record| {
+        let scenario = suggestion(record).scenario;
+        let filter = &scenario.filters[0];
+        let [wn, zeta] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|c| filter.initial_mean[c]);
+        [filter.sensor_std[0], wn, zeta, gain(filter)]
+    };
+    let before = values(&whole);
+    for (name, is_lost) in losses {
+        let after = values(&whole.clone().with_gaps(|_, k| is_lost(k)));
+        for ((what, before), after) in ["R", "ωₙ", "ζ", "gain"].iter().zip(before).zip(after) {
+            let change = (after / before - 1.0).abs();
+            if change > worst.0 {
+                worst = (change, format!("{} {name}: {what} {before} {after}", sensor.key()));
             }
         }
     }
@@ -284,30 +267,19 @@ impl RingDown {
     fn record(&self) -> Record {
         let Self { natural_frequency: wn, damping_ratio: zeta, rate, periods, sensor, noise, seed } = *self;
         let dt = std::f64::consts::TAU / wn / rate;
-        let (rest, wd) = (zeta * wn, wn * (1.0 - zeta * zeta).sqrt());
         let clean = |k: usize| {
-            let t = k as f64 * dt;
-            let (decay, cos, sin) = ((-rest * t).exp(), (wd * t).cos(), (wd * t).sin());
-            let (x, v) = (decay * (cos + rest / wd * sin), -decay * wn * wn / wd * sin);
-            match sensor {
-                q if q == Quantity::DISPLACEMENT => x,
-                q if q == Quantity::VELOCITY => v,
-                _ => -wn * wn * x - 2.0 * rest * v,
-            }
+            let [x, v]: [f64; 2] = (transition([wn, zeta], k as f64 * dt) * Vector2::new(1.0, 0.0)).into();
+            reading(sensor, [x, v], -wn * wn * x - 2.0 * zeta * wn * v)
         };
         let clean: Vec<f64> = (0..(rate * periods) as usize).map(clean).collect();
-        let largest = clean.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
-        let mut random = Random::new(seed + 100_000);
-        let measured: Vec<f64> = clean.iter().map(|y| y + noise * largest * random.normal()).collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; measured.len()] };
-        Record::new(dt, input, vec![(sensor, measured)]).unwrap()
+        let (size, mut random) = (largest(&clean), Random::new(seed + 100_000));
+        let measured: Vec<f64> = clean.iter().map(|y| y + noise * size * random.normal()).collect();
+        forced(dt, Hold::First, vec![0.0; clean.len()], vec![(sensor, measured)])
     }
 
     /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ, and in words.
     pub(crate) fn outcome(&self) -> (bool, String) {
-        let record = self.record();
-        let suggestion = suggest(&scenario_for(&record), &record);
-        let filter = &suggestion.scenario.filters[0];
+        let filter = &suggestion(&self.record()).scenario.filters[0];
         let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency;
         let damping = filter.initial_mean[Channel::DAMPING_RATIO] / self.damping_ratio;
         let is_white = filter.augment.contains(&Channel::WHITE_FORCE);
@@ -322,4 +294,95 @@ pub(crate) fn right(seeds: std::ops::Range<u64>) -> f64 {
     let wrong: Vec<String> = outcomes.filter(|(is_right, _)| !is_right).map(|(_, text)| text).collect();
     wrong.iter().for_each(|text| println!("{text}"));
     1.0 - wrong.len() as f64 / all as f64
+}
+
+/// A short record of an oscillator under a force whose column has another unit, drawn from its seed.
+#[derive(Clone, Copy, Debug)]
+struct Short {
+    samples: usize,
+    /// \[Hz\]
+    rate: f64,
+    /// The force over the number that is recorded for it.
+    gain: f64,
+    /// Whether the force has most of its power below the natural frequency.
+    is_coloured: bool,
+    per_period: f64,
+    damping_ratio: f64,
+    sensor: Quantity,
+    noise: f64,
+    hold: Hold,
+    seed: u64,
+}
+
+const FINE: usize = 8;
+
+impl Short {
+    fn of(samples: usize, rate: f64, gain: f64, seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
+        Self {
+            samples,
+            rate,
+            gain,
+            // From 3 samples a period on, and 8 periods at least.
+            per_period: log(3.0, 40.0_f64.min(samples as f64 / 8.0)),
+            damping_ratio: log(0.005, 0.1),
+            noise: log(0.005, 0.1),
+            is_coloured: seed % 2 == 1,
+            hold: if seed / 2 % 2 == 1 { Hold::Zero } else { Hold::First },
+            sensor: SENSORS[(seed / 4 % 3) as usize],
+            seed,
+        }
+    }
+
+    fn natural_frequency(&self) -> f64 {
+        std::f64::consts::TAU * self.rate / self.per_period
+    }
+
+    fn record(&self) -> Record {
+        let Self { samples, rate, gain, is_coloured, damping_ratio: zeta, sensor, noise, hold, seed, .. } = *self;
+        let (wn, dt, mut random) = (self.natural_frequency(), 1.0 / rate, Random::new(seed + 200_000));
+        let (mut state, share) = (0.0, 1.0 - (-0.7 * wn * dt).exp());
+        let mut draw = || {
+            state += if is_coloured { share } else { 1.0 } * (random.normal() - state);
+            state
+        };
+        let input: Vec<f64> = (0..samples).map(|_| draw()).collect();
+        let (mut y, h) = (Vector2::zeros(), dt / FINE as f64);
+        let mut signal = Vec::with_capacity(samples);
+        for k in 0..samples {
+            let next = if hold == Hold::First { input[(k + 1).min(samples - 1)] } else { input[k] };
+            let force = |t: f64| gain * (input[k] + t / dt * (next - input[k]));
+            let rate = |y: Vector2<f64>, t: f64| Vector2::new(y[1], force(t) - 2.0 * zeta * wn * y[1] - wn * wn * y[0]);
+            signal.push(reading(sensor, y.into(), rate(y, 0.0)[1]));
+            y = (0..FINE).fold(y, |y, i| runge_kutta(y, i as f64 * h, h, rate));
+        }
+        let size = rms(&signal);
+        let measured = signal.iter().map(|y| y + noise * size * random.normal()).collect();
+        forced(dt, hold, input, vec![(sensor, measured)])
+    }
+
+    fn outcome(&self) -> (bool, String) {
+        let filter = &suggestion(&self.record()).scenario.filters[0];
+        let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency();
+        let text = format!("{self:?}: ωₙ {guess:.3}, gain {:.3}", gain(filter) / self.gain);
+        ((guess - 1.0).abs() < 0.1, text)
+    }
+}
+
+/// The records of a grid of lengths, rates and gains whose start values are right, and all. The others are printed.
+pub(crate) fn right_of_short(lengths: impl Iterator<Item = usize>, rates: &[f64], gains: &[f64]) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for samples in lengths {
+        for &rate in rates {
+            for &gain in gains {
+                let (is_right, text) = Short::of(samples, rate, gain, counts[1] as u64).outcome();
+                counts = [counts[0] + usize::from(is_right), counts[1] + 1];
+                if !is_right {
+                    println!("{text}");
+                }
+            }
+        }
+    }
+    counts
 }

@@ -1,15 +1,59 @@
-//! Each filter agrees with a plain implementation of its paper.
+//! Each filter agrees with a plain implementation of its paper, also where it has another plant than the truth's, or logarithms of its
+//! parameters; and sampling filters with the Kalman filter where it is exact, within Monte Carlo error.
 
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
+use kalmanscope_core::{
+    Adaptation, Aspect, Channel, Estimates, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run,
+    Scenario, Sensor, simulate,
+};
 
-use super::cases::{deviation, scenario};
 use super::plants::written;
-use super::textbook::filter;
-use crate::run::finished;
+use super::textbook::{Sample, filter};
+use crate::numbers::{DETERMINISTIC, beliefs};
+use crate::run::{finished, finished_on, oscillator, values};
 
-pub(crate) const DETERMINISTIC: [FilterKind; 6] =
-    [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
+/// Parameters off the initial means, sensors for displacement and acceleration, and one filter of a kind.
+pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
+    let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
+    scenario.set_plant(plant);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::ACCELERATION, 0.5)];
+    scenario.filters = vec![FilterSettings {
+        name: kind.name().to_owned(),
+        kind,
+        fading: 1.002,
+        sensor_std: vec![0.01, 0.5],
+        ..FilterSettings::default()
+    }];
+    scenario
+}
+
+/// The largest deviation of some estimates from the textbook's: means and covariances relative to standard deviations,
+/// or to the rounding of the mean where these are smaller; NIS and log likelihood relative to themselves or one.
+pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
+    assert_eq!((estimates.stop(), estimates.len()), (None, expected.len()), "{}", estimates.name());
+    let n = estimates.channels().len();
+    let mut worst = 0.0_f64;
+    for (k, sample) in expected.iter().enumerate() {
+        let scale = |i: usize| sample.cov.at(i, i).max(0.0).sqrt().max(1e-6 * sample.mean[i].abs());
+        for i in 0..n {
+            worst = worst.max(part(estimates.mean(k)[i] - sample.mean[i], scale(i)));
+            for j in 0..n {
+                worst = worst.max(part(estimates.cov(k)[n * j + i] - sample.cov.at(i, j), scale(i) * scale(j)));
+            }
+        }
+        let pairs = [(estimates.nis()[k], sample.nis), (estimates.log_likelihood(k), sample.log_likelihood)];
+        for (found, expected) in pairs {
+            assert_eq!(found.is_nan(), expected.is_nan(), "{} at {k}", estimates.name());
+            worst = worst.max((found - expected).abs() / expected.abs().max(1.0));
+        }
+    }
+    worst
+}
+
+/// `x` relative to a scale, which may be zero.
+fn part(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { (x / scale).abs() }
+}
 
 /// Most agree to 1e-11; in the transient of an EKF from a wrong belief, rounding grows to 1e-9.
 const TOLERANCE: f64 = 1e-8;
@@ -27,16 +71,14 @@ fn assert_agrees_with_paper(what: &str, scenario: &Scenario) {
 fn every_filter_on_every_plant() {
     for plant in written() {
         for kind in DETERMINISTIC {
-            let mut scenario = scenario(plant, kind);
-            scenario.duration = 0.6;
+            let scenario = Scenario { duration: 0.6, ..scenario(plant, kind) };
             assert_agrees_with_paper(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
         }
     }
 }
 
 fn with(plant: PlantKind, settings: &FilterSettings) -> Scenario {
-    let mut scenario = scenario(plant, settings.kind);
-    scenario.duration = 1.2;
+    let mut scenario = Scenario { duration: 1.2, ..scenario(plant, settings.kind) };
     let FilterSettings { name, fading, sensor_std, .. } = scenario.filters[0].clone();
     scenario.filters = vec![FilterSettings { name, fading, sensor_std, ..settings.clone() }];
     scenario
@@ -47,9 +89,9 @@ fn every_propagation() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for propagation in Propagation::ALL {
             for eta in [0.0, 0.02] {
-                let ekf =
-                    with(plant, &FilterSettings { propagation: Some(propagation), eta, ..FilterSettings::default() });
-                assert_agrees_with_paper(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
+                let settings = FilterSettings { propagation: Some(propagation), eta, ..FilterSettings::default() };
+                let what = format!("{propagation:?} of a {}, η = {eta}", plant.name());
+                assert_agrees_with_paper(&what, &with(plant, &settings));
             }
         }
     }
@@ -73,10 +115,8 @@ fn an_iterated_update_of_any_length() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for iterations in [1, 2, 3, 20] {
             let settings = FilterSettings { kind: FilterKind::IEKF, iterations, ..FilterSettings::default() };
-            assert_agrees_with_paper(
-                &format!("{iterations} iterations of a {}", plant.name()),
-                &with(plant, &settings),
-            );
+            let what = format!("{iterations} iterations of a {}", plant.name());
+            assert_agrees_with_paper(&what, &with(plant, &settings));
         }
     }
 }
@@ -108,10 +148,193 @@ fn records_with_gaps() {
             let scenario = scenario(plant, kind);
             // Missing is the first sensor, the second, or both in turn.
             let record = simulate(&scenario).with_gaps(|sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
-            let mut run = Run::on_record(&scenario, record.clone().into()).unwrap();
-            run.finish();
+            let run = finished_on(&scenario, record.clone());
             let deviation = deviation(&run.estimates()[0], &filter(&scenario, 0, &record));
             assert!(deviation < TOLERANCE, "{} of a {}: {deviation}", kind.name(), plant.name());
         }
+    }
+}
+
+#[test]
+fn a_linear_filter_may_follow_any_truth() {
+    for truth in PlantKind::ALL {
+        for kind in FilterKind::ALL {
+            let mut scenario = Scenario { duration: 3.0, ..scenario(truth, kind) };
+            scenario.filters[0].plant = Some(PlantKind::SDOF);
+            let run = finished(&scenario);
+            let estimates = &run.estimates()[0];
+            assert_eq!((estimates.stop(), estimates.len()), (None, run.len()), "{} on {}", kind.name(), truth.name());
+            assert_eq!(estimates.channels(), PlantKind::SDOF.channels());
+            if DETERMINISTIC.contains(&kind) {
+                let deviation = deviation(estimates, &filter(&scenario, 0, run.record()));
+                assert!(deviation < 1e-8, "{} on {}: {deviation}", kind.name(), truth.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn sensors_that_the_filters_plant_does_not_have_are_ignored() {
+    for kind in FilterKind::ALL {
+        let mut scenario = Scenario { duration: 3.0, ..scenario(PlantKind::SHEAR_2, kind) };
+        scenario.filters[0].plant = Some(PlantKind::SDOF);
+        let without = finished(&scenario);
+        for measures in [Quantity::new(Aspect::DISPLACEMENT, 1), Quantity::new(Aspect::ACCELERATION, 1)] {
+            scenario.add_sensor(Sensor::new(measures, 0.01));
+        }
+        let with = finished(&scenario);
+        let (a, b) = (&without.estimates()[0], &with.estimates()[0]);
+        assert_eq!(beliefs(a), beliefs(b), "{}", kind.name());
+        assert!((0..b.len()).all(|k| b.innovation(k)[2..].iter().all(|e| e.is_nan())));
+    }
+}
+
+#[test]
+fn a_linear_spring_in_place_of_a_hard_one_comes_out_stiffer() {
+    let mut scenario = Scenario { duration: 30.0, ..scenario(PlantKind::DUFFING, FilterKind::EKF) };
+    scenario.filters[0].plant = Some(PlantKind::SDOF);
+    let run = finished(&scenario);
+    let (estimates, last) = (&run.estimates()[0], run.len() - 1);
+    assert!((6.2..12.0).contains(&estimates.mean(last)[2]), "{}", estimates.mean(last)[2]);
+}
+
+fn in_logarithms(mut scenario: Scenario) -> Scenario {
+    let plain = scenario.filters[0].clone();
+    scenario.filters.push(FilterSettings { log_parameters: true, ..plain });
+    scenario
+}
+
+#[test]
+fn logarithms_change_little_where_the_belief_is_narrow() {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_3] {
+        for kind in DETERMINISTIC {
+            let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
+            let settings = &mut scenario.filters[0];
+            for channel in plant.parameters() {
+                settings.initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);
+                settings.initial_std[channel] = 1e-4 * settings.initial_mean[channel];
+                settings.process_std[channel] = 0.0;
+            }
+            let run = finished(&in_logarithms(scenario));
+            let [plain, log] = run.estimates() else { unreachable!("two filters") };
+            for k in 0..run.len() {
+                for i in 0..plain.channels().len() {
+                    let (mean, std) = (plain.mean(k)[i], plain.std(k, i));
+                    assert!((log.mean(k)[i] - mean).abs() <= 2e-3 * std + 1e-12 * mean.abs(), "{} at {k}", kind.name());
+                    assert!((log.std(k, i) - std).abs() <= 2e-3 * std, "{} at {k}", kind.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn logarithms_keep_a_wild_guess_positive() {
+    let mut went_negative = 0;
+    use FilterKind as Kind;
+    for kind in [Kind::EKF, Kind::UKF, Kind::SR_UKF, Kind::CKF, Kind::ENKF, Kind::PF] {
+        for seed in 1..=3 {
+            let mut scenario = Scenario { seed, duration: 10.0, ..scenario(PlantKind::SDOF, kind) };
+            scenario.plant.set(Channel::DAMPING_RATIO, 0.005);
+            let settings = &mut scenario.filters[0];
+            settings.initial_mean[Channel::DAMPING_RATIO] = 0.05;
+            settings.initial_std[Channel::DAMPING_RATIO] = 0.2;
+            let run = finished(&in_logarithms(scenario));
+            let [plain, log] = run.estimates() else { unreachable!("two filters") };
+            let lowest = |e: &Estimates| (0..e.len()).map(|k| e.mean(k)[3].min(e.mean(k)[2])).fold(f64::MAX, f64::min);
+            went_negative += usize::from(lowest(plain) < 0.0);
+            assert!(lowest(log) > 0.0, "{} {seed}", kind.name());
+        }
+    }
+    assert!(went_negative > 6, "{went_negative}");
+}
+
+fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario {
+    let mut scenario = Scenario { seed, dt: 0.02, duration: 4.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
+    scenario.plant.disturbance_std = 3.0;
+    let known = FilterSettings {
+        fading,
+        sensor_std: vec![0.01, 0.06],
+        initial_mean: values([0.05, -0.1, 6.0, 0.05]),
+        initial_std: values([0.05, 0.2, 0.0, 0.0]),
+        process_std: values([1e-3, 0.06, 0.0, 0.0]),
+        ..FilterSettings::default()
+    };
+    let kf = FilterSettings { kind: FilterKind::KF, ..known.clone() };
+    let sampled = sizes.iter().map(|&ensemble_size| FilterSettings { kind, ensemble_size, ..known.clone() });
+    scenario.filters = std::iter::once(kf).chain(sampled).collect();
+    scenario
+}
+
+/// Root mean squares, over a record, of a filter's deviation from the KF: means in standard deviations, standard
+/// deviations relative to the KF's; and the mean difference of the log likelihoods.
+struct Error {
+    mean: f64,
+    std: f64,
+    log_likelihood: f64,
+}
+
+fn error(kf: &Estimates, other: &Estimates) -> Error {
+    assert_eq!((other.stop(), other.len()), (None, kf.len()), "{}", other.name());
+    let (mut mean, mut std, mut log_likelihood, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for k in 1..kf.len() {
+        for i in 0..2 {
+            mean += ((other.mean(k)[i] - kf.mean(k)[i]) / kf.std(k, i)).powi(2);
+            std += (other.std(k, i) / kf.std(k, i) - 1.0).powi(2);
+            count += 1.0;
+        }
+        log_likelihood += other.log_likelihood(k) - kf.log_likelihood(k);
+    }
+    Error { mean: (mean / count).sqrt(), std: (std / count).sqrt(), log_likelihood: log_likelihood / kf.len() as f64 }
+}
+
+fn errors(run: &Run) -> Vec<Error> {
+    let [kf, others @ ..] = run.estimates() else { unreachable!("there is a KF") };
+    others.iter().map(|other| error(kf, other)).collect()
+}
+
+const SAMPLED: [FilterKind; 2] = [FilterKind::ENKF, FilterKind::PF];
+
+#[test]
+fn two_thousand_members_are_nearly_a_kalman_filter() {
+    for kind in SAMPLED {
+        for (seed, fading) in [(1, 1.0), (2, 1.002), (3, 1.02)] {
+            for Error { mean, std, log_likelihood } in errors(&finished(&linear(kind, &[2000], seed, fading))) {
+                println!("{} {seed}: mean {mean:.3}, std {std:.3}, log likelihood {log_likelihood:.4}", kind.name());
+                assert!(mean < 0.09 && std < 0.06 && log_likelihood.abs() < 0.02, "{}, seed {seed}", kind.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_error_falls_with_the_root_of_the_size() {
+    for kind in SAMPLED {
+        let sizes = [100, 1000, 10_000];
+        let mut squares = [[0.0; 2]; 3];
+        for seed in 1..=4 {
+            for (square, error) in squares.iter_mut().zip(errors(&finished(&linear(kind, &sizes, seed, 1.0)))) {
+                square[0] += error.mean * error.mean;
+                square[1] += error.std * error.std;
+            }
+        }
+        for pair in squares.windows(2) {
+            let ratios = [0, 1].map(|which| (pair[0][which] / pair[1][which]).sqrt());
+            println!("{}: {ratios:.2?} instead of 3.16", kind.name());
+            assert!(ratios.iter().all(|ratio| (2.2..4.5).contains(ratio)), "{}: {ratios:?}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn the_effective_sample_size_is_that_of_some_weights() {
+    for size in [2, 10, 1000] {
+        let run = finished(&linear(FilterKind::PF, &[size], 5, 1.0));
+        assert!(run.estimates()[0].effective_samples().is_empty());
+        let pf = &run.estimates()[1];
+        let effective = pf.effective_samples();
+        assert_eq!(effective.len(), pf.len());
+        assert!(effective[0].is_nan());
+        assert!(effective[1..].iter().all(|n| (1.0 - 1e-9..=size as f64 + 1e-9).contains(n)), "{size}");
     }
 }

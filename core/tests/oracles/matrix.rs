@@ -120,6 +120,14 @@ impl Matrix {
         }
         (0..3).fold(sum, |power, _| power.times(&power))
     }
+
+    /// `exp(A dt)` and `dt φ₁(A dt) g`: exp([A dt, g dt; 0, 0]) = [exp(A dt), dt φ₁(A dt) g; 0, 1].
+    pub(crate) fn held(&self, g: &[f64], dt: f64) -> (Self, Vec<f64>) {
+        let n = g.len();
+        let entry = |i: usize, j: usize| if j < n { self.at(i, j) * dt } else { g[i] * dt };
+        let whole = Self::from_fn(n + 1, n + 1, |i, j| if i < n { entry(i, j) } else { 0.0 }).exponential();
+        (Self::from_fn(n, n, |i, j| whole.at(i, j)), whole.column(n))
+    }
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! The filters as in their papers: weighted sums, explicit inverses, `P - K S Kᵀ`.
 
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Record, Scenario, Values};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Values};
 
 use super::matrix::{Matrix, along, dot};
 use super::plants::{Dual, Plant, jacobian, runge_kutta, values};
@@ -30,7 +30,7 @@ pub(crate) struct Textbook<'a> {
 }
 
 struct Measured {
-    sensors: Vec<(usize, kalmanscope_core::Quantity)>,
+    sensors: Vec<(usize, Quantity)>,
     values: Vec<f64>,
     force: f64,
 }
@@ -138,14 +138,8 @@ impl Textbook<'_> {
         let (rate, a) = (values(&rate), jacobian(&rate));
         match self.propagation {
             Propagation::LocalLinearisation => {
-                // exp([A dt, g dt; 0, 0]) = [exp(A dt), dt φ₁(A dt) g; 0, 1]
-                let augmented = Matrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
-                    (true, true) => a.at(i, j) * self.dt,
-                    (true, false) => rate[i] * self.dt,
-                    _ => 0.0,
-                });
-                let whole = augmented.exponential();
-                (along(&self.mean, &whole.column(n), 1.0), Matrix::from_fn(n, n, |i, j| whole.at(i, j)))
+                let (transition, shift) = a.held(&rate, self.dt);
+                (along(&self.mean, &shift, 1.0), transition)
             }
             Propagation::RungeKutta => {
                 let next = runge_kutta(&self.plant, &state, force, self.dt);

@@ -1,9 +1,92 @@
-//! Nonlinear truths by Taylor series, a method of any order that stops at every kink.
+//! The truth of shear chains against modes of vibration and matrix exponentials, and that of nonlinear plants against Taylor series, a
+//! method of any order that stops at every kink.
 
 use kalmanscope_core::scenario::Motion;
-use kalmanscope_core::signal::{Ramp, Sine};
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Force, PlantKind, Record, Run, Scenario, Signal};
+use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::{Channel, Force, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal};
+
+use super::matrix::{Matrix, along};
+use super::plants::{Dual, Plant, jacobian, values};
+use crate::numbers::largest;
+use crate::run::{readings, simulated, truth};
+
+const CHAINS: [(PlantKind, usize); 3] = [(PlantKind::SHEAR_2, 2), (PlantKind::SHEAR_3, 3), (PlantKind::SHEAR_4, 4)];
+
+fn chain(kind: PlantKind) -> Scenario {
+    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+    scenario.set_plant(kind);
+    scenario
+}
+
+fn state_at(record: &Record, kind: PlantKind, k: usize) -> Vec<f64> {
+    kind.channels().iter().map(|&c| truth(record, c)[k]).collect()
+}
+
+/// With equal storeys `K = κ T` and `C = c T`, and T has the eigenvalues `4 sin²(θⱼ/2)` and modes `sin(i θⱼ)` with
+/// `θⱼ = (2j - 1)π/(2m + 1)`: each mode is a damped oscillator in free vibration.
+///
+/// Source: Chopra (2017), *Dynamics of Structures*, section 12.
+#[test]
+fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
+    for (kind, masses) in CHAINS {
+        let (stiffness, damping) = (180.0, 0.4);
+        let mut scenario = Scenario { force: Force::None, ..chain(kind) };
+        for channel in kind.parameters() {
+            let value = if channel == Channel::STOREY_DAMPING { damping } else { stiffness };
+            *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(value);
+        }
+        scenario.plant.initial.displacement = 0.1;
+        scenario.plant.initial.velocity = -0.5;
+        let record = simulated(&scenario);
+        let expected = |t: f64, mass: usize| -> f64 {
+            let one_mode = |j: usize| {
+                let angle = (2 * j + 1) as f64 * std::f64::consts::PI / (2 * masses + 1) as f64;
+                let shape = |i: usize| ((i + 1) as f64 * angle).sin();
+                let norm: f64 = (0..masses).map(|i| shape(i) * shape(i)).sum();
+                let eigenvalue = 4.0 * (0.5 * angle).sin().powi(2);
+                let (wn, decay) = ((stiffness * eigenvalue).sqrt(), 0.5 * damping * eigenvalue);
+                let wd = (wn * wn - decay * decay).sqrt();
+                let (x0, v0) = (0.1 * shape(0) / norm, -0.5 * shape(0) / norm);
+                let (sin, cos) = (wd * t).sin_cos();
+                (-decay * t).exp() * (x0 * cos + (v0 + decay * x0) / wd * sin) * shape(mass)
+            };
+            (0..masses).map(one_mode).sum()
+        };
+        for k in 0..record.len() {
+            let found = state_at(&record, kind, k);
+            for (mass, found) in found.iter().enumerate().take(masses) {
+                let error = (found - expected(record.time(k), mass)).abs();
+                assert!(error < 1e-11, "{kind:?}, mass {mass} at {k}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn unequal_and_changing_storeys_are_matrix_exponentials() {
+    for (kind, masses) in CHAINS {
+        let mut scenario = Scenario { dt: 0.02, duration: 10.0, ..chain(kind) };
+        scenario.plant.set(Channel::stiffness(1), Signal::Step(Step { from: 180.0, to: 90.0, at: 4.0 }));
+        let record = simulated(&scenario);
+        let plant = Plant { kind, eta: 0.0, log: false };
+        let mut state = state_at(&record, kind, 0);
+        for k in 0..record.len() - 1 {
+            let parameters = state_at(&record, kind, k);
+            state[2 * masses..].copy_from_slice(&parameters[2 * masses..]);
+            let rate = plant.rate(&Dual::state(&state), record.force(k));
+            let (rate, a) = (values(&rate), jacobian(&rate));
+            let moving = 2 * masses;
+            let a = Matrix::from_fn(moving, moving, |i, j| a.at(i, j));
+            let (_, shift) = a.held(&rate[..moving], record.dt());
+            let moved = along(&state[..moving], &shift, 1.0);
+            state[..moving].copy_from_slice(&moved);
+            for (i, &channel) in kind.channels()[..moving].iter().enumerate() {
+                let error = (state[i] - truth(&record, channel)[k + 1]).abs() / largest(truth(&record, channel));
+                assert!(error < 1e-10, "{kind:?}, {channel:?} at {k}: {error}");
+            }
+        }
+    }
+}
 
 const TERMS: usize = 26;
 type Series = [f64; TERMS];
@@ -91,23 +174,15 @@ impl Oscillator {
     }
 }
 
-fn simulated(scenario: &Scenario) -> Record {
-    let record = simulate(scenario);
-    assert_eq!(record.len(), scenario.samples());
-    record
-}
-
 /// The largest deviation of the record's truth from Taylor's, relative to the largest value of each channel.
 fn deviation(record: &Record) -> f64 {
-    let truth = |channel: Channel, otherwise: f64| {
-        record.truth(channel).map_or_else(|| vec![otherwise; record.len()], <[f64]>::to_vec)
+    let or = |otherwise: f64| {
+        move |channel: Channel| record.truth(channel).map_or_else(|| vec![otherwise; record.len()], <[f64]>::to_vec)
     };
-    let [x, v, z] = [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::HYSTERETIC_DISPLACEMENT].map(|c| truth(c, 0.0));
-    let [wn, zeta, mu] =
-        [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO, Channel::CUBIC_STIFFNESS].map(|c| truth(c, 0.0));
-    let alpha = truth(Channel::POST_YIELD_RATIO, 1.0);
-    let [beta, gamma] = [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA].map(|c| truth(c, 0.0));
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let [x, v, z] = [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::HYSTERETIC_DISPLACEMENT].map(or(0.0));
+    let [wn, zeta, mu] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO, Channel::CUBIC_STIFFNESS].map(or(0.0));
+    let alpha = or(1.0)(Channel::POST_YIELD_RATIO);
+    let [beta, gamma] = [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA].map(or(0.0));
     let scale = [&x, &v, &z].map(|values| largest(values).max(f64::MIN_POSITIVE));
     assert!(scale[0] > 0.005, "it moves");
 
@@ -158,9 +233,8 @@ fn nonlinear_plants_may_change() {
         let mut scenario = shaken(kind, 0.01);
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 }));
         scenario.plant.set(Channel::DAMPING_RATIO, Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 }));
-        scenario
-            .plant
-            .set(Channel::CUBIC_STIFFNESS, Signal::Ramp(Ramp { from: 800.0, to: -50.0, start: 3.0, end: 15.0 }));
+        let softening = Ramp { from: 800.0, to: -50.0, start: 3.0, end: 15.0 };
+        scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Ramp(softening));
         scenario.plant.set(Channel::HYSTERESIS_BETA, Signal::Sine(Sine { mean: 80.0, amplitude: 60.0, period: 5.0 }));
         let deviation = deviation(&simulated(&scenario));
         assert!(deviation < 1e-9, "{kind:?}: {deviation}");
@@ -177,7 +251,7 @@ fn free_vibration_without_damping_keeps_its_energy() {
         scenario.plant.initial = Motion { displacement: 0.4, velocity: 0.3 };
         let record = simulated(&scenario);
         let energy = |k: usize| {
-            let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| record.truth(c).unwrap()[k]);
+            let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| truth(&record, c)[k]);
             0.5 * v * v + 0.5 * wn * wn * x * x + 0.25 * mu * x.powi(4)
         };
         let worst = (0..record.len()).map(|k| (energy(k) / energy(0) - 1.0).abs()).fold(0.0, f64::max);
@@ -193,20 +267,16 @@ fn a_plant_that_runs_away_ends_its_record() {
         let mut scenario = Scenario { dt, ..shaken(PlantKind::DUFFING, 0.01) };
         scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
         scenario.plant.initial.displacement = 0.36;
-        scenario.add_sensor(kalmanscope_core::Sensor::new(kalmanscope_core::Quantity::ACCELERATION, 0.5));
+        scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
         let mut run = Run::new(&scenario).unwrap();
         while run.step() {}
         let stop = run.truth_stop().unwrap().sample;
         assert!(0 < stop && stop < scenario.samples() && !run.step());
         assert_eq!((stop, stop, stop), (run.len(), run.samples(), run.record().len()));
         for k in 0..stop {
-            let truth = run.record().sensors().iter().enumerate().map(|(i, _)| run.record().measured(i)[k]);
-            assert!(
-                truth
-                    .chain([Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| run.record().truth(c).unwrap()[k]))
-                    .all(f64::is_finite),
-                "at {k} of {stop}, dt {dt}"
-            );
+            let motion = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| truth(run.record(), c)[k]);
+            let all = readings(run.record(), k).into_iter().chain(motion);
+            assert!(all.into_iter().all(f64::is_finite), "at {k} of {stop}, dt {dt}");
         }
         for estimates in run.estimates() {
             assert_eq!(estimates.len(), estimates.stop().map_or(stop, |stop| stop.sample), "{}", estimates.name());

@@ -1,9 +1,72 @@
-//! Extreme settings: no decay, no damping, no uncertainty, long steps.
+//! Filters with default settings identify the parameters of every plant. Extreme settings: no decay, no damping, no uncertainty, long
+//! steps.
 
-use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal};
 
-use super::cases::scenario;
-use crate::run::finished;
+use super::from_papers::scenario;
+use crate::numbers::largest;
+use crate::run::{finished, last};
+
+const NONLINEAR: [FilterKind; 4] = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::ENKF];
+
+fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
+    let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
+    scenario.set_plant(plant);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let usual = scenario.filters[0].clone();
+    let filter = |&kind: &FilterKind| FilterSettings { name: kind.name().to_owned(), kind, ..usual.clone() };
+    scenario.filters = kinds.iter().map(filter).collect();
+    scenario
+}
+
+/// Each parameter ends within 4 standard deviations of the truth, and these are small.
+#[track_caller]
+fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
+    for estimates in run.estimates() {
+        assert_eq!(estimates.stop(), None, "{} of a {}", estimates.name(), plant.name());
+        for channel in plant.parameters() {
+            let truth = run.record().truth(channel).unwrap()[estimates.len() - 1];
+            let (mean, std) = last(estimates, channel);
+            let error = mean - truth;
+            let what = format!("{} of a {}, {}", estimates.name(), plant.name(), channel.name());
+            assert!(error.abs() <= 4.0 * std.max(0.005 * truth), "{what}: {error} ± {std}");
+            assert!(std <= widest * truth, "{what}: {error} ± {std}");
+        }
+    }
+}
+
+/// Particles do not collapse onto one value, and every storey's stiffness is found from the first floor.
+#[test]
+fn parameters_are_identified() {
+    let particles = [FilterKind::PF];
+    for (plant, kinds, widest) in [
+        (PlantKind::SDOF, &NONLINEAR[..], 0.05),
+        (PlantKind::DUFFING, &NONLINEAR, 0.1),
+        (PlantKind::BOUC_WEN, &NONLINEAR, 0.6),
+        (PlantKind::SHEAR_2, &NONLINEAR[..2], 0.1),
+        (PlantKind::SHEAR_3, &NONLINEAR[..2], 0.1),
+        (PlantKind::SHEAR_4, &NONLINEAR[..2], 0.1),
+        (PlantKind::SDOF, &particles, 0.1),
+        (PlantKind::DUFFING, &particles, 0.1),
+    ] {
+        for seed in 1..=2 {
+            assert_found(&finished(&switched(plant, seed, kinds)), plant, widest);
+        }
+    }
+}
+
+#[test]
+fn defaults_are_off_the_truth() {
+    for plant in PlantKind::ALL {
+        let scenario = switched(plant, 1, &[FilterKind::EKF]);
+        let settings = &scenario.filters[0];
+        for channel in plant.parameters().filter(|&c| c != Channel::POST_YIELD_RATIO) {
+            let off = settings.initial_mean[channel] / scenario.plant.parameter(channel).unwrap().at(0.0) - 1.0;
+            assert!(off.abs() > 0.05, "{} is given away", channel.name());
+            assert!(settings.initial_std[channel] > 0.0);
+        }
+    }
+}
 
 fn small(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = scenario(plant, kind);
@@ -11,7 +74,7 @@ fn small(plant: PlantKind, kind: FilterKind) -> Scenario {
     scenario
 }
 
-fn last(run: &Run) -> Vec<f64> {
+fn last_belief(run: &Run) -> Vec<f64> {
     let estimates = &run.estimates()[0];
     let last = estimates.len() - 1;
     estimates.mean(last).iter().chain(estimates.cov(last)).copied().collect()
@@ -25,9 +88,9 @@ fn a_tiny_decay_is_close_to_none() {
                 // Of few particles, one that is drawn or not changes much.
                 let mut scenario = Scenario { duration: 0.25, ..scenario(plant, kind) };
                 scenario.filters[0].log_parameters = log_parameters;
-                let without = last(&finished(&scenario));
+                let without = last_belief(&finished(&scenario));
                 scenario.filters[0].eta = 1e-12;
-                for (a, b) in without.iter().zip(last(&finished(&scenario))) {
+                for (a, b) in without.iter().zip(last_belief(&finished(&scenario))) {
                     let what = format!("{} of a {}, logarithms {log_parameters}", kind.name(), plant.name());
                     assert!((a - b).abs() <= 1e-6 * a.abs().max(1e-3), "{what}: {a} and {b}");
                 }
@@ -67,8 +130,7 @@ fn components_of_variance_zero_stay_constant() {
                         settings.initial_std[channel] = 0.0;
                         settings.process_std[channel] = 0.0;
                     }
-                    let run = finished(&scenario);
-                    let estimates = &run.estimates()[0];
+                    let estimates = &finished(&scenario).estimates()[0].clone();
                     for &channel in certain {
                         let place = estimates.place(channel).unwrap();
                         let told = scenario.filters[0].initial_mean[channel];
@@ -94,8 +156,7 @@ fn long_steps_give_finite_numbers_or_a_reason() {
         for kind in FilterKind::ALL {
             for dt in [0.1, 0.5, 2.0, 20.0] {
                 let scenario = Scenario { dt, duration: 100.0 * dt, ..small(plant, kind) };
-                let mut run = Run::new(&scenario).unwrap();
-                run.finish();
+                let run = finished(&scenario);
                 let estimates = &run.estimates()[0];
                 assert_eq!(estimates.len(), estimates.stop().map_or(run.len(), |stop| stop.sample));
                 for k in 0..estimates.len() {
@@ -128,15 +189,11 @@ fn a_belief_without_any_variance_moves_as_the_plant_does() {
             assert_eq!((estimates.stop(), estimates.len()), (None, run.len()));
             for (place, &channel) in plant.channels().iter().enumerate() {
                 let truth = run.record().truth(channel).unwrap();
-                let size = truth.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                let size = largest(truth);
                 for (k, truth) in truth.iter().enumerate() {
                     let error = (estimates.mean(k)[place] - truth).abs();
-                    assert!(
-                        error <= tolerance * size,
-                        "{} of a {}, {channel:?} at {k}: {error}",
-                        kind.name(),
-                        plant.name()
-                    );
+                    let what = format!("{} of a {}, {channel:?}", kind.name(), plant.name());
+                    assert!(error <= tolerance * size, "{what} at {k}: {error}");
                     assert_eq!(estimates.std(k, place), 0.0);
                 }
             }
