@@ -122,7 +122,11 @@ fn a_smoother_that_there_is_not_is_refused_in_words() {
     scenario.filters[0].smoother = false;
     let run = finished(&scenario);
     let error = smoothed_at_once(&scenario, 0, run.record()).unwrap_err().to_string();
-    assert_eq!(error, "`filters[0].smoother` is true, but must be false for a PF, which has no smoother here");
+    assert_eq!(
+        error,
+        "`filters[0].smoother` is true, but must be left out for a filter that samples its belief: it needs the mean and the covariance of \
+             a normal belief"
+    );
     assert_eq!(smoothed_at_once(&scenario, 1, run.record()).unwrap_err(), RunError::NoFilter(1));
 
     let scenario = known(FilterKind::KF, 50);

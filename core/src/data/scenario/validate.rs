@@ -176,8 +176,10 @@ impl FilterSettings {
                 format_args!("from {least} to {most}"),
                 "from a number to a larger one",
             )?;
-            let key = format_args!("{path}.initial_mean.{}", channel.key());
-            number(key, initial_mean[channel], Allowed::Within(least, most))?;
+            let (key, mean) = (format_args!("{path}.initial_mean.{}", channel.key()), initial_mean[channel]);
+            if !(least..=most).contains(&mean) {
+                return Err(impossible(key, mean, format_args!("between its bounds, {least} and {most}")));
+            }
         }
         if *log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
