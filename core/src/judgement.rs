@@ -2,7 +2,6 @@
 
 pub(crate) mod analysis;
 pub mod diagnosis;
-pub(crate) mod job;
 pub(crate) mod measure;
 pub(crate) mod story;
 pub(crate) mod study;

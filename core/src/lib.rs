@@ -95,12 +95,11 @@ pub use data::signal::{Force, Signal};
 pub use data::task::Task;
 pub use judgement::analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
-pub use judgement::job::{Job, Progress};
 pub use judgement::measure::{
     Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
 };
 pub use judgement::story::{Adjustable, Phrase, Story};
-pub use judgement::study::Study;
+pub use judgement::study::{Job, Progress, Study};
 pub use mathematics::channel::Channel;
 pub use mathematics::filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,

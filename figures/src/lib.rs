@@ -11,9 +11,7 @@
 //! ```
 
 mod axes;
-mod markup;
 mod svg;
 
 pub use axes::Axes;
-pub use markup::escaped;
-pub use svg::{Anchor, Color, Point, Style, Svg, Text};
+pub use svg::{Anchor, Color, Point, Style, Svg, Text, escaped};

@@ -1,42 +1,28 @@
 //! How often the ±2σ of tuned R and Q hold the truth, over many records.
 //!
 //! ```text
-//! cargo run --release -p kalmanscope-lab --features tune --example tuned_bands -- [SEEDS [FIRST]]
+//! cargo run --release -p kalmanscope-lab --example tuned_bands -- [SEEDS [FIRST]]
 //! ```
 //!
 //! An oscillator is shaken by a force that is recorded and by one that is not; displacement and velocity are read with noise. A
 //! KF that knows the plant, and an EKF that does not, are tuned from values that are off by factors of 2 to 3.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use kalmanscope_core::{Axis, Channel, FilterKind, Scenario, Task as _, simulate};
 use kalmanscope_lab::tune::{Goal, Tuner};
+use kalmanscope_lab::{in_parts, processors};
 
 fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|word| word.parse::<u64>().ok());
     let (seeds, first) = (numbers.next().unwrap_or(200), numbers.next().unwrap_or(1000));
     for kind in [FilterKind::KF, FilterKind::EKF] {
-        let next = AtomicU64::new(first);
-        let work = || {
-            let mut inside = Vec::new();
-            loop {
-                let seed = next.fetch_add(1, Ordering::Relaxed);
-                if seed >= first + seeds {
-                    return inside;
-                }
-                inside.push(covered(kind, seed));
-            }
-        };
-        let all: Vec<Option<[bool; 3]>> = std::thread::scope(|scope| {
-            let count = std::thread::available_parallelism().map_or(1, usize::from);
-            let threads: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
-            threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
-        });
-        let told: Vec<[bool; 3]> = all.iter().flatten().copied().collect();
-        println!("{}: of {} records {} have bands", kind.name(), all.len(), told.len());
+        let seeds: Vec<u64> = (first..first + seeds).collect();
+        let all = in_parts(&seeds, processors(), 1, |seeds| seeds.iter().map(|seed| covered(kind, *seed)).collect());
+        let known: Vec<[bool; 3]> = all.iter().flatten().copied().collect();
+        println!("{}: of {} records {} have bands", kind.name(), all.len(), known.len());
         for (place, name) in NAMES.into_iter().enumerate() {
-            let share = told.iter().filter(|inside| inside[place]).count() as f64 / told.len() as f64;
+            let share = known.iter().filter(|inside| inside[place]).count() as f64 / known.len() as f64;
             println!("  truth inside ±2σ of {name}: {:.1} %", 100.0 * share);
         }
     }
@@ -69,8 +55,7 @@ fn covered(kind: FilterKind, seed: u64) -> Option<[bool; 3]> {
         axis("process_std.velocity", truth[2]),
     ];
     let record = Arc::new(simulate(&scenario));
-    let mut tuner = Tuner::new(scenario, 0, record, axes, Goal::Likelihood).expect("it can be tuned");
-    while !tuner.advance(&mut || true) {}
-    let bands = tuner.finish().bands?;
+    let tuner = Tuner::new(scenario, 0, record, axes, Goal::Likelihood).expect("it can be tuned");
+    let bands = tuner.run().bands?;
     Some([0, 1, 2].map(|place| (bands[place][0]..=bands[place][1]).contains(&truth[place])))
 }

@@ -7,8 +7,6 @@ use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::order;
-
 /// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
 
@@ -169,19 +167,10 @@ impl Ensemble {
 
     /// The place of a cell on each axis.
     pub fn places(&self, cell: usize) -> Vec<usize> {
-        let mut rest = cell;
-        let mut places: Vec<usize> = self
-            .plan
-            .axes
-            .iter()
-            .rev()
-            .map(|axis| {
-                let place = rest % axis.count;
-                rest /= axis.count;
-                place
-            })
-            .collect();
-        places.reverse();
+        let (mut rest, mut places) = (cell, self.counts());
+        for place in places.iter_mut().rev() {
+            (rest, *place) = (rest / *place, rest % *place);
+        }
         places
     }
 
@@ -236,9 +225,10 @@ impl Ensemble {
         places.map(|places| self.cell(&places))
     }
 
-    /// The cells in the best order for a picture.
+    /// The cells in the best order for a picture, which covers the grid evenly at every moment: first every cell at places that are
+    /// multiples of the widest stride, then those of half the stride, down to 1.
     pub fn coarse_to_fine(&self) -> Vec<usize> {
-        order::coarse_to_fine(&self.counts())
+        coarse_to_fine(&self.counts())
     }
 
     pub(crate) fn record_of(&self, cell: usize) -> usize {
@@ -368,6 +358,61 @@ impl Trace {
 
 fn stride(channels: &[Channel]) -> usize {
     2 + 2 * channels.len()
+}
+
+/// The cells of a grid, the last axis fastest, in an order that covers the grid evenly at every moment: first every
+/// cell at places that are multiples of the widest stride, then those of half the stride, down to 1.
+pub(crate) fn coarse_to_fine(counts: &[usize]) -> Vec<usize> {
+    let all: usize = counts.iter().product();
+    let mut order = Vec::with_capacity(all);
+    let mut stride = widest(counts);
+    let mut before = None;
+    while stride > 0 {
+        visit(counts, stride, before, 0, 0, true, &mut order);
+        before = Some(stride);
+        stride /= 2;
+    }
+    order
+}
+
+/// The widest stride of a grid: about eight cells along its longest axis, a power of two.
+pub(crate) fn widest(counts: &[usize]) -> usize {
+    let longest = counts.iter().copied().max().unwrap_or(1).max(1);
+    let stride = longest.div_ceil(8).next_power_of_two();
+    if stride > longest { 1 } else { stride }
+}
+
+/// The cell that stands in for another one as long as only cells on multiples of `stride` are done.
+pub(crate) fn stand_in(counts: &[usize], cell: usize, stride: usize) -> usize {
+    let (mut rest, mut scale, mut found) = (cell, 1, 0);
+    for &count in counts.iter().rev() {
+        let place = rest % count;
+        found += scale * (place - place % stride);
+        rest /= count;
+        scale *= count;
+    }
+    found
+}
+
+fn visit(
+    counts: &[usize],
+    stride: usize,
+    before: Option<usize>,
+    axis: usize,
+    cell: usize,
+    is_old: bool,
+    order: &mut Vec<usize>,
+) {
+    let Some(&count) = counts.get(axis) else {
+        if !(is_old && before.is_some()) {
+            order.push(cell);
+        }
+        return;
+    };
+    for place in (0..count).step_by(stride) {
+        let old = is_old && before.is_some_and(|before| place % before == 0);
+        visit(counts, stride, before, axis + 1, cell * count + place, old, order);
+    }
 }
 
 #[cfg(test)]

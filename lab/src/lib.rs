@@ -18,22 +18,16 @@
 //! # }
 //! ```
 
-mod cell;
 mod ensemble;
 mod monte_carlo;
-pub mod order;
-mod outcome;
 pub mod posterior;
 mod runner;
 mod sheet;
 mod threads;
-#[cfg(feature = "tune")]
 pub mod tune;
 
-pub use cell::CellTask;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
-pub use monte_carlo::{Judged, MonteCarlo, share_interval};
-pub use outcome::LastError;
-pub use runner::{CellRun, Runner, outcomes_of};
+pub use monte_carlo::{Judged, LastError, MonteCarlo, share_interval};
+pub use runner::{CellRun, CellTask, Runner};
 pub use sheet::{Sheet, Slice};
-pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted};
+pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, in_parts, processors};

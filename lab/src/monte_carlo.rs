@@ -10,7 +10,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
 
-use crate::{Ensemble, EnsembleError, LastError, Plan, Slice, Trace};
+use crate::{Ensemble, EnsembleError, Plan, Slice, Trace};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
 ///
@@ -274,4 +274,27 @@ pub fn share_interval(count: usize, of: usize) -> [f64; 2] {
     let middle = share + Z * Z / (2.0 * n);
     let half = Z * libm::sqrt(share * (1.0 - share) / n + Z * Z / (4.0 * n * n));
     [middle - half, middle + half].map(|end| (end / (1.0 + Z * Z / n)).clamp(0.0, 1.0))
+}
+
+/// The last error of a channel in one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastError {
+    /// Estimate minus truth, in the channel's unit.
+    pub error: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the filter states.
+    pub std: f64,
+}
+
+impl LastError {
+    /// Whether the estimate is within this share of the truth.
+    pub fn is_within(&self, share: f64) -> bool {
+        self.error.abs() <= share * self.truth.abs()
+    }
+
+    /// Whether the truth is within ±2σ.
+    pub fn is_covered(&self) -> bool {
+        self.error.abs() <= 2.0 * self.std
+    }
 }

@@ -1,13 +1,17 @@
-//! The runs of an ensemble's cells.
+//! The runs of an ensemble's cells, in one go or in slices of time.
 
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kalmanscope_core::score::Outcome;
+use kalmanscope_core::score::{Outcome, ScoredPass};
 use kalmanscope_core::setting::RECORD_GAIN;
-use kalmanscope_core::{Pass, Record, Scenario, Source, simulate};
+use kalmanscope_core::{
+    Estimates, FirstCause, Measure, Observed, Pass, Record, Scenario, Simulator, Source, Task, Times, Value, Whole,
+    simulate,
+};
+use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with, serves};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
-use crate::outcome;
 
 const KEPT: usize = 16;
 
@@ -66,21 +70,31 @@ impl Runner {
     /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Lanes run the filters
     /// that they serve side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
+        if self.needs_history() {
+            return cells.iter().flat_map(|&cell| CellTask::new(self, cell).run()).collect();
+        }
         let runs = self.runs(cells);
-        let outcomes: Vec<Vec<Option<Outcome>>> = if self.needs_history() {
-            vec![Vec::new(); self.ensemble.plan().filters.len()]
-        } else {
-            let trace = self.ensemble.trace();
-            self.ensemble.plan().filters.iter().map(|&place| outcomes_of(&runs, place, trace.samples())).collect()
-        };
-        self.rows_of(&runs, &outcomes)
+        let (width, trace) = (self.ensemble.width(), self.ensemble.trace());
+        let mut rows = vec![f64::NAN; runs.len() * width];
+        for (nth, &place) in self.ensemble.plan().filters.iter().enumerate() {
+            let outcomes = outcomes_of(&runs, place, trace.samples());
+            for ((row, run), outcome) in rows.chunks_mut(width).zip(&runs).zip(&outcomes) {
+                if let (Some(run), Some(outcome)) = (run, outcome) {
+                    self.fill(nth, run, outcome, None, row);
+                }
+            }
+        }
+        rows
     }
 
     /// The number of cells to compute at once: the number of lanes if lanes serve the filters of this cell, else one.
     pub fn at_once(&self, cell: usize) -> usize {
         let runs = self.runs(&[cell]);
-        let is_served = |run: &CellRun| self.ensemble.plan().filters.iter().all(|&place| is_served(run, place));
-        if !self.needs_history() && runs.iter().flatten().all(is_served) { ABREAST } else { 1 }
+        let is_served = |CellRun { scenario, record }: &CellRun, place: usize| {
+            serves(&LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)
+        };
+        let are_served = |run: &CellRun| self.ensemble.plan().filters.iter().all(|&place| is_served(run, place));
+        if !self.needs_history() && runs.iter().flatten().all(are_served) { LANES } else { 1 }
     }
 
     /// The runs of some cells; `None` for a cell with an impossible scenario.
@@ -104,48 +118,23 @@ impl Runner {
         self.ensemble.plan().measures.iter().any(|measure| measure.info().needs_history())
     }
 
-    /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. Missing outcomes are
-    /// computed here; the others must have the looks at the plan's times.
-    pub fn rows_of(&self, runs: &[Option<CellRun>], outcomes: &[Vec<Option<Outcome>>]) -> Vec<f64> {
-        let width = self.ensemble.width();
-        let mut rows = vec![f64::NAN; runs.len() * width];
-        let plan = self.ensemble.plan();
-        let trace = self.ensemble.trace();
-        for (nth, (&place, outcomes)) in plan.filters.iter().zip(outcomes).enumerate() {
-            for (at, (row, run)) in rows.chunks_mut(width).zip(runs).enumerate() {
-                let Some(run) = run else { continue };
-                let CellRun { scenario, record } = run;
-                if let Some(outcome) = outcomes.get(at).and_then(Option::as_ref) {
-                    self.fill(nth, run, outcome, row);
-                } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
-                    self.fill_scores(nth, &scores, row);
-                    if !trace.samples().is_empty()
-                        && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
-                    {
-                        trace.fill(nth, &outcome.looks, row);
-                    }
-                }
-            }
-        }
-        rows
-    }
-
     /// The row of a run from the outcomes of all filters of the plan. Its scores must need no more than sums. The row
     /// of an impossible scenario is NaN.
     pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
         let mut row = vec![f64::NAN; self.ensemble.width()];
         if let Some(run) = run {
             for (nth, outcome) in outcomes.iter().enumerate() {
-                self.fill(nth, run, outcome, &mut row);
+                self.fill(nth, run, outcome, None, &mut row);
             }
         }
         row
     }
 
-    pub(crate) fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
+    /// The first cause of a verdict is left out: [`CellTask`] searches it.
+    fn fill(&self, nth: usize, run: &CellRun, outcome: &Outcome, history: Option<&Estimates>, row: &mut [f64]) {
         let Plan { filters, measures, .. } = self.ensemble.plan();
-        let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
-        self.fill_scores(nth, &scores, row);
+        let numbers = numbers(&run.scenario, filters[nth], &run.record, measures, (outcome, history));
+        row[nth * measures.len()..][..measures.len()].copy_from_slice(&numbers);
         self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
@@ -159,7 +148,7 @@ impl Runner {
         self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
     }
 
-    pub(crate) fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
+    fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
         let factor = self.input_factor(scenario);
         if let Some(record) = self.source.record()
             && factor == 1.0
@@ -174,7 +163,7 @@ impl Runner {
         kept.or_else(|| self.source.record().map(of_given))
     }
 
-    pub(crate) fn keep(&self, cell: usize, record: Record) -> Arc<Record> {
+    fn keep(&self, cell: usize, record: Record) -> Arc<Record> {
         let record = Arc::new(record);
         let mut records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         if records.len() >= KEPT {
@@ -183,45 +172,191 @@ impl Runner {
         records.push((self.ensemble.record_of(cell), Arc::clone(&record)));
         record
     }
+}
 
-    pub(crate) fn fill_scores(&self, nth: usize, scores: &[f64], row: &mut [f64]) {
-        let width = self.ensemble.plan().measures.len();
-        row[nth * width..][..width].copy_from_slice(scores);
+/// The measures of a whole run; NaN where one is not known, or needs a history that is not there.
+pub(crate) fn numbers(
+    scenario: &Scenario,
+    place: usize,
+    record: &Record,
+    measures: &[Measure],
+    (outcome, history): (&Outcome, Option<&Estimates>),
+) -> Vec<f64> {
+    let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
+    let whole = Whole::new(record, outcome, model.channels());
+    let observed = history.map(|estimates| Observed::new(scenario, place, record, estimates));
+    let number = |measure: &Measure| match &observed {
+        Some(_) if *measure == Measure::CAUSE => f64::NAN,
+        Some(observed) if measure.info().needs_history() => measure.of(observed, Times::default()).number(),
+        _ => measure.of_whole(&whole),
+    };
+    measures.iter().map(number).collect()
+}
+
+/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
+pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
+    let possible: Vec<_> =
+        runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
+    if let Ok(outcomes) = outcomes_with(Level::best(), &possible, samples) {
+        let mut outcomes = outcomes.into_iter();
+        return runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect();
+    }
+    let one = |run: &CellRun| Outcome::at(&run.scenario, place, &run.record, samples).ok();
+    runs.iter().map(|run| run.as_ref().and_then(one)).collect()
+}
+
+/// Limits the time between two checks of the clock on an ordinary processor \[ns\].
+const PIECE: f64 = 1e6;
+
+/// The time to simulate one sample of an ordinary plant, to within a factor of three \[ns\].
+const OF_SAMPLE: f64 = 500.0;
+
+/// The run of one cell, as far as it has come. Its row has the bits of [`Runner::rows`], into whatever slices the work
+/// is divided.
+pub struct CellTask<R> {
+    runner: R,
+    cell: usize,
+    stage: Stage,
+    row: Vec<f64>,
+    /// The time since the last check of the clock, as estimated \[ns\].
+    spent: f64,
+}
+
+enum Stage {
+    Record {
+        scenario: Scenario,
+        simulator: Box<Simulator>,
+        record: Record,
+    },
+    /// The filters run, the plan's `nth` one now.
+    Filter {
+        run: CellRun,
+        nth: usize,
+        pass: Option<Box<ScoredPass>>,
+    },
+    /// The first cause of the verdict on the plan's `nth` filter is searched.
+    Cause {
+        run: CellRun,
+        nth: usize,
+        search: Box<FirstCause>,
+    },
+    Done,
+}
+
+impl<R: Deref<Target = Runner>> CellTask<R> {
+    /// The run of a cell before its first sample.
+    pub fn new(runner: R, cell: usize) -> Self {
+        let row = vec![f64::NAN; runner.ensemble().width()];
+        let scenario = runner.ensemble().at(cell);
+        let stage = if scenario.validate().is_err() {
+            Stage::Done
+        } else if let Some(record) = runner.record_at_hand(cell, &scenario) {
+            Stage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
+        } else {
+            let simulator = Box::new(Simulator::new(&scenario));
+            Stage::Record { record: simulator.empty_record(), scenario, simulator }
+        };
+        Self { runner, cell, stage, row, spent: 0.0 }
+    }
+
+    fn piece(&mut self) {
+        self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
+            Stage::Record { scenario, mut simulator, mut record } => {
+                let samples = scenario.samples();
+                let goal = samples.min(record.len() + self.samples_for(OF_SAMPLE));
+                let begin = record.len();
+                let goes_on = simulator.advance_some(&mut record, goal);
+                // The simulation of a hard truth stops before its goal once its time is up.
+                let is_slow = goes_on && record.len() < goal;
+                self.spent += if is_slow { PIECE } else { OF_SAMPLE * (record.len() - begin) as f64 };
+                if goes_on && record.len() < samples {
+                    Stage::Record { scenario, simulator, record }
+                } else {
+                    let record = self.runner.keep(self.cell, record);
+                    Stage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
+                }
+            }
+            Stage::Filter { run, nth, pass } => self.filter(run, nth, pass),
+            Stage::Cause { run, nth, mut search } => {
+                // It asks after each piece of about the same time.
+                self.spent = PIECE;
+                if search.advance(&mut || false) {
+                    let measures = &self.runner.ensemble().plan().measures;
+                    if let Some(place) = measures.iter().position(|measure| *measure == Measure::CAUSE) {
+                        self.row[nth * measures.len() + place] = Value::Cause(search.finish()).number();
+                    }
+                    Stage::Filter { run, nth: nth + 1, pass: None }
+                } else {
+                    Stage::Cause { run, nth, search }
+                }
+            }
+            Stage::Done => Stage::Done,
+        };
+    }
+
+    /// The number of samples until the next check of the clock, if each takes `each` nanoseconds.
+    fn samples_for(&self, each: f64) -> usize {
+        ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
+    }
+
+    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<Box<ScoredPass>>) -> Stage {
+        let CellRun { scenario, record } = &run;
+        let ensemble = self.runner.ensemble();
+        let Some(&place) = ensemble.plan().filters.get(nth) else { return Stage::Done };
+        let (trace, needs_history) = (ensemble.trace(), self.runner.needs_history());
+        let first = || ScoredPass::new(scenario, place, record, trace.samples(), needs_history).map(Box::new);
+        let Ok(mut pass) = pass.map_or_else(first, Ok) else {
+            return Stage::Filter { run, nth: nth + 1, pass: None };
+        };
+        let has_cause = ensemble.plan().measures.contains(&Measure::CAUSE);
+        let time = scenario.filters[place].time_of_step(scenario);
+        let begin = pass.done();
+        let is_done = pass.advance(record, begin + self.samples_for(time));
+        self.spent += time * (pass.done() - begin) as f64;
+        if !is_done {
+            return Stage::Filter { run, nth, pass: Some(pass) };
+        }
+        let (outcome, history) = pass.finish();
+        self.runner.fill(nth, &run, &outcome, history.as_ref(), &mut self.row);
+        match history.filter(|_| has_cause) {
+            Some(estimates) => {
+                let search = Box::new(FirstCause::new(scenario, place, &estimates, record));
+                Stage::Cause { run, nth, search }
+            }
+            None => Stage::Filter { run, nth: nth + 1, pass: None },
+        }
     }
 }
 
-#[cfg(feature = "lanes")]
-const ABREAST: usize = kalmanscope_lanes::LANES;
+impl<R: Deref<Target = Runner>> Task for CellTask<R> {
+    type Outcome = Vec<f64>;
 
-#[cfg(not(feature = "lanes"))]
-const ABREAST: usize = 1;
+    fn progress(&self) -> f64 {
+        let filters = self.runner.ensemble().plan().filters.len() as f64;
+        match &self.stage {
+            Stage::Record { .. } => 0.0,
+            Stage::Filter { nth, .. } => *nth as f64 / filters,
+            Stage::Cause { nth, search, .. } => (*nth as f64 + search.progress()) / filters,
+            Stage::Done => 1.0,
+        }
+    }
 
-#[cfg(feature = "lanes")]
-fn is_served(CellRun { scenario, record }: &CellRun, place: usize) -> bool {
-    kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)
-}
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !matches!(self.stage, Stage::Done) {
+            self.piece();
+            if self.spent >= PIECE {
+                self.spent = 0.0;
+                if !while_time() {
+                    break;
+                }
+            }
+        }
+        matches!(self.stage, Stage::Done)
+    }
 
-#[cfg(not(feature = "lanes"))]
-fn is_served(_: &CellRun, _: usize) -> bool {
-    false
-}
-
-/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
-#[cfg(feature = "lanes")]
-pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
-    use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
-    let possible: Vec<_> =
-        runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
-    let Ok(outcomes) = outcomes_with(Level::best(), &possible, samples) else { return vec![None; runs.len()] };
-    let mut outcomes = outcomes.into_iter();
-    runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect()
-}
-
-/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
-#[cfg(not(feature = "lanes"))]
-pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
-    let one = |run: &CellRun| Outcome::at(&run.scenario, place, &run.record, samples).ok();
-    runs.iter().map(|run| run.as_ref().and_then(one)).collect()
+    fn finish(self) -> Vec<f64> {
+        self.row
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The rows of an ensemble, as far as they are known.
 
 use crate::Ensemble;
-use crate::order::{stand_in, widest};
+use crate::ensemble::{stand_in, widest};
 
 /// The rows of some cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +106,7 @@ impl Sheet {
 mod tests {
     use super::*;
     use crate::Plan;
+    use crate::ensemble::coarse_to_fine;
     use kalmanscope_core::{Axis, Measure, Scenario};
 
     #[test]
@@ -130,5 +131,32 @@ mod tests {
         coarse.fill(&order[..15], &vec![7.0; 30]);
         assert_eq!(coarse.missing(&order).count(), 785);
         assert!((0..800).all(|cell| coarse.shown(cell) == Some(&[7.0, 7.0][..])));
+    }
+
+    #[test]
+    fn every_cell_comes_once() {
+        for counts in [&[1][..], &[7], &[128, 128], &[5, 3], &[1, 9], &[4, 3, 2], &[256, 1], &[]] {
+            let mut order = coarse_to_fine(counts);
+            order.sort_unstable();
+            assert!(order.iter().copied().eq(0..counts.iter().product()), "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn the_beginning_covers_the_grid() {
+        let counts = [128, 128];
+        let order = coarse_to_fine(&counts);
+        let stride = widest(&counts);
+        assert_eq!(stride, 16);
+        let first: Vec<usize> = order[..64].to_vec();
+        for cell in 0..128 * 128 {
+            assert!(first.contains(&stand_in(&counts, cell, stride)));
+        }
+        assert!(order[64..256].iter().all(|&cell| cell % 8 == 0 && (cell / 128) % 8 == 0));
+    }
+
+    #[test]
+    fn a_line_of_cells_is_halved_again_and_again() {
+        assert_eq!(coarse_to_fine(&[9]), [0, 2, 4, 6, 8, 1, 3, 5, 7]);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::OccupiedEntry;
 use std::io;
 use std::num::NonZero;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -109,7 +109,7 @@ impl Threads {
     /// # Errors
     /// If the system gives no threads.
     pub fn new(count: usize, for_hand: usize) -> io::Result<Self> {
-        let count = if count == 0 { thread::available_parallelism().map_or(1, NonZero::get) } else { count };
+        let count = if count == 0 { processors() } else { count };
         let mut team = Self { queue: Arc::default(), count, threads: Vec::new() };
         for nth in 0..count + for_hand {
             let (queue, lowest) =
@@ -212,6 +212,39 @@ impl Threads {
         };
         self.begin(priority, (0..self.count).map(step), wake)
     }
+}
+
+/// The number of processors; a browser has one.
+pub fn processors() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// Does some work on all items, and returns its results in their order. Threads share the items, `least` or more each.
+pub fn in_parts<T: Sync, R: Send>(
+    items: &[T],
+    threads: usize,
+    least: usize,
+    work: impl Fn(&[T]) -> Vec<R> + Sync,
+) -> Vec<R> {
+    let each = items.len().div_ceil(threads).max(least);
+    let (own, others) = items.split_at(items.len().min(each));
+    if others.is_empty() {
+        return work(own);
+    }
+    let work = &work;
+    thread::scope(|scope| {
+        let begin = |part| thread::Builder::new().spawn_scoped(scope, move || work(part)).map_err(|_| part);
+        let begun: Vec<_> = others.chunks(each).map(begin).collect();
+        let mut all = work(own);
+        for other in begun {
+            all.extend(match other {
+                Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+                // The system gives no thread.
+                Err(part) => work(part),
+            });
+        }
+        all
+    })
 }
 
 impl<T> Drop for Unfinished<T> {

@@ -1,20 +1,19 @@
 //! Tuning: the best values of some settings of one filter.
 
-mod cost;
 mod information;
 
 use std::sync::Arc;
 
-use argmin::core::{IterState, Problem, Solver, State as _, TerminationStatus};
-use argmin::solver::neldermead::NelderMead;
-use kalmanscope_core::{Axis, Measure, Quantity, Record, Scenario, Task, VerdictKind};
+use kalmanscope_core::score::ScoredPass;
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Measure, Pass, Quantity, Record, Scenario, Task, VerdictKind};
 use serde::{Deserialize, Serialize};
 
 use crate::EnsembleError;
+use crate::runner::numbers;
 
 pub use information::Remark;
 
-use cost::{Cost, Objective, Point};
 use information::Information;
 
 /// The number of values of a setting that are tried first, along its axis.
@@ -33,7 +32,7 @@ const TOLERANCE: f64 = 1e-7;
 ///
 /// Source: Nelder and Mead (1965), A simplex method for function minimization.
 pub struct Tuner {
-    cost: Arc<Cost>,
+    cost: Cost,
     stage: Stage,
     best: Vec<f64>,
     path: Vec<Try>,
@@ -44,15 +43,14 @@ pub struct Tuner {
 enum Stage {
     /// The axis, and the place on it, to try next.
     Scanning(usize, usize),
-    Searching(Box<Search>),
+    Searching(Search),
     Looking(Box<Information>),
     Done,
 }
 
 struct Search {
-    solver: NelderMead<Point, f64>,
-    problem: Problem<Objective>,
-    state: Option<IterState<Point, (), (), (), (), f64>>,
+    /// Points in shares of the axes, each behind its cost; the best one first.
+    simplex: Vec<(f64, Vec<f64>)>,
     iterations: u64,
 }
 
@@ -90,27 +88,35 @@ impl Tuner {
     /// # Errors
     /// [`EnsembleError`] where an axis is impossible or varies no number of a filter, or the record does not fit.
     pub fn new(
-        scenario: Scenario,
+        mut scenario: Scenario,
         place: usize,
         record: Arc<Record>,
         axes: Vec<Axis>,
         goal: Goal,
     ) -> Result<Self, EnsembleError> {
-        let cost = Arc::new(Cost::new(scenario, place, record, axes, goal)?);
-        let best = cost.present();
+        scenario.number_filters();
+        let mut settings = Vec::new();
+        for axis in &axes {
+            axis.check()?;
+            let setting = Address::parse(&scenario, &axis.key)?;
+            if !setting.is_of_filters() {
+                return Err(EnsembleError::Fixed(axis.key.clone()));
+            }
+            settings.push(setting);
+        }
+        Pass::new(&scenario, place, &record)?;
+        let cost = Cost { scenario, place, record, axes, settings, goal };
+        let values: Vec<f64> = cost.settings.iter().map(|setting| setting.get(&cost.scenario)).collect();
+        let best = cost.shares(&values);
         // The present values count even if they are beyond an axis.
-        let path = vec![Try { values: cost.present_values(), score: -cost.of_scenario(&cost.scenario) }];
+        let path = vec![Try { values, score: -cost.of_scenario(&cost.scenario) }];
         Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, bands: None, runs: 1 })
     }
 
     /// Tries these values of the settings before the search, one an axis, such as the best ones of a map. Values beyond an axis
     /// count as its nearest end.
     pub fn try_values(&mut self, values: &[f64]) {
-        let share = |(axis, &value): (&Axis, &f64)| {
-            let share = axis.share_of(value);
-            if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
-        };
-        let shares: Vec<f64> = self.cost.axes.iter().zip(values).map(share).collect();
+        let shares = self.cost.shares(values);
         if shares.len() == self.best.len() {
             let cost = self.cost.of(&shares);
             self.runs += 1;
@@ -139,46 +145,61 @@ impl Tuner {
         if self.best.is_empty() {
             return Stage::Done;
         }
-        let mut simplex = vec![Point(self.best.clone())];
+        let mut points = vec![self.best.clone()];
         for axis in 0..self.best.len() {
             let mut corner = self.best.clone();
             corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
-            simplex.push(Point(corner));
+            points.push(corner);
         }
-        let mut solver = NelderMead::new(simplex);
-        let mut problem = Problem::new(Objective(Arc::clone(&self.cost)));
-        match solver.init(&mut problem, IterState::new()) {
-            Ok((state, _)) => Stage::Searching(Box::new(Search { solver, problem, state: Some(state), iterations: 0 })),
-            Err(_) => Stage::Done,
-        }
+        self.runs += points.len() as u64;
+        let mut simplex: Vec<_> = points.into_iter().map(|point| (self.cost.of(&point), point)).collect();
+        simplex.sort_by(by_cost);
+        Stage::Searching(Search { simplex, iterations: 0 })
     }
 
-    fn search(&mut self, mut search: Box<Search>) -> Stage {
-        let Search { solver, problem, state, iterations } = &mut *search;
-        let Some(before) = state.take() else { return Stage::Done };
-        let Ok((after, _)) = solver.next_iter(problem, before) else { return Stage::Done };
-        *iterations += 1;
-        let cost = after.get_cost();
-        if let Some(Point(shares)) = after.get_param() {
-            self.keep(shares, cost);
+    /// Moves the worst point through the centroid of the others, or to it, or else all others to the best one.
+    fn search(&mut self, Search { mut simplex, iterations }: Search) -> Stage {
+        let n = simplex.len() - 1;
+        let centroid = |i: usize| 1.0 / n as f64 * simplex[..n].iter().map(|(_, point)| point[i]).sum::<f64>();
+        let centroid: Vec<f64> = (0..n).map(centroid).collect();
+        let mut beside = |from: &[f64], point: &[f64], by: f64| {
+            let moved: Vec<f64> = from.iter().zip(point).map(|(from, x)| from + by * (x - from)).collect();
+            self.runs += 1;
+            (self.cost.of(&moved), moved)
+        };
+        let [best, second, worst] = [0, n - 1, n].map(|place| simplex[place].0);
+        let (cost, reflected) = beside(&centroid, &simplex[n].1, -1.0);
+        let other = if cost < best {
+            Some(beside(&centroid, &reflected, 2.0)).filter(|(other, _)| *other < cost).or(Some((cost, reflected)))
+        } else if cost < second {
+            Some((cost, reflected))
+        } else if cost < worst {
+            Some(beside(&centroid, &reflected, 0.5)).filter(|(other, _)| *other <= cost)
+        } else {
+            Some(beside(&centroid, &simplex[n].1, 0.5)).filter(|(other, _)| *other < worst)
+        };
+        if let Some(other) = other {
+            simplex[n] = other;
+        } else {
+            let (first, others) = simplex.split_at_mut(1);
+            for other in others {
+                *other = beside(&first[0].1, &other.1, 0.5);
+            }
         }
-        let tolerance = TOLERANCE * cost.abs().max(1.0);
-        if let Ok(tolerant) = solver.clone().with_sd_tolerance(tolerance) {
-            *solver = tolerant;
+        simplex.sort_by(by_cost);
+        let (cost, point) = &simplex[0];
+        self.keep(point, *cost);
+        let mean = simplex.iter().map(|(cost, _)| cost).sum::<f64>() / simplex.len() as f64;
+        let squares = simplex.iter().map(|(cost, _)| (cost - mean) * (cost - mean));
+        let is_flat = (1.0 / n as f64 * squares.sum::<f64>()).sqrt() < TOLERANCE * cost.abs().max(1.0);
+        if is_flat || iterations + 1 >= ITERATIONS {
+            return self.begin_information();
         }
-        let status = Solver::<Objective, _>::terminate(solver, &after);
-        let is_done = matches!(status, TerminationStatus::Terminated(_)) || *iterations >= ITERATIONS;
-        let runs = problem.counts.get("cost_count").copied().unwrap_or(0);
-        *state = Some(after);
-        if is_done {
-            self.runs += runs;
-            return self.look();
-        }
-        Stage::Searching(search)
+        Stage::Searching(Search { simplex, iterations: iterations + 1 })
     }
 
-    /// The likelihood's maximum is looked at; another goal has no curvature that means anything.
-    fn look(&self) -> Stage {
+    /// Only the likelihood has a curvature that means anything.
+    fn begin_information(&self) -> Stage {
         match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
             Some(best) => Stage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
             None => Stage::Done,
@@ -186,11 +207,15 @@ impl Tuner {
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {
-        if self.path.last().is_none_or(|best| -cost > best.score || best.score.is_nan()) && cost < cost::FORBIDDEN {
+        if self.path.last().is_none_or(|best| -cost > best.score || best.score.is_nan()) && cost < FORBIDDEN {
             self.best = shares.to_vec();
             self.path.push(Try { values: self.cost.values(shares), score: -cost });
         }
     }
+}
+
+fn by_cost(a: &(f64, Vec<f64>), b: &(f64, Vec<f64>)) -> std::cmp::Ordering {
+    a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal)
 }
 
 impl Task for Tuner {
@@ -215,7 +240,7 @@ impl Task for Tuner {
                 Stage::Searching(search) => self.search(search),
                 Stage::Looking(mut information) => {
                     if information.advance(&self.cost) {
-                        self.runs += information.runs();
+                        self.runs += information.runs;
                         self.bands = information.bands(&self.cost);
                         Stage::Done
                     } else {
@@ -237,6 +262,69 @@ impl Task for Tuner {
         let verdict = cost.verdict(&scenario);
         let remarks = information::remarks(&cost, &path, verdict);
         Tuned { scenario, path, bands, verdict, remarks, runs }
+    }
+}
+
+/// The cost of settings that are impossible, beyond their axes, or stop the filter.
+const FORBIDDEN: f64 = 1e100;
+
+struct Cost {
+    scenario: Scenario,
+    place: usize,
+    record: Arc<Record>,
+    axes: Vec<Axis>,
+    settings: Vec<Address>,
+    goal: Goal,
+}
+
+impl Cost {
+    /// The shares of the axes at these values. Values beyond an axis count as its nearest end.
+    fn shares(&self, values: &[f64]) -> Vec<f64> {
+        let share = |(axis, &value): (&Axis, &f64)| {
+            let share = axis.share_of(value);
+            if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+        };
+        self.axes.iter().zip(values).map(share).collect()
+    }
+
+    fn values(&self, shares: &[f64]) -> Vec<f64> {
+        self.axes.iter().zip(shares).map(|(axis, &share)| axis.at_share(share)).collect()
+    }
+
+    fn with_values(&self, values: &[f64]) -> Scenario {
+        let mut scenario = self.scenario.clone();
+        for (setting, &value) in self.settings.iter().zip(values) {
+            setting.set(&mut scenario, value);
+        }
+        scenario
+    }
+
+    fn of(&self, shares: &[f64]) -> f64 {
+        if !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
+            return FORBIDDEN;
+        }
+        self.of_scenario(&self.with_values(&self.values(shares)))
+    }
+
+    fn of_scenario(&self, scenario: &Scenario) -> f64 {
+        let measures = [Measure::STOPPED, self.goal.measure()];
+        let Some(row) = self.numbers(scenario, &measures) else { return FORBIDDEN };
+        let cost = -self.goal.score(row[1]);
+        if row[0] == 0.0 && cost.is_finite() { cost.min(FORBIDDEN) } else { FORBIDDEN }
+    }
+
+    fn verdict(&self, scenario: &Scenario) -> Option<VerdictKind> {
+        let row = self.numbers(scenario, &[Measure::VERDICT])?;
+        VerdictKind::ALL.get(row[0] as usize).copied().filter(|_| row[0] >= 0.0)
+    }
+
+    fn numbers(&self, scenario: &Scenario, measures: &[Measure]) -> Option<Vec<f64>> {
+        let Self { place, record, .. } = self;
+        let needs_history = measures.iter().any(|measure| measure.info().needs_history());
+        let mut pass = ScoredPass::new(scenario, *place, record, &[], needs_history).ok()?;
+        pass.advance(record, usize::MAX);
+        let (outcome, history) = pass.finish();
+        Some(numbers(scenario, *place, record, measures, (&outcome, history.as_ref())))
     }
 }
 

@@ -7,7 +7,6 @@ mod rows;
 mod tests;
 
 use std::fmt;
-use std::hash::{Hash, Hasher};
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -20,7 +19,7 @@ pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
 
 use info::Of;
-use rows::ALL;
+use rows::{ROWS, Row};
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
 ///
@@ -45,9 +44,9 @@ pub struct Measure {
 }
 
 /// A measure without the channel or the sensor that it is of. In text it is a word.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct MeasureKind(&'static MeasureInfo);
+pub struct MeasureKind(Row);
 
 /// The reason why a text is no measure.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -58,67 +57,64 @@ pub struct MeasureKind(&'static MeasureInfo);
 pub struct UnknownMeasure(pub String);
 
 fn words(is_it: fn(&Of) -> bool) -> String {
-    ALL.iter().filter(|info| is_it(&info.of)).map(|info| info.word).collect::<Vec<_>>().join(", ")
+    ROWS.iter()
+        .map(|row| row.info())
+        .filter(|info| is_it(&info.of))
+        .map(|info| info.word)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 impl Measure {
     /// Mean normalised innovation squared over its degrees of freedom: 1 is expected.
-    pub const NIS: Self = Self::of_filter(&rows::NIS);
+    pub const NIS: Self = Self::row(Row::Nis, None, None);
     /// Mean normalised estimation error squared over its degrees of freedom: 1 is expected.
-    pub const NEES: Self = Self::of_filter(&rows::NEES);
+    pub const NEES: Self = Self::row(Row::Nees, None, None);
     /// The distance of the mean NIS from its expectation, in standard deviations of the mean of white innovations.
-    pub const CONSISTENCY: Self = Self::of_filter(&rows::CONSISTENCY);
+    pub const CONSISTENCY: Self = Self::row(Row::Consistency, None, None);
     /// Log likelihood of all measurements.
-    pub const LOG_LIKELIHOOD: Self = Self::of_filter(&rows::LOG_LIKELIHOOD);
+    pub const LOG_LIKELIHOOD: Self = Self::row(Row::LogLikelihood, None, None);
     /// Whether the filter stopped or lost the truth.
-    pub const DIVERGED: Self = Self::of_filter(&rows::DIVERGED);
+    pub const DIVERGED: Self = Self::row(Row::Diverged, None, None);
     /// Whether the filter stopped.
-    pub const STOPPED: Self = Self::of_filter(&rows::STOPPED);
+    pub const STOPPED: Self = Self::row(Row::Stopped, None, None);
     /// The verdict.
-    pub const VERDICT: Self = Self::of_filter(&rows::VERDICT);
+    pub const VERDICT: Self = Self::row(Row::Verdict, None, None);
     /// The first cause of a bad verdict, of the whole run. To find it takes up to seconds ([`FirstCause`]).
-    pub const CAUSE: Self = Self::of_filter(&rows::CAUSE);
+    pub const CAUSE: Self = Self::row(Row::Cause, None, None);
 
-    const fn of_filter(info: &'static MeasureInfo) -> Self {
-        Self { kind: MeasureKind(info), channel: None, sensor: None }
-    }
-
-    const fn of_channel(info: &'static MeasureInfo, channel: Channel) -> Self {
-        Self { kind: MeasureKind(info), channel: Some(channel), sensor: None }
-    }
-
-    const fn of_sensor(info: &'static MeasureInfo, sensor: Quantity) -> Self {
-        Self { kind: MeasureKind(info), channel: None, sensor: Some(sensor) }
+    const fn row(row: Row, channel: Option<Channel>, sensor: Option<Quantity>) -> Self {
+        Self { kind: MeasureKind(row), channel, sensor }
     }
 
     /// The last error of a channel, estimate minus truth, in its unit.
     pub const fn error(channel: Channel) -> Self {
-        Self::of_channel(&rows::ERROR, channel)
+        Self::row(Row::Error, Some(channel), None)
     }
 
     /// Root mean square error of a channel over all samples.
     pub const fn rmse(channel: Channel) -> Self {
-        Self::of_channel(&rows::RMSE, channel)
+        Self::row(Row::Rmse, Some(channel), None)
     }
 
     /// The last estimate of a channel.
     pub const fn estimate(channel: Channel) -> Self {
-        Self::of_channel(&rows::ESTIMATE, channel)
+        Self::row(Row::Estimate, Some(channel), None)
     }
 
     /// The last standard deviation of a channel.
     pub const fn std(channel: Channel) -> Self {
-        Self::of_channel(&rows::STD, channel)
+        Self::row(Row::Std, Some(channel), None)
     }
 
     /// Root mean square error of the identified model's free run, for one sensor in its unit.
     pub const fn free_run(sensor: Quantity) -> Self {
-        Self::of_sensor(&rows::FREE_RUN, sensor)
+        Self::row(Row::FreeRun, None, Some(sensor))
     }
 
     /// A measure of a channel or a sensor, as far as its kind has one. `None` if it needs a channel or a sensor that is not given.
     pub fn new(kind: MeasureKind, channel: Option<Channel>, sensor: Option<Quantity>) -> Option<Self> {
-        let (channel, sensor) = match kind.0.of {
+        let (channel, sensor) = match kind.info().of {
             Of::Filter => (None, None),
             Of::Channel(_) => (Some(channel?), None),
             Of::Sensor(_) => (None, Some(sensor?)),
@@ -129,7 +125,7 @@ impl Measure {
 
     /// Its description.
     pub fn info(self) -> &'static MeasureInfo {
-        self.kind.0
+        self.kind.info()
     }
 
     /// The channel that it is of.
@@ -159,17 +155,14 @@ impl Measure {
 
     /// All measures with a number of filters with these channels, beside these sensors.
     pub fn all(channels: &[Channel], sensors: &[Quantity]) -> Vec<Self> {
-        let rows = || ALL.iter().filter(|info| info.is_number());
-        let mut all: Vec<Self> =
-            rows().filter(|info| matches!(info.of, Of::Filter)).map(|info| Self::of_filter(info)).collect();
-        for &channel in channels {
-            let of_channel = rows().filter(|info| matches!(info.of, Of::Channel(_) | Of::Gain));
-            all.extend(of_channel.map(|info| Self::of_channel(info, channel)));
-        }
-        for &sensor in sensors {
-            let of_sensor = rows().filter(|info| matches!(info.of, Of::Sensor(_)));
-            all.extend(of_sensor.map(|info| Self::of_sensor(info, sensor)));
-        }
+        let mut all = Vec::new();
+        let mut add = |is_it: fn(&Of) -> bool, channel: Option<Channel>, sensor: Option<Quantity>| {
+            let rows = ROWS.iter().filter(|row| row.info().is_number() && is_it(&row.info().of));
+            all.extend(rows.map(|row| Self::row(*row, channel, sensor)));
+        };
+        add(|of| matches!(of, Of::Filter), None, None);
+        channels.iter().for_each(|channel| add(|of| matches!(of, Of::Channel(_) | Of::Gain), Some(*channel), None));
+        sensors.iter().for_each(|sensor| add(|of| matches!(of, Of::Sensor(_)), None, Some(*sensor)));
         all
     }
 
@@ -185,56 +178,42 @@ impl Measure {
 
     /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.
     pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
-        rows::within(self.info(), &run.at(self, times))
+        self.kind.0.within(&run.at(self, times))
     }
 }
 
 impl MeasureKind {
     /// Every kind, in the order of tables.
     pub fn all() -> impl Iterator<Item = Self> {
-        ALL.iter().map(|info| Self(info))
+        ROWS.iter().map(|row| Self(*row))
     }
 
     /// The kind of this word.
     pub fn from_word(word: &str) -> Option<Self> {
         // Older words.
         let word = if ["inside", "share_inside"].contains(&word) { "coverage" } else { word };
-        ALL.iter().find(|info| info.word == word).map(|info| Self(info))
+        Self::all().find(|kind| kind.info().word == word)
     }
 
     /// Its description.
     pub fn info(self) -> &'static MeasureInfo {
-        self.0
+        self.0.info()
     }
 
     /// Whether it is of a channel.
     pub fn needs_channel(self) -> bool {
-        matches!(self.0.of, Of::Channel(_) | Of::Gain)
+        matches!(self.info().of, Of::Channel(_) | Of::Gain)
     }
 
     /// Whether it is of a sensor.
     pub fn needs_sensor(self) -> bool {
-        matches!(self.0.of, Of::Sensor(_))
-    }
-}
-
-impl PartialEq for MeasureKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.word == other.0.word
-    }
-}
-
-impl Eq for MeasureKind {}
-
-impl Hash for MeasureKind {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.0.word.hash(state);
+        matches!(self.info().of, Of::Sensor(_))
     }
 }
 
 impl fmt::Display for MeasureKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0.word)
+        f.write_str(self.info().word)
     }
 }
 
@@ -303,19 +282,11 @@ pub struct FirstCause(Option<Box<Search>>);
 impl FirstCause {
     /// Before a search. There is none where the verdict is good or not known.
     pub fn new(scenario: &Scenario, place: usize, estimates: &Estimates, record: &Record) -> Self {
-        Self::with(scenario, place, (&Diagnostics::new(estimates, record), estimates), record)
-    }
-
-    fn with(
-        scenario: &Scenario,
-        place: usize,
-        (diagnostics, estimates): (&Diagnostics, &Estimates),
-        record: &Record,
-    ) -> Self {
-        let diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+        let diagnostics = Diagnostics::new(estimates, record);
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
         let is_bad = |diagnosis: &Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
         let diagnosis = diagnosis.filter(is_bad);
-        let search = diagnosis.and_then(|one| one.search(scenario, place, diagnostics, estimates, record).ok());
+        let search = diagnosis.and_then(|one| one.search(scenario, place, &diagnostics, estimates, record).ok());
         Self(search.map(Box::new))
     }
 }

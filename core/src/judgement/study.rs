@@ -1,11 +1,14 @@
-//! A run with its analysis, over the same samples.
+//! A run with its analysis, over the same samples; and the next run, computed in small portions beside the present one.
 
 use std::sync::Arc;
 
 use crate::data::scenario::cost;
 use crate::judgement::analysis::Subject;
+use crate::mathematics::lists::numbers;
+use crate::samples::run::revision::Revision;
+use crate::samples::sink::Tape;
 use crate::samples::waste::Spare;
-use crate::{Analysis, Record, Run, RunError, Scenario, Source, Wanted};
+use crate::{Analysis, Record, Run, RunError, Scenario, Source, Update, Wanted};
 
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.
 const KEPT_SPARE: usize = 100_000;
@@ -14,17 +17,17 @@ const KEPT_SPARE: usize = 100_000;
 const LEAST_WINDOW: usize = 4;
 
 /// A quarter stays at the limit of a window: all that stays is moved, and analysed again, within one frame.
-pub(crate) fn forgotten_of(window: usize) -> usize {
+fn forgotten_of(window: usize) -> usize {
     window - window / 4
 }
 
 /// A run and its analysis, which make one picture. The run can be extended ([`Self::advance_to`]), or replaced by one
 /// that a [`Job`](crate::Job) has computed beside it.
 pub struct Study {
-    pub(crate) run: Run,
-    pub(crate) analysis: Analysis,
-    pub(crate) spare: Spare,
-    pub(crate) window: usize,
+    run: Run,
+    analysis: Analysis,
+    spare: Spare,
+    window: usize,
 }
 
 impl Study {
@@ -128,4 +131,195 @@ impl Study {
         }
         run.done() >= samples.min(run.samples()) && analysis.advance(&Subject::of(run), while_time)
     }
+}
+
+/// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the
+/// job is [finished](Self::finish), so that a screen always shows one complete picture.
+///
+/// The core has no clock: the caller decides when the time is up. The results are bit-identical however the work is
+/// divided.
+///
+/// ```
+/// use kalmanscope_core::{Job, Scenario, Source, Study};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+/// let mut study = Study::new(&scenario, Source::Simulated, 100_000)?;
+/// study.advance_to(1001, &mut || true);
+/// scenario.filters[0].fading = 1.01;
+/// let mut job = Job::new(&mut study, &scenario, None, 1001)?;
+/// while !job.advance(&study, &mut || false).is_done() {
+///     // Draw a frame of `study` here.
+/// }
+/// job.finish(&mut study);
+/// assert_eq!(study.run().scenario(), &scenario);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Job {
+    revision: Revision,
+    analysis: Analysis,
+    goal: usize,
+    stage: usize,
+    done: bool,
+}
+
+/// The progress of a job.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// The share of each filter that is done, from 0 to 1, in the scenario's order.
+    pub filters: Vec<f64>,
+    /// The estimated share of the total time that has passed, from 0 to 1.
+    pub all: f64,
+    done: bool,
+}
+
+impl Progress {
+    /// Whether everything is done.
+    pub fn is_done(&self) -> bool {
+        self.done
+    }
+}
+
+impl Job {
+    /// The job that computes `samples` samples of a study with another scenario, and with another source if one is
+    /// given. A record and filters that the change does not affect are reused, if the study has as many samples.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
+    pub fn new(
+        study: &mut Study,
+        scenario: &Scenario,
+        source: Option<Source>,
+        samples: usize,
+    ) -> Result<Self, RunError> {
+        let Study { run, analysis, spare, window } = study;
+        let source = source.or_else(|| (run.done() != samples.min(run.samples())).then(|| run.source()));
+        let revision = Revision::new(run, scenario, source, spare)?;
+        let goal = samples.min(revision.samples);
+        let is_simulated =
+            revision.own_record().is_some() && !revision.source().is_some_and(|source| source.is_measured());
+        let stage = if is_simulated { goal.min(*window) } else { goal };
+        Ok(Self { revision, analysis: analysis.successor(), goal, stage, done: false })
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        &self.revision.bank.scenario
+    }
+
+    /// The number of samples to compute.
+    pub fn goal(&self) -> usize {
+        self.goal
+    }
+
+    /// The number of samples of the whole run.
+    pub fn samples(&self) -> usize {
+        self.revision.samples
+    }
+
+    /// Time between samples \[s\].
+    pub fn dt(&self, study: &Study) -> f64 {
+        self.revision.own_record().unwrap_or(study.run.record()).dt()
+    }
+
+    /// Computes until `while_time` returns false, which is called after each piece of work of about a millisecond. The
+    /// record comes first, then the filters from the cheapest to the costliest, then the analysis. `study` is the study
+    /// that the job was made for.
+    pub fn advance(&mut self, study: &Study, while_time: &mut dyn FnMut() -> bool) -> Progress {
+        while !self.done {
+            let record = study.run.record();
+            if !self.revision.advance_to(self.stage, record, while_time) {
+                break;
+            }
+            let Self { revision, analysis, goal, stage, .. } = self;
+            if !analysis.advance(&subject(revision, study, *stage, *goal), while_time) {
+                break;
+            }
+            self.done = self.stage >= self.goal.min(revision.samples);
+            if !self.done {
+                let forgotten = forgotten_of(study.window);
+                revision.forget(forgotten);
+                self.stage = (self.stage + forgotten).min(self.goal);
+            }
+        }
+        self.progress(study)
+    }
+
+    /// The progress.
+    pub fn progress(&self, study: &Study) -> Progress {
+        let Self { revision, analysis, goal, stage, done } = self;
+        let scenario = self.scenario();
+        let goal = (*goal).min(revision.samples).max(1);
+        let share = |samples: usize| (samples as f64 / goal as f64).min(1.0);
+        let one = |place: usize| if revision.kept[place].is_some() { 1.0 } else { share(revision.done(place)) };
+        let filters: Vec<f64> = numbers(scenario.filters.len(), &one);
+        let (mut so_far, mut all) = analysis.work(&subject(revision, study, *stage, goal));
+        if let Some(recorded) = revision.recorded() {
+            so_far += share(recorded) * cost::OF_RECORD * goal as f64;
+            all += cost::OF_RECORD * goal as f64;
+        }
+        for &place in &revision.order {
+            let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario);
+            so_far += filters[place] * cost;
+            all += cost;
+        }
+        let all = if *done || all == 0.0 { 1.0 } else { (so_far / all).min(1.0) };
+        Progress { filters, all, done: *done }
+    }
+
+    /// Replaces the study's run by the finished job's.
+    pub fn finish(self, study: &mut Study) -> Update {
+        let Self { revision, analysis, goal, .. } = self;
+        let Study { run, analysis: old, spare, .. } = study;
+        let update = revision.apply(run, goal, spare);
+        old.replace(analysis, &update, run);
+        update
+    }
+
+    /// Gives the job up; the study stays as it is and the memory is reused by the next job.
+    pub fn cancel(self, study: &mut Study) {
+        study.spare.take(self.revision.take_apart());
+        study.analysis.recycle(self.analysis);
+    }
+
+    /// Leaves the changed filters that would take longer than `seconds` on an ordinary processor to the caller, and
+    /// returns their places. The job goes on with the others. Empty if the job does not keep the whole record.
+    pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
+        let Self { revision, goal, stage, .. } = self;
+        let is_whole = *goal == revision.samples && *stage == *goal;
+        let scenario = &revision.bank.scenario;
+        let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario);
+        let is_long = |place: &usize| is_whole && revision.done(*place) == 0 && time(*place) > seconds;
+        let places: Vec<usize> = revision.order.iter().copied().filter(is_long).collect();
+        revision.away.clone_from(&places);
+        places
+    }
+
+    /// The whole record, once it is complete. `study` is the study that the job was made for.
+    pub fn whole_record<'a>(&'a self, study: &'a Study) -> Option<&'a Record> {
+        let revision = &self.revision;
+        let is_there = revision.recorded().is_none_or(|recorded| recorded >= revision.samples);
+        is_there.then(|| revision.own_record().unwrap_or(study.run.record()))
+    }
+
+    /// Takes in the next samples of a filter that was left to the caller. Returns false if they are not its own.
+    pub fn take(&mut self, place: usize, tape: &Tape) -> bool {
+        self.revision.take(place, tape)
+    }
+
+    /// Computes the filters that were left to the caller and are not complete, from their first sample on.
+    pub fn take_back(&mut self) {
+        self.revision.take_back();
+    }
+}
+
+fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> Subject<'a> {
+    let done = stage.min(revision.samples);
+    let record = revision.own_record().unwrap_or(study.run.record());
+    // Bounds of another truth cannot be reused.
+    let bounds = if revision.is_of_everything { &[][..] } else { &study.analysis.bounds };
+    let is_live = revision.is_live().unwrap_or(study.run.is_live());
+    let whole = done >= goal.min(revision.samples) && done == revision.samples && !is_live;
+    Subject { bank: &revision.bank, record, done, whole, known: &revision.kept, bounds }
 }

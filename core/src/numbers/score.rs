@@ -215,18 +215,46 @@ pub struct ScoredPass {
     scores: Scores,
     samples: Vec<usize>,
     looks: Vec<Look>,
+    history: Option<Estimates>,
+}
+
+/// Scores, and the history if it is kept.
+struct Scored<'a>(Scoring<'a>, Option<&'a mut Estimates>);
+
+impl Sink for Scored<'_> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.0.push(sample);
+        if let Some(history) = &mut self.1 {
+            history.push(sample);
+        }
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.0.stop_at(stop);
+        if let Some(history) = &mut self.1 {
+            history.stop_at(stop);
+        }
+    }
 }
 
 impl ScoredPass {
     /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
-    /// order.
+    /// order. It keeps all estimates if its scores need the history.
     ///
     /// # Errors
     /// Those of [`Pass::new`].
-    pub fn new(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
-        let scores = Scores::new(&Pass::history(scenario, place)?, record);
+    pub fn new(
+        scenario: &Scenario,
+        place: usize,
+        record: &Record,
+        samples: &[usize],
+        needs_history: bool,
+    ) -> Result<Self, RunError> {
+        let history = Pass::history(scenario, place)?;
+        let scores = Scores::new(&history, record);
         let pass = Pass::new(scenario, place, record)?;
-        Ok(Self { pass, scores, samples: samples.to_vec(), looks: Vec::new() })
+        let history = needs_history.then_some(history);
+        Ok(Self { pass, scores, samples: samples.to_vec(), looks: Vec::new(), history })
     }
 
     /// The number of samples done, counted from the record's beginning.
@@ -237,9 +265,9 @@ impl ScoredPass {
     /// Goes on until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
-        let Self { pass, scores, samples: asked, looks } = self;
+        let Self { pass, scores, samples: asked, looks, history } = self;
         while let Some(&sample) = asked.get(looks.len()).filter(|sample| **sample < samples) {
-            pass.follow(record, sample.saturating_add(1), &mut scores.against(record));
+            pass.follow(record, sample.saturating_add(1), &mut Scored(scores.against(record), history.as_mut()));
             if scores.len() != sample.saturating_add(1) {
                 // The filter has stopped, or the record has ended.
                 asked.truncate(looks.len());
@@ -247,13 +275,13 @@ impl ScoredPass {
             }
             looks.push(scores.look());
         }
-        pass.follow(record, samples, &mut scores.against(record));
+        pass.follow(record, samples, &mut Scored(scores.against(record), history.as_mut()));
         pass.done() >= record.forgotten() + record.len()
     }
 
-    /// The outcome so far.
-    pub fn outcome(self) -> Outcome {
-        Outcome { looks: self.looks, ..self.scores.outcome() }
+    /// The outcome so far, and the history if it is kept.
+    pub fn finish(self) -> (Outcome, Option<Estimates>) {
+        (Outcome { looks: self.looks, ..self.scores.outcome() }, self.history)
     }
 }
 
@@ -284,8 +312,8 @@ impl Outcome {
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
-        let mut pass = ScoredPass::new(scenario, place, record, samples)?;
+        let mut pass = ScoredPass::new(scenario, place, record, samples, false)?;
         pass.advance(record, usize::MAX);
-        Ok(pass.outcome())
+        Ok(pass.finish().0)
     }
 }

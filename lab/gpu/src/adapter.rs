@@ -1,10 +1,13 @@
 //! The search for a graphics processor.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::{Adapter, AdapterInfo, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor, Limits};
-
-use crate::program::{GpuError, Programs, Trouble};
+use thiserror::Error;
+use wgpu::{
+    Adapter, AdapterInfo, ComputePipeline, Device, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor, Limits,
+    Queue,
+};
 
 /// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads, and useful for tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +21,9 @@ pub enum Software {
 /// A graphics processor with the filters' programs.
 pub struct Gpu {
     name: String,
-    pub(crate) programs: Programs,
+    pub(crate) device: Device,
+    pub(crate) queue: Queue,
+    pub(crate) pipelines: Mutex<HashMap<String, ComputePipeline>>,
     pub(crate) trouble: Trouble,
 }
 
@@ -40,9 +45,8 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| reporter.report(error.to_string())));
         let reporter = trouble.clone();
         device.set_device_lost_callback(move |reason, text| reporter.report(format!("it is lost ({reason:?}) {text}")));
-        let programs = Programs::new(device, queue);
         trouble.check()?;
-        Ok(Self { name, programs, trouble })
+        Ok(Self { name, device, queue, pipelines: Mutex::default(), trouble })
     }
 
     /// The adapter's name, from its driver.
@@ -97,9 +101,27 @@ async fn info_of(adapter: &Adapter) -> AdapterInfo {
 async fn info_of(adapter: &Adapter) -> AdapterInfo {
     let mut info = adapter.get_info();
     if info.name.trim().is_empty() {
-        info.name = crate::browser::adapter_name().await.unwrap_or_default();
+        info.name = adapter_name().await.unwrap_or_default();
     }
     info
+}
+
+/// The vendor and the architecture of the browser's adapter, as in `nvidia ampere`.
+#[cfg(target_arch = "wasm32")]
+async fn adapter_name() -> Option<String> {
+    use js_sys::{Function, Object, Promise, Reflect};
+    use wasm_bindgen::{JsCast as _, JsValue};
+    let get = |object: &JsValue, key: &str| Reflect::get(object, &key.into()).ok();
+    let gpu = get(&get(&js_sys::global(), "navigator")?, "gpu")?;
+    let options = Object::new();
+    Reflect::set(&options, &"powerPreference".into(), &"high-performance".into()).ok()?;
+    let request: Function = get(&gpu, "requestAdapter")?.dyn_into().ok()?;
+    let promise: Promise = request.call1(&gpu, &options).ok()?.dyn_into().ok()?;
+    let adapter = wasm_bindgen_futures::JsFuture::from(promise).await.ok()?;
+    let info = get(&adapter, "info")?;
+    let words = ["vendor", "architecture"].map(|key| get(&info, key).and_then(|word| word.as_string()));
+    let words: Vec<String> = words.into_iter().flatten().filter(|word| !word.is_empty()).collect();
+    (!words.is_empty()).then(|| words.join(" "))
 }
 
 /// Whether an adapter is a program on the processor.
@@ -126,3 +148,37 @@ fn limits(adapter: &Adapter) -> Limits {
 
 /// Limits a buffer \[bytes\].
 pub(crate) const LARGEST_BUFFER: u64 = 128 << 20;
+
+/// The reason why a graphics processor computes nothing, or no more.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum GpuError {
+    /// There is no graphics processor that programs can use.
+    #[error("there is no graphics processor that programs can use: {0}")]
+    None(String),
+    /// The only adapter is a program on the processor, which is slower than the processor itself.
+    #[error("{0} is a program and no graphics processor")]
+    Software(String),
+    /// The adapter has refused the program, or has been lost.
+    #[error("the graphics processor has failed: {0}")]
+    Failed(String),
+    /// The results are not wanted any more.
+    #[error("the work has been given up")]
+    Unwanted,
+}
+
+/// The first failure that the device has reported, outside of any call.
+#[derive(Clone, Default)]
+pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
+
+impl Trouble {
+    fn report(&self, text: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(text) => Err(GpuError::Failed(text.clone())),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,13 +1,14 @@
-//! Runs in batches of those that are alike.
+//! Runs in batches of those that are alike, and the rows of an ensemble's cells.
 
 use kalmanscope_core::internals::engine::{Design, Setup};
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Channel, Record, Scenario};
+use kalmanscope_lab::{CellRun, Runner};
 
-use crate::adapter::{Gpu, LARGEST_BUFFER};
-use crate::layout::{Cell, LARGEST, Settings, State, Tape, known};
-use crate::outcome::{Ran, outcome};
-use crate::program::{GpuError, Job};
+use crate::adapter::{Gpu, GpuError, LARGEST_BUFFER};
+use crate::layout::{LARGEST, State, Tape, known, outcome, put_cell};
+use crate::program::Job;
 use crate::shader::Program;
 
 const MOST_RUNS: usize = 1 << 16;
@@ -78,6 +79,51 @@ struct Batch<'a> {
 }
 
 impl Gpu {
+    /// Whether the graphics processor is of use for an ensemble: it serves all its filters, in the first cell at least, and no
+    /// score needs more than sums.
+    pub fn serves(runner: &Runner) -> bool {
+        let ensemble = runner.ensemble();
+        // Runs that differ by their filters share a record. Otherwise simulation takes most of the time.
+        let has_axis_of_filters = ensemble.settings().iter().any(Address::is_of_filters);
+        if runner.needs_history() || ensemble.plan().times > 0 || !has_axis_of_filters {
+            return false;
+        }
+        let Some(CellRun { scenario, record }) = runner.runs(&[0]).into_iter().next().flatten() else { return false };
+        let serves = |&place: &usize| serves(&GpuRun { scenario: &scenario, place, record: &record });
+        ensemble.plan().filters.iter().all(serves)
+    }
+
+    /// Runs some cells. Returns those of which the graphics processor serves all filters, and their rows one after the other,
+    /// in the form of [`Runner::rows`].
+    ///
+    /// # Errors
+    /// Those of [`Self::outcomes`].
+    pub async fn rows(
+        &self,
+        runner: &Runner,
+        cells: &[usize],
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Result<(Vec<usize>, Vec<f64>), GpuError> {
+        let runs = in_parts(cells, |cells| runner.runs(cells));
+        let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
+        for &place in &runner.ensemble().plan().filters {
+            let possible: Vec<GpuRun<'_>> =
+                runs.iter().flatten().map(|CellRun { scenario, record }| GpuRun { scenario, place, record }).collect();
+            let mut of_filter = self.outcomes(&possible, is_wanted).await?.into_iter();
+            for (outcomes, _) in outcomes.iter_mut().zip(&runs).filter(|(_, run)| run.is_some()) {
+                outcomes.push(of_filter.next().flatten());
+            }
+        }
+        let row = |&((&cell, run), outcomes): &((&usize, &Option<CellRun>), &Vec<Option<Outcome>>)| {
+            let all: Option<Vec<&Outcome>> = outcomes.iter().map(Option::as_ref).collect();
+            all.map(|outcomes| (cell, runner.row_of_sums(run.as_ref(), &outcomes)))
+        };
+        let done: Vec<_> = cells.iter().zip(&runs).zip(&outcomes).collect();
+        let rows_of_cells = in_parts(&done, |done| done.iter().filter_map(row).collect());
+        let (served, rows): (Vec<usize>, Vec<Vec<f64>>) = rows_of_cells.into_iter().unzip();
+        Ok((served, rows.concat()))
+    }
+
     /// The outcomes of some runs, in their order; `None` for a run that is not served. It calls `is_wanted` now and
     /// then.
     ///
@@ -92,21 +138,16 @@ impl Gpu {
         let mut outcomes = vec![None; runs.len()];
         for Batch { kind, program, members, tapes } in &batches(runs) {
             let Some(program) = program else { continue };
-            let settings = Settings {
-                begin: 0,
-                end: kind.samples as u32,
-                runs: members.len() as u32,
-                recent: (kind.samples * 4 / 5) as u32,
-                dt: kind.design.dt,
-            };
             let mut cells = Vec::new();
-            members.iter().for_each(|member| cell(member, kind.samples).put(&mut cells));
+            for member in members {
+                put_cell(&mut cells, &member.setup, (member.tape * kind.samples) as u32);
+            }
             let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
-            let job = Job { program, settings, samples, cells };
-            let states = self.programs.run(&job, &self.trouble, is_wanted).await?;
+            let (runs, length, dt) = (members.len() as u32, kind.samples as u32, kind.design.dt);
+            let job = Job { program, runs, length, dt, samples, cells };
+            let states = self.run(&job, is_wanted).await?;
             let of = |(member, state): &(&Member<'_>, &State)| {
-                let ran = Ran { setup: &member.setup, record: member.record, tape: &tapes[member.tape] };
-                outcome(&ran, state)
+                outcome(&member.setup, member.record, &tapes[member.tape], state)
             };
             let done: Vec<(&Member<'_>, &State)> = members.iter().zip(&states).collect();
             let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
@@ -172,36 +213,8 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     batches
 }
 
-fn cell<'a>(member: &'a Member<'_>, samples: usize) -> Cell<'a> {
-    let Setup { mean, variance, process, sensors, fading, white, .. } = &member.setup;
-    let first = (member.tape * samples) as u32;
-    Cell { mean, variance, process, sensors, fading: *fading, white: *white, first }
-}
-
-/// The least that is worth a thread.
-#[cfg(not(target_arch = "wasm32"))]
-const LEAST: usize = 256;
-
-/// Does some work on all items and returns its results in their order. Each core takes a part of the items.
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) fn in_parts<T: Sync, R: Send>(items: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let part = items.len().div_ceil(cores).max(LEAST);
-    if items.len() <= part {
-        return work(items);
-    }
-    let work = &work;
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = items.chunks(part).map(|items| scope.spawn(move || work(items))).collect();
-        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<R>>| {
-            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        };
-        threads.into_iter().flat_map(join).collect()
-    })
-}
-
-/// A worker of a page has one thread.
-#[cfg(target_arch = "wasm32")]
-pub(crate) fn in_parts<T, R>(items: &[T], work: impl Fn(&[T]) -> Vec<R>) -> Vec<R> {
-    work(items)
+/// Runs are prepared, and outcomes counted up, by as many threads as there are processors.
+fn in_parts<T: Sync, R: Send>(items: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
+    const LEAST: usize = 256;
+    kalmanscope_lab::in_parts(items, kalmanscope_lab::processors(), LEAST, work)
 }

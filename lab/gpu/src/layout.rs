@@ -1,7 +1,11 @@
-//! The structures of `shader/layout.wgsl` as words of 32 bits, and records as the shader reads them.
+//! The structures of `shader/layout.wgsl` as words of 32 bits, records as the shader reads them, and outcomes
+//! from its sums.
 
+use kalmanscope_core::diagnostics::{ErrorSums, Total};
 use kalmanscope_core::internals::engine::Setup;
-use kalmanscope_core::{Channel, Record};
+use kalmanscope_core::internals::{ChannelSums, log_likelihood};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Channel, FilterError, Record, Stop};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
@@ -30,24 +34,8 @@ impl Shape {
     }
 }
 
-#[derive(Clone, Copy)]
-pub(crate) struct Settings {
-    pub(crate) begin: u32,
-    pub(crate) end: u32,
-    pub(crate) runs: u32,
-    pub(crate) recent: u32,
-    pub(crate) dt: f64,
-}
-
-impl Settings {
-    pub(crate) fn words(self) -> [u32; 8] {
-        let Self { begin, end, runs, recent, dt } = self;
-        [begin, end, runs, recent, bits(dt), 0, 0, 0]
-    }
-}
-
 /// Appends a sample of a record. Measurements are NaN where there is none.
-pub(crate) fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
+fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
     let mut present = 0;
     for (place, number) in measured.iter().enumerate() {
         present |= u32::from(!number.is_nan()) << place;
@@ -59,51 +47,38 @@ pub(crate) fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], tru
     words.extend(truth.is_empty().then_some(0));
 }
 
-#[derive(Clone, Copy)]
-pub(crate) struct Cell<'a> {
-    pub(crate) mean: &'a [f64],
-    pub(crate) variance: &'a [f64],
-    /// The diagonals of Q and R.
-    pub(crate) process: &'a [f64],
-    pub(crate) sensors: &'a [f64],
-    pub(crate) fading: f64,
-    pub(crate) white: f64,
-    pub(crate) first: u32,
-}
-
-impl Cell<'_> {
-    pub(crate) fn put(self, words: &mut Vec<u32>) {
-        let Self { mean, variance, process, sensors, fading, white, first } = self;
-        let root = |&number: &f64| bits(number.sqrt());
-        words.extend(mean.iter().copied().map(bits));
-        words.extend(variance.iter().chain(process).map(root));
-        words.extend(sensors.iter().copied().map(bits));
-        words.extend(sensors.is_empty().then_some(0));
-        words.extend([root(&fading), root(&white), first]);
-    }
+/// Appends a run, whose samples begin with `first`.
+pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
+    let Setup { mean, variance, process, sensors, fading, white, .. } = setup;
+    let root = |&number: &f64| bits(number.sqrt());
+    words.extend(mean.iter().copied().map(bits));
+    words.extend(variance.iter().chain(process).map(root));
+    words.extend(sensors.iter().copied().map(bits));
+    words.extend(sensors.is_empty().then_some(0));
+    words.extend([root(fading), root(white), first]);
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tracked {
-    pub(crate) squares: f64,
-    pub(crate) recent: f64,
-    pub(crate) inside: u32,
-    pub(crate) settled: u32,
+struct Tracked {
+    squares: f64,
+    recent: f64,
+    inside: u32,
+    settled: u32,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct State {
-    pub(crate) mean: Vec<f64>,
-    pub(crate) variance: Vec<f64>,
-    pub(crate) tracked: Vec<Tracked>,
-    pub(crate) nis: f64,
-    pub(crate) nees: f64,
-    pub(crate) ln_determinants: f64,
-    pub(crate) nees_degrees: u32,
-    pub(crate) nees_samples: u32,
+    mean: Vec<f64>,
+    variance: Vec<f64>,
+    tracked: Vec<Tracked>,
+    nis: f64,
+    nees: f64,
+    ln_determinants: f64,
+    nees_degrees: u32,
+    nees_samples: u32,
     /// The sample at which the filter stopped, 0 if it has not, and why.
-    pub(crate) stopped: u32,
-    pub(crate) reason: u32,
+    stopped: u32,
+    reason: u32,
 }
 
 impl State {
@@ -143,7 +118,7 @@ impl State {
     }
 }
 
-fn bits(number: f64) -> u32 {
+pub(crate) fn bits(number: f64) -> u32 {
     (number as f32).to_bits()
 }
 
@@ -190,5 +165,64 @@ impl Tape {
             largest_truth.extend_from_slice(&most);
         }
         Some(Self { words, measured, largest_truth })
+    }
+}
+
+pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &Tape, state: &State) -> Outcome {
+    let stop = (state.stopped > 0).then(|| Stop { sample: state.stopped as usize, reason: reason(state.reason) });
+    let samples = stop.map_or(record.len(), |stop| stop.sample);
+    let [degrees, measured] = tape.measured[samples - 1];
+    let sums = channels((setup, record, tape), state, samples);
+    Outcome {
+        samples,
+        nees: Total { sum: state.nees, degrees: state.nees_degrees, samples: state.nees_samples },
+        nis: Total { sum: state.nis, degrees, samples: measured },
+        log_likelihood: if degrees > 0 { log_likelihood(state.nis, state.ln_determinants, degrees) } else { 0.0 },
+        stop,
+        diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
+        channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
+        mean: state.mean.clone(),
+        std: state.variance.iter().map(|variance| variance.sqrt()).collect(),
+        looks: Vec::new(),
+    }
+}
+
+fn channels(
+    (setup, record, tape): (&Setup, &Record, &Tape),
+    state: &State,
+    samples: usize,
+) -> Vec<(Channel, ChannelSums)> {
+    let known = state.tracked.len();
+    let recent = samples.saturating_sub(record.len() * 4 / 5) as u32;
+    let frequency = setup.channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY);
+    let of = |(place, tracked): (usize, &Tracked)| {
+        let channel = setup.channels[place];
+        let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
+        // In canonical form, in which the natural frequency is not negative.
+        let error = |mean: &[f64], k: usize| {
+            let is_negative = frequency.is_some_and(|place| mean[place] < 0.0);
+            let sign = if channel.is_mirrored() && is_negative { -1.0 } else { 1.0 };
+            sign * mean[place] - truth(k)
+        };
+        let sums = ChannelSums {
+            total: ErrorSums { squares: tracked.squares, known: samples as u32, inside: tracked.inside },
+            first_error: error(&setup.mean, 0).abs(),
+            largest_truth: tape.largest_truth[(samples - 1) * known + place],
+            settled: tracked.settled as usize,
+            recent: (tracked.recent, recent),
+            error: error(&state.mean, samples - 1),
+            std: state.variance[place].sqrt(),
+            initial_std: setup.variance[place].sqrt(),
+        };
+        (channel, sums)
+    };
+    state.tracked.iter().enumerate().map(of).collect()
+}
+
+/// As `belief.wgsl` numbers them.
+fn reason(number: u32) -> FilterError {
+    match number {
+        2 => FilterError::SingularInnovation,
+        _ => FilterError::NotFinite,
     }
 }

@@ -29,18 +29,13 @@
 
 mod adapter;
 mod batch;
-#[cfg(target_arch = "wasm32")]
-mod browser;
 mod layout;
-mod outcome;
 mod program;
-mod rows;
 mod shader;
 mod text;
 
-pub use adapter::{Gpu, Software};
+pub use adapter::{Gpu, GpuError, Software};
 pub use batch::{GpuRun, program, serves};
-pub use program::GpuError;
 
 /// Parts for the tests of this crate.
 #[doc(hidden)]

@@ -1,15 +1,14 @@
 //! The filters' programs on a device: buffers, and dispatches of some samples each.
 
-use std::collections::HashMap;
 use std::future::poll_fn;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Poll, Waker};
 
-use thiserror::Error;
 use web_time::{Duration, Instant};
-use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, Device, MapMode, Queue};
+use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, MapMode};
 
-use crate::layout::{Settings, State};
+use crate::adapter::{Gpu, GpuError};
+use crate::layout::{State, bits};
 use crate::shader::{GROUP, Program};
 
 /// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
@@ -26,16 +25,12 @@ const MOST_PROGRAMS: usize = 24;
 #[cfg(not(target_arch = "wasm32"))]
 const PATIENCE: Duration = Duration::from_secs(90);
 
-pub(crate) struct Programs {
-    device: Device,
-    queue: Queue,
-    pipelines: Mutex<HashMap<String, ComputePipeline>>,
-}
-
 pub(crate) struct Job<'a> {
     pub(crate) program: &'a Program,
-    /// `end` is the number of samples.
-    pub(crate) settings: Settings,
+    pub(crate) runs: u32,
+    /// The number of samples, and the time between them \[s\].
+    pub(crate) length: u32,
+    pub(crate) dt: f64,
     pub(crate) samples: Vec<u32>,
     pub(crate) cells: Vec<u32>,
 }
@@ -46,22 +41,13 @@ struct Buffers {
     group: BindGroup,
 }
 
-impl Programs {
-    pub(crate) fn new(device: Device, queue: Queue) -> Self {
-        Self { device, queue, pipelines: Mutex::default() }
-    }
-
+impl Gpu {
     /// It calls `is_wanted` before each dispatch.
-    pub(crate) async fn run(
-        &self,
-        job: &Job<'_>,
-        trouble: &Trouble,
-        is_wanted: &dyn Fn() -> bool,
-    ) -> Result<Vec<State>, GpuError> {
+    pub(crate) async fn run(&self, job: &Job<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<State>, GpuError> {
         let pipeline = self.pipeline(&job.program.text);
-        trouble.check()?;
+        self.trouble.check()?;
         let buffers = self.buffers(job, &pipeline);
-        let samples = job.settings.end;
+        let samples = job.length;
         let (mut begin, mut portion) = (0, FIRST);
         while begin < samples {
             if !is_wanted() {
@@ -70,12 +56,12 @@ impl Programs {
             let end = begin.saturating_add(portion).min(samples);
             let time = Instant::now();
             self.dispatch(job, &pipeline, &buffers, begin, end);
-            self.done(trouble).await?;
+            self.done().await?;
             let factor = DISPATCH.as_secs_f64() / time.elapsed().as_secs_f64().max(1e-6);
             portion = ((f64::from(portion) * factor.min(GROWTH)) as u32).max(1);
             begin = end;
         }
-        self.read(&buffers.states, job, trouble).await
+        self.read(&buffers.states, job).await
     }
 
     fn buffers(&self, job: &Job<'_>, pipeline: &ComputePipeline) -> Buffers {
@@ -110,45 +96,55 @@ impl Programs {
         if pipelines.len() >= MOST_PROGRAMS {
             pipelines.clear();
         }
-        let pipeline = pipeline(&self.device, text);
+        let source = wgpu::ShaderSource::Wgsl(text.into());
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
         pipelines.insert(text.to_owned(), pipeline.clone());
         pipeline
     }
 
     fn dispatch(&self, job: &Job<'_>, pipeline: &ComputePipeline, buffers: &Buffers, begin: u32, end: u32) {
-        let settings = Settings { begin, end, ..job.settings };
-        self.queue.write_buffer(&buffers.settings, 0, bytemuck::cast_slice(&settings.words()));
+        let recent = job.length * 4 / 5;
+        let settings = [begin, end, job.runs, recent, bits(job.dt), 0, 0, 0];
+        self.queue.write_buffer(&buffers.settings, 0, bytemuck::cast_slice(&settings));
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &buffers.group, &[]);
-            pass.dispatch_workgroups(job.settings.runs.div_ceil(GROUP), 1, 1);
+            pass.dispatch_workgroups(job.runs.div_ceil(GROUP), 1, 1);
         }
         self.queue.submit([encoder.finish()]);
     }
 
-    async fn done(&self, trouble: &Trouble) -> Result<(), GpuError> {
+    async fn done(&self) -> Result<(), GpuError> {
         let signal = Signal::new();
-        let setter = signal.clone();
+        let setter = Arc::clone(&signal);
         self.queue.on_submitted_work_done(move || setter.set(()));
         self.wait()?;
-        trouble.check()?;
+        self.trouble.check()?;
         signal.get().await;
-        trouble.check()
+        self.trouble.check()
     }
 
-    async fn read(&self, states: &Buffer, job: &Job<'_>, trouble: &Trouble) -> Result<Vec<State>, GpuError> {
+    async fn read(&self, states: &Buffer, job: &Job<'_>) -> Result<Vec<State>, GpuError> {
         let size = size_of_states(job);
         let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(states, 0, &copy, 0, size);
         self.queue.submit([encoder.finish()]);
         let signal = Signal::new();
-        let setter = signal.clone();
+        let setter = Arc::clone(&signal);
         copy.slice(..).map_async(MapMode::Read, move |result| setter.set(result));
         self.wait()?;
-        trouble.check()?;
+        self.trouble.check()?;
         signal.get().await.map_err(failed)?;
         let view = copy.slice(..).get_mapped_range().map_err(failed)?;
         let words: &[u32] = bytemuck::cast_slice(&view);
@@ -170,35 +166,22 @@ impl Programs {
     }
 }
 
-fn pipeline(device: &Device, text: &str) -> ComputePipeline {
-    let source = wgpu::ShaderSource::Wgsl(text.into());
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
-}
-
 fn size_of_states(job: &Job<'_>) -> u64 {
-    u64::from(job.settings.runs) * job.program.shape.state() as u64 * 4
+    u64::from(job.runs) * job.program.shape.state() as u64 * 4
 }
 
 fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-pub(crate) struct Signal<T>(Arc<Mutex<(Option<T>, Option<Waker>)>>);
+struct Signal<T>(Mutex<(Option<T>, Option<Waker>)>);
 
 impl<T> Signal<T> {
-    pub(crate) fn new() -> Self {
-        Self(Arc::new(Mutex::new((None, None))))
+    fn new() -> Arc<Self> {
+        Arc::new(Self(Mutex::new((None, None))))
     }
 
-    pub(crate) fn set(&self, value: T) {
+    fn set(&self, value: T) {
         let waker = {
             let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             both.0 = Some(value);
@@ -209,7 +192,7 @@ impl<T> Signal<T> {
         }
     }
 
-    pub(crate) async fn get(self) -> T {
+    async fn get(&self) -> T {
         poll_fn(|context| {
             let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             match both.0.take() {
@@ -221,45 +204,5 @@ impl<T> Signal<T> {
             }
         })
         .await
-    }
-}
-
-impl<T> Clone for Signal<T> {
-    fn clone(&self) -> Self {
-        Self(Arc::clone(&self.0))
-    }
-}
-
-/// The reason why a graphics processor computes nothing, or no more.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum GpuError {
-    /// There is no graphics processor that programs can use.
-    #[error("there is no graphics processor that programs can use: {0}")]
-    None(String),
-    /// The only adapter is a program on the processor, which is slower than the processor itself.
-    #[error("{0} is a program and no graphics processor")]
-    Software(String),
-    /// The adapter has refused the program, or has been lost.
-    #[error("the graphics processor has failed: {0}")]
-    Failed(String),
-    /// The results are not wanted any more.
-    #[error("the work has been given up")]
-    Unwanted,
-}
-
-/// The first failure that the device has reported, outside of any call.
-#[derive(Clone, Default)]
-pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
-
-impl Trouble {
-    pub(crate) fn report(&self, text: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
-    }
-
-    pub(crate) fn check(&self) -> Result<(), GpuError> {
-        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(text) => Err(GpuError::Failed(text.clone())),
-            None => Ok(()),
-        }
     }
 }

@@ -4,13 +4,12 @@
 use std::path::Path;
 
 use kalmanscope_core::channel::augment;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario,
-};
+use kalmanscope_core::{Channel, FilterKind, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, simulate};
 use kalmanscope_gpu::{GpuRun, program};
 use naga::back::{hlsl, msl};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::common::built_in;
 
 fn translate(name: &str, text: &str) {
     let module =
@@ -58,14 +57,6 @@ fn translate_all(name: &str, scenario: &Scenario) -> usize {
     done
 }
 
-fn scenario(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
-    let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
-    scenario.filters[0].augment = augment.to_vec();
-    scenario.set_plant(plant);
-    scenario.set_sensors(quantities);
-    scenario
-}
-
 #[test]
 fn programs_of_built_in_plants_can_be_put_into_the_languages_of_all_systems() {
     let mut done = 0;
@@ -77,7 +68,7 @@ fn programs_of_built_in_plants_can_be_put_into_the_languages_of_all_systems() {
                 Hold::Zero => Vec::new(),
                 Hold::First => augment::OF_INPUT.into_iter().take(room).collect(),
             };
-            let scenario = Scenario { input, ..scenario(plant, &quantities, &augment, hold) };
+            let scenario = Scenario { input, ..built_in(plant, &quantities, &augment, hold) };
             done += translate_all(&format!("{plant:?}, {hold:?}"), &scenario);
         }
     }

@@ -29,8 +29,189 @@
 //! # }
 //! ```
 
-mod batch;
-mod level;
+#[cfg(not(target_arch = "wasm32"))]
+use kalmanscope_core::internals::engine::Baseline;
+#[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
+use kalmanscope_core::internals::engine::Known;
+use kalmanscope_core::internals::engine::{self, Run, Setup};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Record, RunError, Scenario};
 
-pub use batch::{LaneRun, outcomes, outcomes_with, serves};
-pub use level::{LANES, Level};
+/// One filter of a scenario, to be run over a record.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneRun<'a> {
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// The place of the filter in it.
+    pub place: usize,
+    /// The record.
+    pub record: &'a Record,
+}
+
+/// Whether lanes serve a run: any that the [engine](Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
+/// filter.
+///
+/// # Errors
+/// Those of [`Setup::new`].
+pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
+    Ok(Setup::new(run.scenario, run.place, run.record)?.is_some())
+}
+
+/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in
+/// numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
+/// [`Outcome::of`], whatever the other runs.
+///
+/// # Errors
+/// Those of [`Setup::new`], for the first run that has one.
+pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
+    outcomes_with(Level::best(), runs, &[])
+}
+
+/// [`outcomes`] with these instructions, or the best ones below them that the processor has, and with looks at the filters at
+/// these samples, which are in order, as those of [`Outcome::at`].
+///
+/// # Errors
+/// Those of [`outcomes`].
+pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+    let setups: Result<Vec<Option<Setup>>, RunError> =
+        runs.iter().map(|run| Setup::new(run.scenario, run.place, run.record)).collect();
+    let setups = setups?;
+    let mut results: Vec<Option<Outcome>> = vec![None; runs.len()];
+    for group in groups(&setups, runs) {
+        for members in group.chunks(LANES) {
+            let batch: Vec<Run<'_>> = members.iter().map(|(_, run)| *run).collect();
+            for ((place, _), outcome) in members.iter().zip(level.outcomes(&batch, samples)) {
+                results[*place] = Some(outcome);
+            }
+        }
+    }
+    let single = |(result, run): (Option<Outcome>, &LaneRun<'_>)| match result {
+        Some(outcome) => Ok(outcome),
+        None => Outcome::at(run.scenario, run.place, run.record, samples),
+    };
+    results.into_iter().zip(runs).map(single).collect()
+}
+
+/// The runs that can go side by side, each with its place; those over one record come together.
+fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usize, Run<'a>)>> {
+    let mut groups: Vec<Vec<(usize, Run<'a>)>> = Vec::new();
+    for (place, (setup, LaneRun { record, .. })) in setups.iter().zip(runs).enumerate() {
+        let Some(setup) = setup else { continue };
+        let run = Run { setup, record };
+        match groups.iter_mut().find(|group| group[0].1.goes_with(&run)) {
+            Some(group) => group.push((place, run)),
+            None => groups.push(vec![(place, run)]),
+        }
+    }
+    for group in &mut groups {
+        group.sort_by_key(|(_, run)| std::ptr::from_ref(run.record).addr());
+    }
+    groups
+}
+
+/// The number of lanes: eight numbers are a line of a cache, and a browser has vectors of two.
+pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
+
+#[cfg(not(target_arch = "wasm32"))]
+type Numbers = engine::Lanes<LANES>;
+#[cfg(target_arch = "wasm32")]
+type Numbers = engine::LanePair;
+
+/// A set of instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// The instructions that every processor of the target has: SSE2 on x86-64. In a page, those of WebAssembly with vectors.
+    Baseline,
+    /// AVX2.
+    Avx2,
+}
+
+impl Level {
+    /// Those that this processor has, the best one last.
+    pub fn available() -> Vec<Self> {
+        [Self::Baseline, Self::Avx2].into_iter().filter(|level| level.is_available()).collect()
+    }
+
+    /// The best one that this processor has.
+    pub fn best() -> Self {
+        Self::available().last().copied().unwrap_or(Self::Baseline)
+    }
+
+    fn is_available(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if fearless_simd::Level::new().as_avx2().is_some() {
+            return true;
+        }
+        self == Self::Baseline
+    }
+
+    /// The outcomes of a batch with these instructions, or with the best ones below them that the processor has.
+    fn outcomes(self, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+        #[cfg(target_arch = "x86_64")]
+        if self > Self::Baseline
+            && let Some(token) = fearless_simd::Level::new().as_avx2()
+        {
+            return of_size(Avx2(token), batch, samples);
+        }
+        // Versions of known sizes take long to compile, and old processors are few.
+        #[cfg(not(target_arch = "wasm32"))]
+        return engine::outcomes::<Numbers, _>(Baseline, batch, samples);
+        #[cfg(target_arch = "wasm32")]
+        of_size(Simd128, batch, samples)
+    }
+}
+
+/// The usual oscillators have sizes that the compiler knows.
+#[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
+fn of_size<L: engine::Level>(level: L, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    let model = &batch[0].setup.design.model;
+    match (model.size, model.moving()) {
+        (4, 2) => engine::outcomes::<Numbers, _>(Known::<_, 4, 2>(level), batch, samples),
+        (5, 2) => engine::outcomes::<Numbers, _>(Known::<_, 5, 2>(level), batch, samples),
+        _ => engine::outcomes::<Numbers, _>(level, batch, samples),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+struct Avx2(fearless_simd::Avx2);
+
+#[cfg(target_arch = "x86_64")]
+impl engine::Level for Avx2 {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
+    #[inline(never)]
+    fn apart<R>(self, work: impl FnOnce() -> R) -> R {
+        fearless_simd::Simd::vectorize(self.0, work)
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+#[derive(Clone, Copy)]
+struct Simd128;
+
+#[cfg(target_arch = "wasm32")]
+impl engine::Level for Simd128 {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn apart<R>(self, work: impl FnOnce() -> R) -> R {
+        // Most work has one caller, which keeps numbers in registers if it takes the work in.
+        #[inline]
+        #[target_feature(enable = "simd128")]
+        fn with_vectors<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        with_vectors(work)
+    }
+}

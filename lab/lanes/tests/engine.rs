@@ -9,13 +9,12 @@ use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
-    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Run,
-    Scenario, Signal, Values, simulate,
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
+    Signal, Values, simulate,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
-use crate::draw::{Draw, PLANTS, ensemble, truth};
-use crate::held::{bits, check, check_alone};
+use crate::common::{Draw, PLANTS, bits, check, check_alone, ensemble, runs_of, truth};
 
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {
@@ -155,7 +154,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
 fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) -> Vec<u32> {
     let last = record.len() - 1;
     let samples = [0, 1, 9, 500, last];
-    let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect();
+    let runs = runs_of(scenario, record);
     assert!(runs.iter().all(|run| serves(run).unwrap()), "{what}");
     let compare = |(place, lane): (usize, Outcome)| {
         let single = Outcome::at(scenario, place, record, &samples).unwrap();
@@ -224,8 +223,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
             let what = format!("{plant:?} {kind:?} {robust:?} {adaptation:?} {jump} {log_parameters}");
             check_scores(&scenario, &record, &what, 1e-7);
             check_alone(&scenario, &record, &what);
-            let run = |place| LaneRun { scenario: &scenario, place, record: &record };
-            let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).collect();
+            let runs = runs_of(&scenario, &record);
             let outcome = check(&runs, &what).remove(0);
             let is_other = |other: &Outcome| (other.log_likelihood - outcome.log_likelihood).abs() > 0.01;
             assert!(seen.iter().all(is_other), "{what} makes a difference");
@@ -261,8 +259,7 @@ fn other_filters_run_by_themselves() {
     let other = [of(FilterKind::CKF), of(FilterKind::PF), bank, substeps, guesses, considers];
     scenario.filters.extend(other);
     let record = simulate(&scenario);
-    let run = |place| LaneRun { scenario: &scenario, place, record: &record };
-    let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).collect();
+    let runs = runs_of(&scenario, &record);
     let served: Vec<bool> = runs.iter().map(|run| serves(run).unwrap()).collect();
     assert_eq!(served, [true, true, true, false, false, true, false, false], "substeps go in lanes");
     check_alone(&scenario, &record, "all kinds");
@@ -293,8 +290,7 @@ fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
             // Neither the belief nor the sensors can err.
             (bad.initial_std, bad.process_std) = (Values::ZERO, Values::ZERO);
         }
-        let runs: Vec<LaneRun<'_>> =
-            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
+        let runs = runs_of(&scenario, &record);
         let lanes = outcomes_with(Level::best(), &runs, &[]).unwrap();
         let singles: Vec<Outcome> = (0..3).map(|place| Outcome::of(&scenario, place, &record).unwrap()).collect();
         for (lane, single) in lanes.iter().zip(&singles) {
@@ -322,9 +318,7 @@ fn filters_of_equations_go_side_by_side() {
     let gallery = gallery();
     assert_eq!(gallery.len(), 12);
     for (name, mut scenario) in gallery {
-        let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
-        truth.finish();
-        let record = truth.record().clone();
+        let record = simulate(&scenario);
         let first = scenario.filters.remove(0);
         for kind in [FilterKind::EKF, FilterKind::UKF] {
             scenario.filters = (0..8).map(|_| first.clone()).collect();
@@ -334,8 +328,7 @@ fn filters_of_equations_go_side_by_side() {
                     filter.initial_mean[channel] *= 1.0 + 0.02 * i as f64;
                 }
             }
-            let run = |place| LaneRun { scenario: &scenario, place, record: &record };
-            let runs: Vec<LaneRun<'_>> = (0..8).map(run).collect();
+            let runs = runs_of(&scenario, &record);
             assert!(runs.iter().all(|run| serves(run).unwrap()), "{name}");
             let setups: Vec<Setup> =
                 (0..8).map(|place| Setup::new(&scenario, place, &record).unwrap().unwrap()).collect();
@@ -371,16 +364,13 @@ fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
         all.push((kind.key().to_owned(), scenario));
     }
     for (name, mut scenario) in all {
-        let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
-        truth.finish();
-        let record = truth.record().clone();
+        let record = simulate(&scenario);
         let first = scenario.filters.remove(0);
         scenario.filters = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF]
             .map(|kind| kalmanscope_core::FilterSettings { kind, name: kind.name().to_owned(), ..first.clone() })
             .into();
         scenario.number_filters();
-        let run = |place| LaneRun { scenario: &scenario, place, record: &record };
-        check(&[run(0)], &name);
+        check(&runs_of(&scenario, &record)[..1], &name);
         assert_eq!(check_alone(&scenario, &record, &name), 3, "{name}");
     }
 }
@@ -427,16 +417,14 @@ fn lanes_have_the_bits_of_a_single_number_and_of_the_filter_alone() {
             scenario.filters.iter_mut().for_each(|filter| filter.input_delay = delay);
         }
         let record = with_own_times(simulate(&scenario), &mut draw);
-        let run = |place| LaneRun { scenario: &scenario, place, record: &record };
         let setup = |run: &LaneRun<'_>| Setup::new(run.scenario, run.place, run.record).unwrap();
-        let runs: Vec<LaneRun<'_>> =
-            (0..scenario.filters.len()).map(run).filter(|run| setup(run).is_some_and(|setup| setup.is_timed)).collect();
+        let mut runs = runs_of(&scenario, &record);
+        runs.retain(|run| setup(run).is_some_and(|setup| setup.is_timed));
         if runs.is_empty() {
             continue;
         }
         let what = format!("seed {seed} {:?} {:?}", scenario.plant.kind, scenario.filters[0]);
         let outcomes = check(&runs, &what);
-
         alone += check_alone(&scenario, &record, &what);
         together += outcomes.len();
         stopped += outcomes.iter().filter(|outcome| outcome.stop.is_some()).count();

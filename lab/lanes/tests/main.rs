@@ -1,9 +1,5 @@
 //! The tests of the lanes: one program, which is linked once. `cargo test -p kalmanscope-lanes --test all NAME::` runs those of one file.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/draw.rs"]
-mod draw;
-#[path = "common/held.rs"]
-mod held;
-
+mod common;
 mod engine;

@@ -1,5 +1,5 @@
-use kalmanscope_core::filter::{Normal, Robust};
-use kalmanscope_core::{FilterKind, Signal, Values, simulate};
+use kalmanscope_core::filter::Normal;
+use kalmanscope_core::{Signal, Values, simulate};
 
 use super::*;
 

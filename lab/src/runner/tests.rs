@@ -1,13 +1,16 @@
 use super::*;
 use crate::Plan;
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::{Axis, Channel, Diagnostics, Measure, Run, RunError};
+use kalmanscope_core::{Axis, Channel, Diagnostics, FilterKind, Run, RunError};
 
 fn runner(axes: &[&str], measures: &[&str]) -> Runner {
-    let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    runner_of(Scenario { duration: 5.0, ..Scenario::default() }, axes, measures, 0)
+}
+
+fn runner_of(scenario: Scenario, axes: &[&str], measures: &[&str], times: usize) -> Runner {
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
     let measures = measures.iter().map(|text| text.parse().unwrap()).collect();
-    let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes, ..Plan::default() }).unwrap();
+    let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes, times }).unwrap();
     Runner::new(ensemble, Source::Simulated).unwrap()
 }
 
@@ -63,23 +66,19 @@ fn rows_do_not_depend_on_their_order() {
 }
 
 /// Numbers of the single filter, cell by cell, are those of [`Runner::rows`]: bit by bit, but for the NEES.
-#[cfg(feature = "lanes")]
 #[test]
 fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the_single_filter() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
     scenario.set_plant(kalmanscope_core::PlantKind::DUFFING);
     let axes = ["seed=1:2:2", "filters.*.initial_mean.natural_frequency=3:9:6"];
-    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-    let measures = vec![Measure::NIS, Measure::NEES, "estimate.cubic_stiffness".parse().unwrap()];
-    let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
-    let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap();
+    let runner = runner_of(scenario, &axes, &["nis", "nees", "estimate.cubic_stiffness"], 0);
     let cells: Vec<usize> = (0..12).collect();
     let runs = runner.runs(&cells);
     for CellRun { scenario, record } in runs.iter().flatten() {
         let is_served = |place| kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record });
         assert!(is_served(0).unwrap() && is_served(1).unwrap());
     }
-    let single = runner.rows_of(&runs, &[vec![], vec![]]);
+    let single: Vec<f64> = cells.iter().flat_map(|&cell| CellTask::new(&runner, cell).run()).collect();
     assert!(single.iter().all(|number| number.is_finite()), "{single:?}");
     for (place, (number, single)) in runner.rows(&cells).iter().zip(&single).enumerate() {
         // The NEES of lanes has another order of its factors.
@@ -96,12 +95,10 @@ fn measured() -> Scenario {
 
 #[test]
 fn the_row_of_a_cell_does_not_depend_on_those_beside_it() {
-    let axes = vec![Axis::parse("filters.*.initial_mean.natural_frequency=3:9:11").unwrap()];
-    let measures = vec![Measure::NIS, Measure::LOG_LIKELIHOOD, "estimate.input_gain".parse().unwrap()];
-    let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
-    let runner = Runner::new(Ensemble::new(measured(), plan).unwrap(), Source::Simulated).unwrap();
+    let axes = ["filters.*.initial_mean.natural_frequency=3:9:11"];
+    let runner = runner_of(measured(), &axes, &["nis", "log_likelihood", "estimate.input_gain"], 0);
     let all = runner.rows(&(0..11).collect::<Vec<_>>());
-    let single = runner.rows_of(&runner.runs(&(0..11).collect::<Vec<_>>()), &[vec![], vec![]]);
+    let single: Vec<f64> = (0..11).flat_map(|cell| CellTask::new(&runner, cell).run()).collect();
     for cell in 0..11 {
         assert_eq!(runner.rows(&[cell]), all[6 * cell..6 * cell + 6]);
         // That of the filter by itself, to rounding.
@@ -111,7 +108,6 @@ fn the_row_of_a_cell_does_not_depend_on_those_beside_it() {
     }
 }
 
-#[cfg(feature = "lanes")]
 #[test]
 fn cells_that_lanes_take_are_computed_together() {
     let at_once = |scenario: Scenario, measure: Measure| {
@@ -130,7 +126,7 @@ fn cells_that_lanes_take_are_computed_together() {
     let ends = kalmanscope_core::scenario::Between { least: Some(0.0), most: None };
     bounded.filters[0].bounds.set(Channel::DAMPING_RATIO, ends);
     assert_eq!(at_once(bounded, Measure::NIS), 1);
-    assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::NIS), 1);
+    assert_eq!(at_once(alone(FilterKind::SR_UKF), Measure::NIS), 1);
 }
 
 #[test]
@@ -189,4 +185,65 @@ fn a_given_record_follows_the_gain_of_its_input() {
     }
     let nis = runner.rows(&[0, 1, 2]);
     assert!(nis[1] < nis[0] && nis[1] < nis[2], "the gain that the record has: {nis:?}");
+}
+
+const SLICED: [&str; 2] = ["seed=1:2:2", "filters.EKF.fading=0.5:1.5:3"];
+
+fn in_slices(runner: &Runner, cell: usize) -> (Vec<f64>, usize) {
+    let (mut work, mut slices) = (CellTask::new(runner, cell), 1);
+    while !work.advance(&mut || false) {
+        slices += 1;
+    }
+    (work.finish(), slices)
+}
+
+fn bits(row: &[f64]) -> Vec<u64> {
+    row.iter().map(|number| number.to_bits()).collect()
+}
+
+#[test]
+fn a_cell_in_slices_has_the_row_of_one_in_one_go() {
+    let scenario = Scenario { duration: 3.0, ..Scenario::default() };
+    let mut causes = 0;
+    for (measures, times) in [
+        (&["nis", "nees", "log_likelihood"][..], 0),
+        (&["rmse.velocity"], 5),
+        (&["verdict", "nis"], 0),
+        (&["verdict"], 5),
+        (&["verdict", "cause", "nis"], 5),
+    ] {
+        let runner = runner_of(scenario.clone(), &SLICED, measures, times);
+        for cell in 0..6 {
+            let row = runner.rows(&[cell]);
+            assert_eq!(bits(&in_slices(&runner, cell).0), bits(&row), "{measures:?} {times} {cell}");
+            causes += usize::from(measures.contains(&"cause") && row[1].is_finite());
+        }
+    }
+    assert!(causes > 0, "one of the filters is wrong");
+}
+
+#[test]
+fn a_cell_of_a_large_particle_filter_is_interrupted() {
+    let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
+    scenario.filters[1].kind = FilterKind::PF;
+    scenario.filters[1].ensemble_size = 10_000;
+    let runner = runner_of(scenario, &SLICED, &["nis"], 0);
+    // 100 samples of some milliseconds each.
+    let cell = 2;
+    let (row, slices) = in_slices(&runner, cell);
+    assert!(slices >= 100, "{slices}");
+    assert_eq!(bits(&row), bits(&runner.rows(&[cell])));
+}
+
+#[test]
+fn the_truth_of_a_cell_that_is_hard_to_follow_is_interrupted() {
+    let hard = include_str!("../../../tests/hostile/hard-truth.toml");
+    let mut scenario = Scenario { duration: 0.3, ..Scenario::from_toml(hard).unwrap() };
+    scenario.filters.insert(0, scenario.filters[0].clone());
+    scenario.filters[0].name = "EKF".to_owned();
+    scenario.number_filters();
+    let runner = runner_of(scenario, &SLICED, &["nis"], 0);
+    let (row, slices) = in_slices(&runner, 2);
+    assert!(slices > 10, "{slices}");
+    assert_eq!(bits(&row), bits(&runner.rows(&[2])));
 }

@@ -5,8 +5,7 @@ use std::fmt;
 use kalmanscope_core::filter::Matrix;
 use kalmanscope_core::{Spacing, VerdictKind};
 
-use super::cost::{Cost, FORBIDDEN};
-use super::{Goal, Try};
+use super::{Cost, FORBIDDEN, Goal, Try};
 
 /// The curvature of the log likelihood at its maximum, from differences, one run or two at a time.
 ///
@@ -24,7 +23,7 @@ pub(super) struct Information {
     /// The second derivatives of pairs, in the order of [`pairs`].
     mixed: Vec<f64>,
     tries: usize,
-    runs: u64,
+    pub(super) runs: u64,
 }
 
 /// The first step: a share of the value, or of a linear axis.
@@ -49,10 +48,6 @@ impl Information {
         };
         let steps = cost.axes.iter().map(step).collect();
         Self { values, best: -score, steps, beside: Vec::new(), mixed: Vec::new(), tries: 0, runs: 0 }
-    }
-
-    pub(super) fn runs(&self) -> u64 {
-        self.runs
     }
 
     pub(super) fn advance(&mut self, cost: &Cost) -> bool {

@@ -1,7 +1,5 @@
 use super::*;
-use kalmanscope_core::setting::Address;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_core::{Channel, simulate};
 
 fn scenario(seed: u64) -> Scenario {
     let text = format!(

@@ -26,15 +26,11 @@
 
 #![cfg(target_arch = "wasm32")]
 
-mod cells;
-mod filter;
-mod record;
+mod messages;
 mod scope;
-mod serve;
-mod task;
 
-pub use cells::{cells, cells_message, portion_of, rows, rows_part, runner};
-pub use filter::{filter_message, posterior_message, sampled, suggest_message, suggestion, tape};
-pub use record::{file_message, loaded};
+pub use messages::{
+    cells, cells_message, file_message, filter_message, loaded, portion_of, posterior_message, rows, rows_part, runner,
+    sampled, serve, suggest_message, suggestion, tape,
+};
 pub use scope::{Words, answer, fail, hear, tell};
-pub use serve::serve;

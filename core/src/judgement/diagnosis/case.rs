@@ -1,12 +1,10 @@
-//! The data on one filter that all tests share, prepared once.
+//! The data on one filter that all tests share, prepared once; the kinds of verdicts that they support, and tails of distributions.
 
 use std::ops::Range;
 
-use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
 use super::parts::{self, ALL, Chosen, PARTS, chosen};
-use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
 
@@ -26,6 +24,8 @@ const ABOVE: f64 = 1.96;
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 const FORGIVEN: usize = 3;
+
+pub(crate) type Inputs<'a> = (&'a Diagnostics, &'a Estimates, &'a Record, Option<&'a CramerRao>);
 
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
@@ -51,10 +51,7 @@ pub(crate) struct Span {
 impl<'a> Case<'a> {
     /// Pairs and periodograms are added later: they need the samples that it keeps.
     pub(crate) fn new(
-        diagnostics: &'a Diagnostics,
-        estimates: &'a Estimates,
-        record: &'a Record,
-        bound: Option<&'a CramerRao>,
+        (diagnostics, estimates, record, bound): Inputs<'a>,
         samples: Range<usize>,
         sensors: Vec<SensorInnovations>,
         errors: Vec<ChannelErrors>,
@@ -100,6 +97,12 @@ impl<'a> Case<'a> {
         let all = self.ranges(|part| self.kept[part]).into_iter().flatten().map(of).filter(|r| r.is_finite());
         let (sum, count) = all.fold((0.0, 0.0), |(sum, count), r| (sum + r, count + 1.0));
         if count > 0.0 { sum / count } else { 0.0 }
+    }
+
+    /// With its sign.
+    pub(crate) fn largest_first_correlation(&self) -> f64 {
+        let all = self.sensors.iter().map(|one| one.first_correlation(&self.kept).1);
+        all.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
     }
 
     pub(crate) fn late(&self) -> Range<usize> {
@@ -158,11 +161,6 @@ impl<'a> Case<'a> {
         (total(|total| total.sum) / degrees, degrees)
     }
 
-    /// Whether a sensor's innovations are too small over all kept parts: little trust and a low gain leave them correlated.
-    pub(crate) fn any_too_small(&self) -> bool {
-        self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
-    }
-
     /// The verdict that the innovations of some sensor or part support which are too large, while all together may be too small.
     pub(crate) fn surprise(&self) -> VerdictKind {
         let (level, degrees) = self.nis(&self.kept);
@@ -174,7 +172,9 @@ impl<'a> Case<'a> {
     pub(crate) fn pattern(&self, one: &SensorInnovations) -> VerdictKind {
         let (level, degrees) = self.nis(&self.kept);
         let is_above = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), ABOVE);
-        if self.any_too_small() && level < 1.15 {
+        // Too little trust in a sensor makes its innovations small, and the low gain leaves them correlated.
+        let any_too_small = self.sensors.iter().any(|one| one.level(&self.kept) < 0.75);
+        if any_too_small && level < 1.15 {
             VerdictKind::Underconfident
         } else if is_above(level, degrees) || is_above(one.level(&self.kept), one.count(&self.kept)) {
             self.surprise()
@@ -220,4 +220,111 @@ impl<'a> Case<'a> {
 /// NaN, the mean of squares that have overflowed, counts as infinite.
 fn exceeds(level: f64, limit: f64) -> bool {
     level > limit || level.is_nan()
+}
+
+/// The trust that a filter's estimates and standard deviations deserve, in order of gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VerdictKind {
+    /// Its errors are as large as its σ says.
+    Consistent,
+    /// It is consistent except for a time from which it has recovered.
+    Recovered,
+    /// The record does not determine a parameter: its σ is as large as at first.
+    NotIdentifiable,
+    /// Its errors are smaller than its σ says.
+    Underconfident,
+    /// Its innovations are no larger than it expects, but they have a pattern: something is left that the model does not explain.
+    PatternLeft,
+    /// Its errors are larger than its σ says.
+    Overconfident,
+    /// It forgets a parameter faster than the sensors give information on it.
+    WoundUp,
+    /// Its particles have become one, so that σ says nothing.
+    Collapsed,
+    /// Its estimates are not those of an oscillator: negative, beyond what the samples can show, or far from any start.
+    Lost,
+    /// It has lost the truth, or has stopped.
+    Diverged,
+}
+
+impl VerdictKind {
+    /// Every verdict, the gravest last.
+    pub const ALL: [Self; 10] = [
+        Self::Consistent,
+        Self::Recovered,
+        Self::NotIdentifiable,
+        Self::Underconfident,
+        Self::PatternLeft,
+        Self::Overconfident,
+        Self::WoundUp,
+        Self::Collapsed,
+        Self::Lost,
+        Self::Diverged,
+    ];
+
+    /// The verdict in words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Consistent => "consistent",
+            Self::Recovered => "recovered",
+            Self::NotIdentifiable => "not identifiable",
+            Self::Underconfident => "underconfident",
+            Self::PatternLeft => "pattern left",
+            Self::Overconfident => "overconfident",
+            Self::WoundUp => "wound up",
+            Self::Collapsed => "collapsed",
+            Self::Lost => "lost",
+            Self::Diverged => "diverged",
+        }
+    }
+
+    /// The verdict as an argument: its name with `-` in place of spaces.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NotIdentifiable => "not-identifiable",
+            Self::PatternLeft => "pattern-left",
+            Self::WoundUp => "wound-up",
+            _ => self.name(),
+        }
+    }
+
+    /// The verdict on a filter of this name, as a sentence without its full stop.
+    pub fn on(self, name: &str) -> String {
+        match self {
+            Self::PatternLeft => format!("{name} leaves a pattern"),
+            Self::Recovered | Self::Collapsed | Self::Diverged => format!("{name} has {}", self.name()),
+            _ => format!("{name} is {}", self.name()),
+        }
+    }
+
+    /// Whether the standard deviations may be believed, now.
+    pub const fn is_good(self) -> bool {
+        matches!(self, Self::Consistent | Self::Recovered)
+    }
+}
+
+/// The probability that a standard normal number is above `z`. Source: Abramowitz and Stegun (1964), *Handbook of Mathematical
+/// Functions*, section 7.1.
+pub(crate) fn normal_tail(z: f64) -> f64 {
+    0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
+}
+
+/// The standard normal number that is as unlikely as a sum of squares with this many degrees of freedom and the mean `level`;
+/// to a few percent. Source: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
+pub(crate) fn chi_squared_score(level: f64, degrees: f64) -> f64 {
+    let variance = 2.0 / (9.0 * degrees);
+    (libm::cbrt(level) - 1.0 + variance) / variance.sqrt()
+}
+
+/// Twice the probability that the mean of the squares is at least as far from 1 as `level`, to the same side.
+pub(crate) fn chi_squared_p(level: f64, degrees: f64) -> f64 {
+    if level.is_nan() || degrees <= 0.0 {
+        return 1.0;
+    }
+    (2.0 * normal_tail(chi_squared_score(level, degrees).abs())).min(1.0)
+}
+
+/// The probability that a normal number is as far from zero as `z`.
+pub(crate) fn normal_p(z: f64) -> f64 {
+    if z.is_nan() { 1.0 } else { 2.0 * normal_tail(z.abs()) }
 }

@@ -1,7 +1,6 @@
 //! Causes by name, each with its evidence and the edit that repairs it.
 
 mod changes;
-mod claims;
 mod disagreement;
 mod input;
 mod noise;
@@ -11,7 +10,7 @@ mod sensors;
 use std::ops::{Range, RangeInclusive};
 
 use super::case::Case;
-use super::evidence::{Evidence, Subject};
+use super::checks::{Evidence, Subject};
 use super::innovations::SensorInnovations;
 use super::parts::FIRST_CROSS_LAG;
 use super::periodogram::Periodogram;
@@ -50,8 +49,8 @@ pub static CAUSES: &[&Cause] = &[
     &changes::SUDDEN_CHANGE,
     &changes::SLOW_DRIFT,
     &changes::INITIAL_GUESS,
-    &claims::COARSE_PROPAGATION,
-    &claims::ABSOLUTE_ACCELERATION,
+    &input::COARSE_PROPAGATION,
+    &input::ABSOLUTE_ACCELERATION,
     &sensors::COLOURED_NOISE,
     &sensors::WRAPS,
     &noise::WHITE_FORCE,
@@ -64,7 +63,7 @@ pub static CAUSES: &[&Cause] = &[
 
 /// The causes that are tried on a consistent filter, since a wrong model can have white innovations too; after a recovery the first three.
 pub(super) static ALTERNATIVES: &[&Cause] = &[
-    &claims::COARSE_PROPAGATION,
+    &input::COARSE_PROPAGATION,
     &input::INPUT_HOLD,
     &noise::WHITE_FORCE,
     &plant::SPRING,

@@ -49,7 +49,7 @@ impl LiveErrors {
         for LiveChannel { channel, place, granules } in &mut self.channels {
             granules.follow(window, |samples| {
                 let mut sums = Sums::default();
-                sums.take_in((*channel, *place), samples, estimates, record);
+                sums.add_samples((*channel, *place), samples, estimates, record);
                 sums
             });
         }
@@ -63,7 +63,7 @@ impl LiveErrors {
                 for Piece { samples, granule } in pieces(&parts::range(part, window), window) {
                     match granule.and_then(|number| of.granules.get(number)) {
                         Some(granule) => sums.add(granule),
-                        None => sums.take_in((of.channel, of.place), &samples, estimates, record),
+                        None => sums.add_samples((of.channel, of.place), &samples, estimates, record),
                     }
                 }
                 last = sums.last;
@@ -77,7 +77,7 @@ impl LiveErrors {
 }
 
 impl Sums {
-    fn take_in(
+    fn add_samples(
         &mut self,
         (channel, place): (Channel, usize),
         samples: &Range<usize>,

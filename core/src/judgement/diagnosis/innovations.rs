@@ -113,7 +113,7 @@ impl Pair {
 
 #[derive(Debug)]
 pub(super) struct LiveInnovations {
-    /// The samples from the beginning of the last window to the last one that is taken in.
+    /// The samples from the beginning of the last window to the last known one.
     known: Range<usize>,
     sensors: Vec<LiveSensor>,
 }
@@ -145,7 +145,7 @@ impl LiveInnovations {
         mapped(&self.sensors, &of)
     }
 
-    pub(super) fn take_in(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
+    pub(super) fn extend(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
         self.known = window.start..self.known.end.max(window.end);
         let m = self.sensors.len();
         for (place, LiveSensor { values, .. }) in self.sensors.iter_mut().enumerate() {
@@ -160,7 +160,7 @@ impl LiveInnovations {
         for LiveSensor { values, granules, .. } in &mut self.sensors {
             granules.follow(window, |samples| {
                 let mut sums = Sums::default();
-                sums.take_in(values, samples, &Input { mean: input.at(samples.start), ..input });
+                sums.add_samples(values, samples, &Input { mean: input.at(samples.start), ..input });
                 sums
             });
             values.forget_before(window.start);
@@ -175,7 +175,7 @@ impl LiveInnovations {
             for Piece { samples, granule } in pieces(&range, window) {
                 match granule.and_then(|number| sensor.granules.get(number)).filter(|_| !input.is_limited(&samples)) {
                     Some(granule) => sums.add(granule, input.at(samples.start) - input.mean),
-                    None => sums.take_in(&sensor.values, &samples, &input),
+                    None => sums.add_samples(&sensor.values, &samples, &input),
                 }
             }
             sums
@@ -187,7 +187,7 @@ impl LiveInnovations {
 
 impl Sums {
     /// Adds at most a granule of samples, whose products reach no sample outside the window of the input.
-    fn take_in(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
+    fn add_samples(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
         let begin = samples.start.saturating_sub(BEFORE).max(input.first);
         let known = values.items(begin..samples.end);
         let mut near = [0.0; BEFORE + GRANULE];
@@ -314,7 +314,7 @@ mod tests {
         run.finish();
         let (estimates, record, window) = (&run.estimates()[0], run.record(), 7..333);
         let mut live = LiveInnovations::new(estimates, window.start);
-        live.take_in(&window, estimates, record);
+        live.extend(&window, estimates, record);
         let (values, direct) = (live.values(&window), live.by_part(&window, record));
         live.follow(&window, record);
         let input = &record.input()[window.clone()];

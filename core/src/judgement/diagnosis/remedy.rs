@@ -1,9 +1,9 @@
 //! Remedies: causes that are repaired one after the other, their order after their trials, and their probabilities.
 
+use super::case::VerdictKind;
 use super::cause::LikelyCause;
 use super::trial::{Outcome, Trials};
 use super::verdict::Verdict;
-use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
 use crate::mathematics::lists::{mapped, sort_items};
 
@@ -59,6 +59,35 @@ impl Remedy {
             likely if likely.certain => 2,
             _ => 1,
         }
+    }
+
+    /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
+    /// one of the faults that are known was put into random situations. What is left of 1 is for none of them.
+    ///
+    /// ```text
+    /// p = o / (1 + Σ o),  o = exp(Σ w x)
+    /// ```
+    pub fn probabilities(remedies: &[Self]) -> Vec<f64> {
+        let gain = |remedy: &Self| if remedy.gain.is_nan() { 0.0 } else { remedy.gain.clamp(-1e6, 1e6) };
+        let of = |(place, remedy): (usize, &Self)| {
+            let others = || remedies.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
+            let lead = gain(remedy) - others().map(gain).fold(0.0, f64::max);
+            let flag = |is: bool| f64::from(u8::from(is));
+            let seen = [
+                1.0,
+                flag(place == 0),
+                libm::copysign(libm::log1p(lead.abs() / SCALE), lead),
+                flag(remedy.explains()),
+                flag(others().any(Self::explains)),
+                flag(remedy.first.certain),
+                flag(others().any(|other| other.first.certain)),
+                flag(!remedy.then.is_empty()),
+            ];
+            libm::exp(WEIGHTS.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
+        };
+        let odds: Vec<f64> = remedies.iter().enumerate().map(of).collect();
+        let all = 1.0 + odds.iter().sum::<f64>();
+        mapped(&odds, &|odds| odds / all)
     }
 }
 
@@ -190,37 +219,6 @@ pub fn in_percent(probability: f64) -> String {
         least if least < 1.0 => "< 1 %".to_owned(),
         most if most > 99.0 => "> 99 %".to_owned(),
         usual => format!("{usual:.0} %"),
-    }
-}
-
-impl Remedy {
-    /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
-    /// one of the faults that are known was put into random situations. What is left of 1 is for none of them.
-    ///
-    /// ```text
-    /// p = o / (1 + Σ o),  o = exp(Σ w x)
-    /// ```
-    pub fn probabilities(remedies: &[Self]) -> Vec<f64> {
-        let gain = |remedy: &Self| if remedy.gain.is_nan() { 0.0 } else { remedy.gain.clamp(-1e6, 1e6) };
-        let of = |(place, remedy): (usize, &Self)| {
-            let others = || remedies.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
-            let lead = gain(remedy) - others().map(gain).fold(0.0, f64::max);
-            let flag = |is: bool| f64::from(u8::from(is));
-            let seen = [
-                1.0,
-                flag(place == 0),
-                libm::copysign(libm::log1p(lead.abs() / SCALE), lead),
-                flag(remedy.explains()),
-                flag(others().any(Self::explains)),
-                flag(remedy.first.certain),
-                flag(others().any(|other| other.first.certain)),
-                flag(!remedy.then.is_empty()),
-            ];
-            libm::exp(WEIGHTS.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
-        };
-        let odds: Vec<f64> = remedies.iter().enumerate().map(of).collect();
-        let all = 1.0 + odds.iter().sum::<f64>();
-        mapped(&odds, &|odds| odds / all)
     }
 }
 

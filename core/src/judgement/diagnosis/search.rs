@@ -11,12 +11,12 @@
 use crate::mathematics::lists::{mapped, sort_items, sort_numbers};
 use std::sync::Arc;
 
+use super::case::VerdictKind;
 use super::cause::LikelyCause;
 use super::law::{ForceInHindsight, Law};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
-use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
 use crate::{Channel, Scenario, Task};
 
@@ -26,6 +26,18 @@ const STEPS: usize = 4;
 const FILTERS: usize = 6;
 
 const NEARLY: f64 = 0.99;
+
+/// The number of first causes that others are tried on before any remedy has three.
+const FIRSTS: usize = 3;
+
+/// Limits the filters on which causes are tried once a remedy ends well.
+const FILTERS_ENOUGH: usize = 4;
+
+/// A force without a law pays this share of its gain, since it fits any record; one with a law is ahead of noise by it.
+const PRICE: f64 = 0.05;
+
+/// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
+const FAR_BEHIND: f64 = 0.7;
 
 /// A search in progress, which can be cut into slices of time.
 pub struct Search {
@@ -99,13 +111,13 @@ impl Search {
             }
         }
         sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
-        let mut told: Vec<Vec<&str>> = Vec::new();
+        let mut known: Vec<Vec<&str>> = Vec::new();
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
             let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
             sort_items(&mut keys, Ord::cmp);
-            let is_new = !told.contains(&keys);
-            told.push(keys);
+            let is_new = !known.contains(&keys);
+            known.push(keys);
             is_new
         });
         if let Some(law) = &self.law {
@@ -153,7 +165,7 @@ impl Search {
                         self.alone.truncate(1);
                         return;
                     }
-                    return self.look_at_force(false);
+                    return self.find_law_of_force(false);
                 }
                 self.try_next();
             }
@@ -187,7 +199,7 @@ impl Search {
     fn shorten_first(&mut self) {
         match self.remedies().first().and_then(|first| self.place_of(first)) {
             Some(path) => self.shorten(path, 0),
-            None => self.look_at_force(true),
+            None => self.find_law_of_force(true),
         }
     }
 
@@ -195,7 +207,7 @@ impl Search {
         self.paths.iter().position(|path| path.remedy().is_some_and(|other| other.edits == remedy.edits))
     }
 
-    fn look_at_force(&mut self, is_last: bool) {
+    fn find_law_of_force(&mut self, is_last: bool) {
         let has_force = |remedy: &Remedy| remedy.causes().any(|likely| likely.cause.key == UNKNOWN_FORCE);
         let place = self.remedies().iter().find(|one| has_force(one)).and_then(|remedy| self.place_of(remedy));
         let place = place.filter(|_| self.law.is_none());
@@ -217,7 +229,7 @@ impl Search {
                 self.run(&shorter, false);
                 self.stage = Stage::Without { path, step, shorter: Box::new(shorter) };
             }
-            None => self.look_at_force(true),
+            None => self.find_law_of_force(true),
         }
     }
 
@@ -227,55 +239,7 @@ impl Search {
         let record = (Arc::clone(&self.trials.record), self.trials.steps);
         self.trials = Trials::over(record, path.scenario.clone(), origin, likely_causes);
     }
-}
 
-impl Task for Search {
-    type Outcome = Vec<Remedy>;
-
-    fn progress(&self) -> f64 {
-        match self.stage {
-            Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
-            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
-            Stage::Done => 1.0,
-        }
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !self.is_done() {
-            let is_ready = match &mut self.stage {
-                Stage::Force { force, .. } => force.advance(&self.trials.record, while_time),
-                _ => self.trials.advance(while_time),
-            };
-            if !is_ready {
-                break;
-            }
-            self.conclude();
-            if !while_time() {
-                break;
-            }
-        }
-        self.is_done()
-    }
-
-    fn finish(self) -> Vec<Remedy> {
-        self.remedies()
-    }
-}
-
-/// The number of first causes that others are tried on before any remedy has three.
-const FIRSTS: usize = 3;
-
-/// Limits the filters on which causes are tried once a remedy ends well.
-const FILTERS_ENOUGH: usize = 4;
-
-/// A force without a law pays this share of its gain, since it fits any record; one with a law is ahead of noise by it.
-const PRICE: f64 = 0.05;
-
-/// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
-const FAR_BEHIND: f64 = 0.7;
-
-impl Search {
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
@@ -293,18 +257,13 @@ impl Search {
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
         // A path with more causes is likelier, even after a wrong one: so the best first causes are tried first.
-        let mut firsts: Vec<f64> =
-            self.paths.iter().filter(|path| path.steps.len() == 1).map(|path| self.rank(path)).collect();
+        let single = || self.paths.iter().filter(|path| path.steps.len() == 1);
+        let mut firsts: Vec<f64> = single().map(|path| self.rank(path)).collect();
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
         // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
-        let most = self
-            .paths
-            .iter()
-            .filter(|path| path.steps.len() == 1)
-            .map(|path| path.gain)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let most = single().map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
         // A cause that the record shows without a model is listed first, so its remedy must be complete.
         let is_seen = |path: &Path| path.steps.len() == 1 && path.steps[0].likely.certain;
@@ -343,6 +302,40 @@ impl Search {
     fn priced(&self, rank: f64) -> f64 {
         let share = if self.has_own_law() { 1.0 + PRICE } else { 1.0 - PRICE };
         if rank > 0.0 { share * rank } else { rank }
+    }
+}
+
+impl Task for Search {
+    type Outcome = Vec<Remedy>;
+
+    fn progress(&self) -> f64 {
+        match self.stage {
+            Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
+            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
+            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
+            Stage::Done => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !self.is_done() {
+            let is_ready = match &mut self.stage {
+                Stage::Force { force, .. } => force.advance(&self.trials.record, while_time),
+                _ => self.trials.advance(while_time),
+            };
+            if !is_ready {
+                break;
+            }
+            self.conclude();
+            if !while_time() {
+                break;
+            }
+        }
+        self.is_done()
+    }
+
+    fn finish(self) -> Vec<Remedy> {
+        self.remedies()
     }
 }
 
@@ -434,8 +427,14 @@ impl Path {
             edits.retain(|other| other.key != edit.key);
             edits.push(edit.clone());
         }
-        let mut told = self.steps.iter().map(|step| &step.likely).filter(|likely| !likely.sentence.is_empty());
-        let likely = told.next()?.clone();
-        Some(Remedy { first: likely, then: told.cloned().collect(), edits, gain: self.gain, after: self.after.clone() })
+        let mut named = self.steps.iter().map(|step| &step.likely).filter(|likely| !likely.sentence.is_empty());
+        let likely = named.next()?.clone();
+        Some(Remedy {
+            first: likely,
+            then: named.cloned().collect(),
+            edits,
+            gain: self.gain,
+            after: self.after.clone(),
+        })
     }
 }

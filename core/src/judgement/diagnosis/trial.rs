@@ -217,9 +217,7 @@ impl Trials {
             Some(_) => self.outcomes.push(outcome),
         }
     }
-}
 
-impl Trials {
     fn learnt(&self, estimates: &Estimates) -> f64 {
         let place = self.current().and_then(|likely| estimates.place(likely.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {

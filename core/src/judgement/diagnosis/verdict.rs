@@ -4,9 +4,8 @@ use crate::mathematics::lists::sort_items;
 use std::f64::consts::TAU;
 use std::fmt;
 
-use super::case::Case;
-use super::evidence::{Evidence, Subject};
-use super::verdict_kind::VerdictKind;
+use super::case::{Case, VerdictKind};
+use super::checks::{Evidence, Subject};
 use crate::Channel;
 use crate::judgement::words::{percent, short};
 
@@ -77,11 +76,7 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
             text += ", as one record in many may have it: errors of parameters stay for as long as it lasts";
         }
     }
-    let most = case
-        .sensors
-        .iter()
-        .map(|one| one.first_correlation(&case.kept).1)
-        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let most = case.largest_first_correlation();
     let count = case.sensors.iter().map(|one| one.count(&case.kept)).fold(f64::INFINITY, f64::min);
     if most.abs() * count.sqrt() > 3.3 {
         text += &format!("; they are not quite white ({most:.2} at lag 1), which does no harm");
@@ -100,13 +95,8 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
             }
         }
         text += &ridges(case, last);
-        let mirrored = case
-            .estimates
-            .channels()
-            .iter()
-            .enumerate()
-            .find(|(place, c)| c.is_mirrored() && case.estimates.canonical_sign(last, *place) < 0.0);
-        if mirrored.is_some() {
+        let mut channels = case.estimates.channels().iter().enumerate();
+        if channels.any(|(place, c)| c.is_mirrored() && case.estimates.canonical_sign(last, place) < 0.0) {
             text += "; the filter itself has (-ωₙ, -ζ), the mirror image of the same oscillator";
         }
     }

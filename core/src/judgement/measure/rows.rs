@@ -14,44 +14,51 @@ const PURE: Option<&str> = Some("");
 /// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
 
-/// Makes a static of each row, [`ALL`] of them in the order of tables, and in the same order the functions that compute them from all
-/// estimates. Those stand apart, so that a program that has sums alone does not contain them.
+/// Makes the rows, in the order of tables, and in the same order the functions that compute them from all estimates. Those stand
+/// apart, so that a program that has sums alone does not contain them.
 macro_rules! measures {
     ($($name:ident = $row:expr => $within:expr;)*) => {
-        $(pub(super) static $name: MeasureInfo = $row;)*
-        pub(super) static ALL: [&MeasureInfo; [$(stringify!($name)),*].len()] = [$(&$name),*];
-        static WITHIN: [fn(&Part<'_>) -> Value; ALL.len()] = [$($within),*];
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub(super) enum Row { $($name),* }
+        pub(super) static ROWS: [Row; [$(stringify!($name)),*].len()] = [$(Row::$name),*];
+        static INFOS: [MeasureInfo; ROWS.len()] = [$($row),*];
+        static WITHIN: [fn(&Part<'_>) -> Value; ROWS.len()] = [$($within),*];
     };
 }
 
-pub(super) fn within(info: &MeasureInfo, part: &Part<'_>) -> Value {
-    let place = ALL.iter().position(|other| other.word == info.word);
-    place.map_or(Value::Number(f64::NAN), |place| WITHIN[place](part))
+impl Row {
+    pub(super) fn info(self) -> &'static MeasureInfo {
+        &INFOS[self as usize]
+    }
+
+    pub(super) fn within(self, part: &Part<'_>) -> Value {
+        WITHIN[self as usize](part)
+    }
 }
 
 measures! {
-    NIS = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, Of::Filter)
+    Nis = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, Of::Filter)
         .best(Best::One)
         .with_sums(|sums| sums.whole.outcome.nis.per_degree())
         => |part| number(nis(part).per_degree());
 
-    NEES = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, Of::Filter)
+    Nees = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, Of::Filter)
         .best(Best::One)
         .with_truth()
         .with_sums(|sums| sums.whole.outcome.nees.per_degree())
         => |part| number(part.run.diagnostics().nees_within(part.range()).per_degree());
 
-    CONSISTENCY = row("consistency", "mean NIS, distance in σ", ValueKind::Distance, Of::Filter)
+    Consistency = row("consistency", "mean NIS, distance in σ", ValueKind::Distance, Of::Filter)
         .best(Best::Zero)
         .with_sums(|sums| distance(sums.whole.outcome.nis))
         => |part| number(distance(nis(part)));
 
-    LOG_LIKELIHOOD = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, Of::Filter)
+    LogLikelihood = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, Of::Filter)
         .best(Best::Largest)
         .with_sums(|sums| sums.whole.outcome.log_likelihood)
         => |part| number(log_likelihood(part).0);
 
-    LOG_LIKELIHOOD_PER_SAMPLE = row(
+    LogLikelihoodPerSample = row(
             "log_likelihood_per_sample",
             "log likelihood per measured sample",
             ValueKind::LogLikelihood,
@@ -64,33 +71,31 @@ measures! {
             number(sum / f64::from(samples))
         };
 
-    DIVERGED = row("diverged", "lost the truth", ValueKind::Flag, Of::Filter)
+    Diverged = row("diverged", "lost the truth", ValueKind::Flag, Of::Filter)
         .with_sums(|sums| Value::Flag(sums.whole.outcome.diverged).number())
         => |part| {
             let diagnostics = part.run.diagnostics();
             Value::Flag(diagnostics.stop().is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
         };
 
-    STOPPED = row("stopped", "stopped", ValueKind::Flag, Of::Filter)
+    Stopped = row("stopped", "stopped", ValueKind::Flag, Of::Filter)
         .with_sums(|sums| Value::Flag(sums.whole.outcome.stop.is_some()).number())
         => |part| Value::Flag(part.run.estimates.stop().is_some());
 
-    VERDICT = row("verdict", "verdict", ValueKind::Verdict, Of::Filter)
+    Verdict = row("verdict", "verdict", ValueKind::Verdict, Of::Filter)
         => |part| {
             let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
             Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
         };
 
-    CAUSE = row("cause", "first cause of a bad verdict", ValueKind::Cause, Of::Filter)
+    Cause = row("cause", "first cause of a bad verdict", ValueKind::Cause, Of::Filter)
         .special()
         => |part| {
             let Observed { scenario, place, record, estimates, .. } = *part.run;
-            let mut search = FirstCause::with(scenario, place, (part.run.diagnostics(), estimates), record);
-            while !search.advance(&mut || true) {}
-            Value::Cause(search.finish())
+            Value::Cause(FirstCause::new(scenario, place, estimates, record).run())
         };
 
-    REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)
+    Remark = row("remark", "remarks", ValueKind::Words, Of::Filter)
         .special()
         => |part| {
             let mut keys: Vec<_> = mapped(part.run.estimates.remarks(), &|remark| remark.what.key());
@@ -98,24 +103,24 @@ measures! {
             Value::Words(keys)
         };
 
-    AUTOCORRELATION = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, Of::Filter)
+    Autocorrelation = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, Of::Filter)
         .best(Best::Zero)
         => |part| {
             let first = part.run.diagnostics().whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
             number(first.max_by(f64::total_cmp))
         };
 
-    PROBABILITY = row("probability", "probability among the filters", ValueKind::Share, Of::Filter)
+    Probability = row("probability", "probability among the filters", ValueKind::Share, Of::Filter)
         .best(Best::Largest)
         .with_others()
         .special()
         => |part| number(probability(part));
 
-    EVALUATIONS = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter)
+    Evaluations = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter)
         .special()
         => |part| number(evaluations(part.run.settings(), part.run.scenario.plant.kind));
 
-    ERROR = row("error", "last error of @", ValueKind::Error, Of::Channel(None))
+    Error = row("error", "last error of @", ValueKind::Error, Of::Channel(None))
         .best(Best::Zero)
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.error))
@@ -124,19 +129,19 @@ measures! {
             number(errors.map(|errors| errors[0][0]))
         };
 
-    RMSE = row("rmse", "RMS error of @", ValueKind::Size, Of::Channel(None))
+    Rmse = row("rmse", "RMS error of @", ValueKind::Size, Of::Channel(None))
         .best(Best::Smallest)
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.rmse))
         => |part| number(part.tally().map(ErrorSums::rmse));
 
-    MEAN_ERROR = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None))
+    MeanError = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None))
         .best(Best::Smallest)
         .with_truth()
         .special()
         => |part| number(part.errors(part.range()).map(|errors| mean(errors.iter().map(|[error, _]| *error)).abs()));
 
-    ERROR_IN_STD = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE))
+    ErrorInStd = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE))
         .best(Best::One)
         .with_truth()
         => |part| {
@@ -145,7 +150,7 @@ measures! {
             number(range.and_then(|range| part.errors(range)).map(|errors| mean(errors.iter().map(square)).sqrt()))
         };
 
-    RMSE_OVER_SENSOR = row(
+    RmseOverSensor = row(
             "rmse_over_sensor",
             "RMS error of @ over its sensor's noise",
             ValueKind::Size,
@@ -156,26 +161,26 @@ measures! {
         .special()
         => |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise));
 
-    ESTIMATE = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
+    Estimate = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
         .with_sums(observed::estimate)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)));
 
-    RAW_ESTIMATE = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
+    RawEstimate = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
         .special()
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place]));
 
-    STD = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
+    Std = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
         .with_sums(observed::std)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.std(k, place)));
 
-    STD_OVER_BOUND = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE))
+    StdOverBound = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE))
         .with_truth()
         => |part| {
             let of = |(k, place)| Some(part.run.estimates.std(k, place) / part.bound(k)?);
             number(part.sample().zip(part.place()).and_then(of))
         };
 
-    SETTLED = row("settled", "settling time of @", ValueKind::Time, Of::Channel(Some("s")))
+    Settled = row("settled", "settling time of @", ValueKind::Time, Of::Channel(Some("s")))
         .best(Best::Smallest)
         .with_truth()
         .with_sums(|sums| {
@@ -188,17 +193,17 @@ measures! {
             number((settled - part.times.from.unwrap_or(0.0)).max(0.0))
         };
 
-    COVERAGE = row("coverage", "share of @ inside ±2σ", ValueKind::Share, Of::Channel(PURE))
+    Coverage = row("coverage", "share of @ inside ±2σ", ValueKind::Share, Of::Channel(PURE))
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.coverage))
         => |part| number(part.tally().map(ErrorSums::coverage));
 
-    GAIN = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain)
+    Gain = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain)
         .special()
         => |part| number(gain(part));
 
-    FREE_RUN = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None))
+    FreeRun = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None))
         .best(Best::Smallest)
         => |part| {
             let run = part.run;
@@ -209,7 +214,7 @@ measures! {
             number(fit.map(|fit| fit.rms))
         };
 
-    ONE_STEP = row("one_step", "one-step error of @", ValueKind::Size, Of::Sensor(None))
+    OneStep = row("one_step", "one-step error of @", ValueKind::Size, Of::Sensor(None))
         .best(Best::Smallest)
         => |part| {
             let record = part.run.record;
@@ -218,7 +223,7 @@ measures! {
             number(fit.map(|fit| fit.rms))
         };
 
-    LEARNT_NOISE = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE))
+    LearntNoise = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE))
         .best(Best::One)
         .with_truth()
         .special()
@@ -227,7 +232,7 @@ measures! {
             number(learnt.zip(part.true_noise()).map(|([std, _], truth)| std / truth))
         };
 
-    LEARNT_NOISE_STD = row(
+    LearntNoiseStd = row(
             "learnt_noise_std",
             "uncertainty of the learnt σ of @, as a share of it",
             ValueKind::Size,
@@ -236,7 +241,7 @@ measures! {
         .special()
         => |part| number(part.sample().and_then(|k| part.learnt_noise(k)).map(|[std, spread]| spread / std));
 
-    LEARNT_NOISE_COVERAGE = row(
+    LearntNoiseCoverage = row(
             "learnt_noise_coverage",
             "share of the true σ of @ inside ±2σ of the learnt one",
             ValueKind::Share,
@@ -247,13 +252,13 @@ measures! {
         .special()
         => |part| number(coverage_of_learnt_noise(part));
 
-    PROCESS_SCALE = row("process_scale", "learnt √Q over the true one", ValueKind::Ratio, Of::Filter)
+    ProcessScale = row("process_scale", "learnt √Q over the true one", ValueKind::Ratio, Of::Filter)
         .best(Best::One)
         .with_truth()
         .special()
         => |part| number(part.sample().and_then(|k| part.process_scale(k)).map(|[mean, _]| libm::exp(mean)));
 
-    PROCESS_SCALE_STD = row(
+    ProcessScaleStd = row(
             "process_scale_std",
             "uncertainty of the learnt √Q, as a share of it",
             ValueKind::Size,
@@ -262,7 +267,7 @@ measures! {
         .special()
         => |part| number(part.sample().and_then(|k| part.run.estimates.process_scale(k)).map(|[_, std]| std));
 
-    PROCESS_SCALE_COVERAGE = row(
+    ProcessScaleCoverage = row(
             "process_scale_coverage",
             "share of the true √Q inside ±2σ of the learnt one",
             ValueKind::Share,

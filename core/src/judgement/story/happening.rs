@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::phrase::{Adjustable, Phrase, Writer};
+use super::{Adjustable, Phrase, Writer};
 use crate::data::scenario::{Fault, Sensor};
 use crate::data::signal::{Ramp, Sine, Step};
 use crate::judgement::words::plain;
@@ -53,72 +53,8 @@ impl Change {
     pub(super) fn step(&self) -> Option<Step> {
         if let Signal::Step(step) = self.signal { Some(step) } else { None }
     }
-}
 
-fn moves(signal: &Signal, duration: f64) -> bool {
-    match *signal {
-        Signal::Constant(_) => false,
-        Signal::Step(Step { from, to, at }) => from != to && at > 0.0 && at < duration,
-        Signal::Ramp(Ramp { from, to, start, end }) => from != to && end > 0.0 && start < duration,
-        Signal::Sine(Sine { amplitude, .. }) => amplitude != 0.0,
-    }
-}
-
-impl Happening {
-    pub(super) fn of(scenario: &Scenario) -> Self {
-        let change = |channel| {
-            let signal = scenario.plant.parameter(channel)?;
-            moves(&signal, scenario.duration).then_some(Change { channel, signal })
-        };
-        let changes = scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none());
-        Self { changes: changes.collect() }
-    }
-
-    pub(super) fn change(&self) -> Option<&Change> {
-        self.changes.first()
-    }
-
-    pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
-        self.changes.iter().any(|change| change.is_recent(run, now))
-    }
-
-    pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
-        let scenario = run.scenario();
-        let now = scenario.dt * run.done().saturating_sub(1) as f64;
-        let text = match self.change() {
-            Some(change) => change.told(now, scenario.duration),
-            None => still(scenario),
-        };
-        let text = if self.changes.len() > 1 { text.say(", and it is not all that changes") } else { text };
-        let hidden =
-            if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
-        text.say(hidden).say(".").done()
-    }
-}
-
-pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
-    let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
-    all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
-}
-
-fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
-    let (quantity, info) = (sensor.measures, fault.info());
-    let words = info.sentence.replace('@', &quantity.name());
-    let numbers = sensor.faults.numbers(fault).unwrap_or_default();
-    let mut pieces = words.split("{}");
-    let mut text = Writer::default().say(pieces.next().unwrap_or_default());
-    for ((piece, number), &value) in pieces.zip(info.numbers).zip(numbers) {
-        let key = fault.address(quantity, number);
-        let size = number.scale.size(quantity);
-        let (low, high) = number.slider;
-        let range = (low * size, high * size);
-        text = text.setting(Adjustable::new(key, value, range, number.scale.unit(quantity))).say(piece);
-    }
-    text.say(".").done()
-}
-
-impl Change {
-    fn told(&self, now: f64, duration: f64) -> Writer {
+    fn text(&self, now: f64, duration: f64) -> Writer {
         let Self { channel, signal } = *self;
         let key = |end: &str| format!("plant.{}.{end}", channel.key());
         let time = |end: &str, value: f64| Adjustable::new(key(end), value, (0.0, duration), "s");
@@ -164,6 +100,68 @@ impl Change {
             }
         }
     }
+}
+
+fn moves(signal: &Signal, duration: f64) -> bool {
+    match *signal {
+        Signal::Constant(_) => false,
+        Signal::Step(Step { from, to, at }) => from != to && at > 0.0 && at < duration,
+        Signal::Ramp(Ramp { from, to, start, end }) => from != to && end > 0.0 && start < duration,
+        Signal::Sine(Sine { amplitude, .. }) => amplitude != 0.0,
+    }
+}
+
+impl Happening {
+    pub(super) fn of(scenario: &Scenario) -> Self {
+        let change = |channel| {
+            let signal = scenario.plant.parameter(channel)?;
+            moves(&signal, scenario.duration).then_some(Change { channel, signal })
+        };
+        let changes = scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none());
+        Self { changes: changes.collect() }
+    }
+
+    pub(super) fn change(&self) -> Option<&Change> {
+        self.changes.first()
+    }
+
+    pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
+        self.changes.iter().any(|change| change.is_recent(run, now))
+    }
+
+    pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
+        let scenario = run.scenario();
+        let now = scenario.dt * run.done().saturating_sub(1) as f64;
+        let text = match self.change() {
+            Some(change) => change.text(now, scenario.duration),
+            None => still(scenario),
+        };
+        let text = if self.changes.len() > 1 { text.say(", and it is not all that changes") } else { text };
+        let hidden =
+            if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
+        text.say(hidden).say(".").done()
+    }
+}
+
+pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
+    let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
+    all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
+}
+
+fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
+    let (quantity, info) = (sensor.measures, fault.info());
+    let words = info.sentence.replace('@', &quantity.name());
+    let numbers = sensor.faults.numbers(fault).unwrap_or_default();
+    let mut pieces = words.split("{}");
+    let mut text = Writer::default().say(pieces.next().unwrap_or_default());
+    for ((piece, number), &value) in pieces.zip(info.numbers).zip(numbers) {
+        let key = fault.address(quantity, number);
+        let size = number.scale.size(quantity);
+        let (low, high) = number.slider;
+        let range = (low * size, high * size);
+        text = text.setting(Adjustable::new(key, value, range, number.scale.unit(quantity))).say(piece);
+    }
+    text.say(".").done()
 }
 
 fn named(channel: Channel) -> String {

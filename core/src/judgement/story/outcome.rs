@@ -1,9 +1,9 @@
 //! What a filter makes of a run.
 
-use super::happening::{Change, Happening};
 use std::f64::consts::TAU;
 
-use super::phrase::{Adjustable, Phrase, Writer};
+use super::happening::{Change, Happening};
+use super::{Adjustable, Form, Phrase, Writer};
 use crate::data::scenario::cost::turn_at;
 use crate::diagnosis::Subject;
 use crate::judgement::words::{percent_to_a_tenth, plain, seconds, with_band};
@@ -140,11 +140,8 @@ impl<'a> Outcome<'a> {
     /// It is right and covers a known truth, or says itself that a parameter is not determined.
     pub(super) fn is_honest(&self) -> bool {
         let is_right = self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable);
-        (is_right || self.is_small_by_a_band()) && self.long_steps.is_none() && !self.is_open()
-    }
-
-    fn is_small_by_a_band(&self) -> bool {
-        self.kind == Some(VerdictKind::Underconfident) && self.is_behind_a_band
+        let is_small_by_a_band = self.kind == Some(VerdictKind::Underconfident) && self.is_behind_a_band;
+        (is_right || is_small_by_a_band) && self.long_steps.is_none() && !self.is_open()
     }
 
     /// Natural frequency \[rad/s\] and damping ratio, each with its standard deviation, where no truth is known.
@@ -187,7 +184,8 @@ impl<'a> Outcome<'a> {
     }
 
     fn fading(&self) -> Adjustable {
-        Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "").with_decimals(3)
+        let fading = Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "");
+        Adjustable { form: Form::Decimals(3), ..fading }
     }
 
     /// The settings that are worth a try besides those of the sentence, which has the fading factor where `is_told`.

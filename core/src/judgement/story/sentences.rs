@@ -3,7 +3,7 @@
 use std::f64::consts::{LN_2, PI, TAU};
 
 use super::outcome::Outcome;
-use super::phrase::{Phrase, Writer};
+use super::{Phrase, Writer};
 use crate::judgement::words::{percent_to_a_tenth, seconds, with_band};
 use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::ErrorSums;
@@ -82,11 +82,8 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
 fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
     let band = |outcome: &&&'a Outcome<'b>| outcome.main.as_ref().map_or(f64::INFINITY, |main| main.std);
     let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
-    let next = several
-        .iter()
-        .filter(|other| other.filter.id != best.filter.id)
-        .map(|other| band(&other))
-        .fold(f64::INFINITY, f64::min);
+    let others = several.iter().filter(|other| other.filter.id != best.filter.id);
+    let next = others.map(|other| band(&other)).fold(f64::INFINITY, f64::min);
     (next.is_finite() && band(&best) > 0.0 && next > NARROWER * band(&best)).then_some(*best)
 }
 

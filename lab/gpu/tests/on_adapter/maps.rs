@@ -2,17 +2,16 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{
-    Axis, Channel, FilterKind, FilterSettings, Hold, Measure, PlantKind, Propagation, Quantity, Scenario, Signal,
-    Source, ValueKind, simulate,
+    Axis, Channel, FilterKind, Hold, Measure, PlantKind, Propagation, Quantity, Scenario, Source, ValueKind, simulate,
 };
 use kalmanscope_gpu::{Gpu, GpuError, GpuRun, Software, serves};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};
 
-use crate::common::{CLOSE, Tally, gpu};
+use crate::common::{CLOSE, Tally, built_in, gpu};
 
 const SAMPLES: usize = 2000;
 
@@ -49,20 +48,7 @@ fn guesses(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
     map(scenario, &axes)
 }
 
-#[derive(Default)]
-struct Comparison {
-    cells: usize,
-    /// Cells of the same class: stopped, lost, converged within 5 %.
-    same: usize,
-    /// Cells in which both have converged, and those of them with close scores throughout.
-    converged: usize,
-    close: usize,
-    /// Cells that the processor's filter has lost, or in which it has stopped.
-    lost: usize,
-    worst: (f64, String),
-}
-
-fn compare(name: &str, runner: &Arc<Runner>) -> Comparison {
+fn compare(name: &str, runner: &Arc<Runner>) -> Tally {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
     let mut exact = Sheet::new(ensemble);
@@ -78,67 +64,50 @@ fn compare(name: &str, runner: &Arc<Runner>) -> Comparison {
     let (served, rows) = pollster::block_on(gpu().rows(runner, &cells, &|| true)).unwrap();
     let time = begin.elapsed();
     assert_eq!(served, cells);
-    let mut comparison = Comparison { cells: cells.len(), ..Comparison::default() };
+    let mut tally = Tally::default();
     for (&cell, row) in cells.iter().zip(rows.chunks(ensemble.width())) {
-        comparison.take(&ensemble.plan().measures, &ensemble.at(cell), exact.row(cell).unwrap(), row);
+        take_cell(&mut tally, &ensemble.plan().measures, &ensemble.at(cell), [exact.row(cell).unwrap(), row]);
     }
-    comparison.print(name, exact_time, time);
-    comparison
+    let Tally { runs, same, kept, close, lost, worst: (worst, score) } = &tally;
+    println!(
+        "{name}: of {runs} cells {same} of the same class, {lost} lost; of {kept} converged {close} close, the worst by {worst:.1e}: \
+         {score}; threads {exact_time:.2?}, {} {time:.2?}",
+        gpu().name()
+    );
+    tally
 }
 
-impl Comparison {
-    fn take(&mut self, measures: &[Measure], scenario: &Scenario, exact: &[f64], row: &[f64]) {
-        let of = |row: &[f64], measure: Measure| row[measures.iter().position(|other| *other == measure).unwrap()];
-        let channel = Channel::NATURAL_FREQUENCY;
-        let truth = scenario.plant.parameter(channel).unwrap().at(scenario.duration);
-        let class = |row: &[f64]| {
-            let is_near = of(row, Measure::error(channel)).abs() <= 0.05 * truth;
-            (of(row, Measure::STOPPED), of(row, Measure::DIVERGED), is_near)
+/// Of the same class are cells that have stopped, that are lost, or that have converged within 5 % alike; kept are those in which both
+/// have converged.
+fn take_cell(tally: &mut Tally, measures: &[Measure], scenario: &Scenario, [exact, row]: [&[f64]; 2]) {
+    let of = |row: &[f64], measure: Measure| row[measures.iter().position(|other| *other == measure).unwrap()];
+    let channel = Channel::NATURAL_FREQUENCY;
+    let truth = scenario.plant.parameter(channel).unwrap().at(scenario.duration);
+    let class = |row: &[f64]| {
+        let is_near = of(row, Measure::error(channel)).abs() <= 0.05 * truth;
+        (of(row, Measure::STOPPED), of(row, Measure::DIVERGED), is_near)
+    };
+    let (class, other) = (class(exact), class(row));
+    tally.runs += 1;
+    tally.same += usize::from(class == other);
+    tally.lost += usize::from(class.1 > 0.0);
+    if class != (0.0, 0.0, true) || other != class {
+        return;
+    }
+    let degrees = (scenario.sensors.len() * SAMPLES) as f64;
+    let numbers = measures.iter().zip(exact.iter().zip(row)).filter_map(|(measure, (&exact, &number))| {
+        let size = match (measure.info().kind, measure.channel()) {
+            // These are about zero: a tenth of the standard deviation is close.
+            (ValueKind::Error | ValueKind::Signed, Some(channel)) => 0.1 / CLOSE * of(row, Measure::std(channel)),
+            (ValueKind::Share, _) => 1.0,
+            // The time of the last error of 5 % jumps, and the other is about zero and follows the NIS.
+            (ValueKind::Time | ValueKind::Distance, _) => return None,
+            (ValueKind::LogLikelihood, _) => exact.abs().max(0.5 * degrees),
+            _ => exact.abs(),
         };
-        let (class, other) = (class(exact), class(row));
-        self.same += usize::from(class == other);
-        self.lost += usize::from(class.1 > 0.0);
-        if class != (0.0, 0.0, true) || other != class {
-            return;
-        }
-        self.converged += 1;
-        let degrees = (scenario.sensors.len() * SAMPLES) as f64;
-        let mut largest = 0.0_f64;
-        for (measure, (&exact, &number)) in measures.iter().zip(exact.iter().zip(row)) {
-            let size = match (measure.info().kind, measure.channel()) {
-                // These are about zero: a tenth of the standard deviation is close.
-                (ValueKind::Error | ValueKind::Signed, Some(channel)) => 0.1 / CLOSE * of(row, Measure::std(channel)),
-                (ValueKind::Share, _) => 1.0,
-                // The time of the last error of 5 % jumps, and the other is about zero and follows the NIS.
-                (ValueKind::Time | ValueKind::Distance, _) => continue,
-                (ValueKind::LogLikelihood, _) => exact.abs().max(0.5 * degrees),
-                _ => exact.abs(),
-            };
-            let difference = if number == exact { 0.0 } else { (number - exact).abs() / size };
-            largest = if difference <= largest { largest } else { difference };
-            if largest > self.worst.0 {
-                self.worst = (largest, format!("{measure} is {number} in place of {exact}"));
-            }
-        }
-        self.close += usize::from(largest <= CLOSE);
-    }
-
-    fn same_share(&self) -> f64 {
-        self.same as f64 / self.cells as f64
-    }
-
-    fn close_share(&self) -> f64 {
-        self.close as f64 / self.converged as f64
-    }
-
-    fn print(&self, name: &str, exact: Duration, time: Duration) {
-        let Self { cells, same, converged, close, lost, worst: (worst, score) } = self;
-        println!(
-            "{name}: of {cells} cells {same} of the same class, {lost} lost; of {converged} converged {close} close, the worst by \
-             {worst:.1e}: {score}; threads {exact:.2?}, {} {time:.2?}",
-            gpu().name()
-        );
-    }
+        Some((measure.to_string(), number, exact, size))
+    });
+    tally.keep(numbers);
 }
 
 /// The seeds on which the limits below were chosen are 1 to 3.
@@ -148,9 +117,9 @@ const JUDGED: u64 = 11;
 fn maps_of_q_and_r_are_the_processors() {
     for kind in ["EKF", "UKF"] {
         let comparison = compare(&format!("{kind}, Q and R"), &tuning(kind, JUDGED, 64));
-        assert!(comparison.same_share() >= 0.999, "{} of {}", comparison.same, comparison.cells);
-        assert!(comparison.close_share() >= 0.995, "{} of {}", comparison.close, comparison.converged);
-        assert!(comparison.converged > comparison.cells / 2);
+        assert!(comparison.same_share() >= 0.999, "{} of {}", comparison.same, comparison.runs);
+        assert!(comparison.close_share() >= 0.995, "{} of {}", comparison.close, comparison.kept);
+        assert!(comparison.kept > comparison.runs / 2);
     }
 }
 
@@ -158,9 +127,9 @@ fn maps_of_q_and_r_are_the_processors() {
 fn maps_of_guesses_are_the_processors() {
     for (kind, side) in [("EKF", 128), ("UKF", 64)] {
         let comparison = compare(&format!("{kind}, guesses"), &guesses(kind, JUDGED, side));
-        assert!(comparison.same_share() >= 0.99, "{} of {}", comparison.same, comparison.cells);
-        assert!(comparison.close_share() >= 0.97, "{} of {}", comparison.close, comparison.converged);
-        assert!(comparison.lost > comparison.cells / 20, "{} lost", comparison.lost);
+        assert!(comparison.same_share() >= 0.99, "{} of {}", comparison.same, comparison.runs);
+        assert!(comparison.close_share() >= 0.97, "{} of {}", comparison.close, comparison.kept);
+        assert!(comparison.lost > comparison.runs / 20, "{} lost", comparison.lost);
     }
 }
 
@@ -196,8 +165,8 @@ fn a_record_of_its_own_for_each_cell() {
     let axes = ["seed=1:24:24".to_owned(), "filters.EKF.sensor_std=0.5:2:3".to_owned()];
     let runner = map(scenario("EKF", 500), &axes);
     let comparison = compare("seeds", &runner);
-    assert_eq!((comparison.same, comparison.cells), (72, 72));
-    assert!(comparison.converged > 36 && comparison.close == comparison.converged);
+    assert_eq!((comparison.same, comparison.runs), (72, 72));
+    assert!(comparison.kept > 36 && comparison.close == comparison.kept);
 }
 
 #[test]
@@ -258,7 +227,7 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
         let exact = Outcome::of(scenario, 0, &record).unwrap();
         tally.take([outcome.as_ref().unwrap(), &exact], class, |class| class == (false, false));
     }
-    let Tally { runs, same, kept, close, worst: (worst, score) } = &tally;
+    let Tally { runs, same, kept, close, worst: (worst, score), .. } = &tally;
     println!(
         "{name}: of {runs} runs {same} of the same class; of {kept} kept {close} close, the worst by {worst:.1e}: {score}; {time:.1?}"
     );
@@ -269,18 +238,6 @@ fn check(name: &str, scenarios: &[Scenario]) {
     let Tally { runs, same, kept, close, .. } = tally(name, scenarios);
     assert!(same as f64 >= 0.96 * runs as f64, "{name}: {same} of {runs}");
     assert!(kept * 3 > runs && close as f64 >= 0.9 * kept as f64, "{name}: {close} of {kept}");
-}
-
-fn built_in(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
-    let filters = vec![FilterSettings::default()];
-    let mut scenario = Scenario { filters, hold, duration: 10.0, ..Scenario::default() };
-    scenario.filters[0].augment = augment.to_vec();
-    scenario.set_plant(plant);
-    scenario.set_sensors(quantities);
-    for &channel in augment {
-        scenario.plant.set(channel, Signal::Constant(channel.usual().mean + 0.2 * channel.usual().std));
-    }
-    scenario
 }
 
 const KINDS: [FilterKind; 2] = [FilterKind::EKF, FilterKind::UKF];

@@ -1,9 +1,10 @@
 //! Random runs by the graphics processor beside the single filter of the core.
 
 use crate::common::{Tally, gpu};
-use crate::runs::{CHANNELS, Shaken, size, values};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario, simulate};
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values, simulate,
+};
 use kalmanscope_gpu::{GpuRun, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -11,6 +12,17 @@ use proptest::test_runner::{Config, RngSeed, TestRunner};
 
 const SCENARIOS: usize = 40;
 const FILTERS: usize = 12;
+
+const CHANNELS: [Channel; 4] =
+    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+
+fn values(of: [f64; 4]) -> Values {
+    Values::ZERO.with(CHANNELS.into_iter().zip(of))
+}
+
+fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|e| 10_f64.powf(e))
+}
 
 fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 5 => size(exponents)]
@@ -51,8 +63,18 @@ fn ensemble() -> impl Strategy<Value = Scenario> {
     )
         .prop_flat_map(|(measured, kind, (seed, dt, steps), (wn, zeta, force))| {
             let filters = proptest::collection::vec(filter(kind, measured.len(), [wn, zeta]), FILTERS);
-            let shaken = Shaken { seed, steps: (dt, steps), parameters: [wn, zeta], force };
-            filters.prop_map(move |filters| shaken.watched(&measured, filters))
+            filters.prop_map(move |filters| Scenario {
+                seed,
+                dt,
+                duration: f64::from(steps) * dt,
+                plant: Plant::default()
+                    .with(CHANNELS[2], Signal::Constant(wn))
+                    .with(CHANNELS[3], Signal::Constant(zeta)),
+                force: Force::WhiteNoise { std: force },
+                sensors: measured.iter().map(|&measures| Sensor::new(measures, 0.02)).collect(),
+                filters,
+                ..Scenario::default()
+            })
         })
 }
 
@@ -84,7 +106,7 @@ fn tally(seed: u64) -> Tally {
 /// The limits were chosen on the seeds 1 to 3.
 #[test]
 fn random_runs_are_the_single_filters() {
-    let Tally { runs, same, kept: converged, close, worst: (worst, score) } = tally(11);
+    let Tally { runs, same, kept: converged, close, worst: (worst, score), .. } = tally(11);
     println!(
         "of {runs} runs {same} of the same class; of {converged} converged {close} close, the worst by {worst:.1e}: {score}"
     );

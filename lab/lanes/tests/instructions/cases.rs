@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use kalmanscope_core::{
-    Channel, FilterKind, Hold, Pass, PlantKind, Propagation, Record, Run, Sample, Scenario, Sink, Stop,
+    Channel, FilterKind, Hold, Pass, PlantKind, Propagation, Record, Sample, Scenario, Sink, Stop, simulate,
 };
 use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
 
@@ -93,10 +93,9 @@ fn typed_duffing() -> Scenario {
 impl Case {
     pub(crate) fn record(&self, steps: usize) -> Record {
         let duration = steps as f64 * self.scenario.dt;
-        let mut run = Run::new(&Scenario { duration, filters: vec![], ..self.scenario.clone() }).expect("it is valid");
-        run.finish();
-        assert_eq!(run.len(), steps + 1);
-        run.record().clone()
+        let record = simulate(&Scenario { duration, ..self.scenario.clone() });
+        assert_eq!(record.len(), steps + 1);
+        record
     }
 
     pub(crate) fn run(&self, record: &Record) {

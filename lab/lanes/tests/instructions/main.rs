@@ -12,9 +12,15 @@
 //! optimisations, moves of memory hide what AVX2 saves. Counts depend on the compiler too; the table names it.
 
 mod cases;
-mod table;
 
-use std::process::ExitCode;
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::{Command, ExitCode, Stdio};
+
+use kalmanscope_lanes::Level;
+
+use cases::Case;
 
 const WORK: &str = "--work";
 
@@ -28,15 +34,15 @@ fn main() -> ExitCode {
     let (is_work, is_update) = (take(WORK), take("--update"));
     let chosen = cases::chosen(&words);
     if is_work {
-        table::work(&chosen);
+        work(&chosen);
         return ExitCode::SUCCESS;
     }
     let done = match (is_update, words.is_empty()) {
         _ if cfg!(debug_assertions) => Err("the table is of a release: count with `--release`".to_owned()),
         _ if chosen.is_empty() => Err(format!("no case has the words {}", words.join(" "))),
         (true, false) => Err("the table is written as a whole: leave out the names".to_owned()),
-        (true, true) => table::write(&chosen),
-        (false, is_whole) => table::compare(&chosen, &words, is_whole),
+        (true, true) => write(&chosen),
+        (false, is_whole) => compare(&chosen, &words, is_whole),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -45,4 +51,163 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+const TOLERANCE: f64 = 0.03;
+
+const UPDATE: &str = "CARGO_PROFILE_RELEASE_STRIP=false cargo test --locked --release -p kalmanscope-lanes --test instructions -- --update";
+
+fn path() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/instructions/table.toml")
+}
+
+fn compiler() -> Result<String, String> {
+    let output = Command::new("rustc").arg("-vV").output().map_err(|error| format!("rustc: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let host = text.lines().find_map(|line| line.strip_prefix("host: ")).unwrap_or_default();
+    Ok(format!("{} for {host}", text.lines().next().unwrap_or_default()))
+}
+
+fn write(cases: &[Case]) -> Result<(), String> {
+    let counts = count(&[])?;
+    if counts.len() < cases.len() {
+        return Err("this processor has no AVX2, so the table would not be whole".to_owned());
+    }
+    let mut text = format!("# Instructions of a filter step, in lanes of eight runs. Written by:\n# {UPDATE}\n\n");
+    let _ = writeln!(text, "compiler = {:?}\n\n[instructions]", compiler()?);
+    for (name, count) in &counts {
+        println!("{count:>8}  {name}");
+        let _ = writeln!(text, "{name:?} = {count}");
+    }
+    std::fs::write(path(), text).map_err(|error| error.to_string())
+}
+
+fn read() -> Result<(String, toml::Table), String> {
+    let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path().display());
+    let text = std::fs::read_to_string(path()).map_err(|error| said(&error))?;
+    let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| said(&error))?;
+    match (table.remove("compiler"), table.remove("instructions")) {
+        (Some(toml::Value::String(compiler)), Some(toml::Value::Table(counts))) => Ok((compiler, counts)),
+        _ => Err(said(&"it has no compiler or no instructions")),
+    }
+}
+
+fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), String> {
+    let (meant, table) = read()?;
+    let counts = count(words)?;
+    println!("{:>8}{:>10}{:>10}  instructions of a step", "table", "now", "per cent");
+    let mut off = Vec::new();
+    for (name, now) in &counts {
+        let known = table.get(name).and_then(toml::Value::as_integer);
+        let line = line(name, known, *now);
+        println!("{line}");
+        if known.is_none_or(|known| share(known, *now).abs() > TOLERANCE) {
+            off.push(line);
+        }
+    }
+    let is_counted = |name: &str| counts.iter().any(|(other, _)| other == name);
+    let left_out: Vec<&str> = cases.iter().map(|case| case.name.as_str()).filter(|name| !is_counted(name)).collect();
+    if !left_out.is_empty() {
+        println!("This processor has no AVX2, so these cases are not counted: {}.", left_out.join("; "));
+    }
+    let now = compiler()?;
+    if now != meant {
+        println!("The table is of {meant} and this is {now}: the counts cannot be compared.");
+        return Ok(());
+    }
+    let is_case = |name: &str| cases.iter().any(|case| case.name == name);
+    off.extend(table.keys().filter(|name| is_whole && !is_case(name)).map(|name| format!("no case is named {name}")));
+    verdict(&off)
+}
+
+fn share(known: i64, now: u64) -> f64 {
+    now as f64 / known as f64 - 1.0
+}
+
+fn line(name: &str, known: Option<i64>, now: u64) -> String {
+    match known {
+        Some(known) => format!("{known:>8}{now:>10}{:>+10.1}  {name}", 100.0 * share(known, now)),
+        None => format!("{:>8}{now:>10}{:>10}  {name}", "none", ""),
+    }
+}
+
+fn verdict(off: &[String]) -> Result<(), String> {
+    if off.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "\nThese differ from {} by more than {:.0} per cent:\n{}\nMore instructions in lanes mean, as a rule, that a function or a closure \
+         is not inlined any more and has lost its instruction set. If the change is meant, write the table anew:\n{UPDATE}",
+        path().display(),
+        100.0 * TOLERANCE,
+        off.join("\n")
+    ))
+}
+
+/// Two lengths of a record: what their difference leaves out is the start.
+const STEPS: [usize; 2] = [200, 600];
+
+/// The counts of each case: before it, and after each of its lengths.
+const MARKS: usize = STEPS.len() + 1;
+
+/// A case, and the instructions of a step: of eight runs in lanes.
+type Count = (String, u64);
+
+/// Runs all cases, with marks between them, and prints their names.
+fn work(cases: &[Case]) {
+    for case in cases.iter().filter(|case| case.level.is_none_or(|level| Level::available().contains(&level))) {
+        println!("{}", case.name);
+        let records = STEPS.map(|steps| case.record(steps));
+        mark();
+        for record in &records {
+            case.run(record);
+            mark();
+        }
+    }
+}
+
+/// Callgrind writes its counts to a file when this function begins, and starts again from zero.
+#[inline(never)]
+fn mark() {
+    black_box(());
+}
+
+/// Leaves out a case if the processor lacks its instructions.
+fn count(words: &[String]) -> Result<Vec<Count>, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("instructions");
+    let said = |error: std::io::Error| error.to_string();
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).map_err(said)?;
+    }
+    std::fs::create_dir_all(&folder).map_err(said)?;
+    let program = std::env::current_exe().map_err(said)?;
+    let mut file = std::ffi::OsString::from("--callgrind-out-file=");
+    file.push(folder.join("counts"));
+    let output = Command::new("valgrind")
+        .args(["--quiet", "--tool=callgrind", "--dump-before=instructions::mark*"])
+        .arg(file)
+        .arg(program)
+        .arg(WORK)
+        .args(words)
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|error| format!("valgrind cannot be started ({error}): please install it"))?;
+    if !output.status.success() {
+        return Err(format!("the program that is counted ended with {}", output.status));
+    }
+    let names = String::from_utf8_lossy(&output.stdout);
+    let names = names.lines().enumerate();
+    names.map(|(nth, name)| Ok((name.to_owned(), of_case(&folder, nth)?))).collect()
+}
+
+fn of_case(folder: &Path, nth: usize) -> Result<u64, String> {
+    // Callgrind numbers its files from 1; the first one of a case ends where the case begins.
+    let [few, many] = [2, 3].map(|place| total(&folder.join(format!("counts.{}", MARKS * nth + place))));
+    Ok((many? - few?) / (STEPS[1] - STEPS[0]) as u64)
+}
+
+fn total(path: &Path) -> Result<u64, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let total = text.lines().find_map(|line| line.strip_prefix("totals: ")?.trim().parse().ok());
+    total.ok_or_else(|| format!("{} has no total", path.display()))
 }

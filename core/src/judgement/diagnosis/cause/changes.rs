@@ -2,7 +2,7 @@
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::data::setting::Edit;
-use crate::judgement::diagnosis::distributions::normal_tail;
+use crate::judgement::diagnosis::case::normal_tail;
 use crate::judgement::words::{percent, short};
 use crate::mathematics::lists::mapped;
 use crate::{Channel, Quantity, VerdictKind};
@@ -17,22 +17,20 @@ pub(super) static NO_EXCITATION: Cause = Cause {
     key: "no_excitation",
     name: "too little excitation",
     hint: "Parameters are learnt from motion. Shake the oscillator, near its resonance; until then do not let the memory fade.",
-    likely_causes: no_excitation,
+    likely_causes: |bad, cause, found| {
+        let of = [VerdictKind::NotIdentifiable, VerdictKind::WoundUp];
+        let still = is_still(bad);
+        let weight = bad.effect_of(|one| of.contains(&one.speaks_for)).max(if still { 0.8 } else { 0.0 });
+        if weight == 0.0 {
+            return;
+        }
+        let samples =
+            bad.evidence.iter().find(|one| one.counts && of.contains(&one.speaks_for)).map(|one| one.samples.clone());
+        let sentence = "the motion is too small against the noise to tell the parameters".to_owned();
+        let likely = LikelyCause::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence);
+        found.push(LikelyCause { certain: true, samples, ..likely });
+    },
 };
-
-fn no_excitation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let of = [VerdictKind::NotIdentifiable, VerdictKind::WoundUp];
-    let still = is_still(bad);
-    let weight = bad.effect_of(|one| of.contains(&one.speaks_for)).max(if still { 0.8 } else { 0.0 });
-    if weight == 0.0 {
-        return;
-    }
-    let samples =
-        bad.evidence.iter().find(|one| one.counts && of.contains(&one.speaks_for)).map(|one| one.samples.clone());
-    let sentence = "the motion is too small against the noise to tell the parameters".to_owned();
-    let likely = LikelyCause::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence);
-    found.push(LikelyCause { certain: true, samples, ..likely });
-}
 
 /// Whether readings are white, and of the size R: those of an accelerometer under a broadband force are white, but larger.
 fn is_still(bad: &BadFilter<'_>) -> bool {
@@ -148,14 +146,11 @@ pub(super) static INITIAL_GUESS: Cause = Cause {
 
 fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let channels = bad.case.estimates.channels();
-    let edits: Vec<_> = channels
-        .iter()
-        .filter(|&&channel| bad.filter.initial_std[channel] > 0.0 && !bad.filter.knows(channel))
-        .map(|&channel| bad.edit(&format!("initial_std.{}", channel.key()), WIDER * bad.filter.initial_std[channel]))
-        .collect();
-    let frozen = |channel: &&Channel| {
-        channel.is_parameter() && bad.filter.initial_std[**channel] == 0.0 && !bad.filter.knows(**channel)
-    };
+    let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
+    let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
+    let wider = |one: &Channel| bad.edit(&format!("initial_std.{}", one.key()), WIDER * doubt(one));
+    let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
+    let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
     let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
     if !frozen.is_empty() {
         let spread = |channel: &Channel| {

@@ -41,7 +41,18 @@ pub(super) static TIMES: Cause = Cause {
     name: "the time between samples",
     hint: "All sensors agree with each other once the times are stretched: the sample rate or the unit of the times is wrong. Give the \
            record the right one.",
-    likely_causes: wrong_times,
+    likely_causes: |bad, cause, found| {
+        let Some(factor) = common_factor(&pairs(bad)) else { return };
+        let dt = bad.case.record.dt();
+        let sentence = format!(
+            "each sensor changes {} times as much as the next one says: the time between samples is about {factor:.3} times the {dt} s that \
+         are told, and no setting mends that",
+            short(factor)
+        );
+        let off = (factor - 1.0).abs();
+        let likely = LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence);
+        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+    },
 };
 
 pub(super) static LATENESS: Cause = Cause {
@@ -121,19 +132,6 @@ fn common_factor(pairs: &[Pair]) -> Option<f64> {
     };
     let is_common = !others.is_empty() && factor > 0.0 && others.iter().all(is_same);
     (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
-}
-
-fn wrong_times(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(factor) = common_factor(&pairs(bad)) else { return };
-    let dt = bad.case.record.dt();
-    let sentence = format!(
-        "each sensor changes {} times as much as the next one says: the time between samples is about {factor:.3} times the {dt} s that \
-         are told, and no setting mends that",
-        short(factor)
-    );
-    let off = (factor - 1.0).abs();
-    let likely = LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence);
-    found.push(LikelyCause { certain: true, of_record: true, ..likely });
 }
 
 /// Compares each sensor with that of its rate, and tries the filter with either one put right: the likelihood tells which one is wrong.
@@ -286,7 +284,7 @@ impl Agreement {
         let span = span as f64;
         // Of white noise in the derivative: of its integral over a span, or of a triangle over two.
         let of_noise = if order == 1 { span } else { 2.0 / 3.0 * dt * dt * span * span * span };
-        let attenuation = 1.0 - of_noise * (dt * noise).powi(2) / sums.variances()[1];
+        let attenuation = 1.0 - of_noise * (dt * noise).powi(2) / (sums.squares[1] / sums.count);
         let factor = sums.slope() / attenuation.max(0.5);
         let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
         // The scatter of the likeness, over its curvature.
@@ -365,10 +363,6 @@ impl Sums {
 
     fn slope(&self) -> f64 {
         self.product / self.squares[1]
-    }
-
-    fn variances(&self) -> [f64; 2] {
-        self.squares.map(|square| square / self.count)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is wrong with the recorded input.
+//! What is wrong with the recorded input, and with the settings' claims about steps and sensors.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::{BadFilter, Cause, LikelyCause, rms};
 use crate::data::import::Mapping;
 use crate::data::setting::Edit;
 use crate::judgement::words::short;
-use crate::{Channel, Hold, Quantity};
+use crate::{Channel, Hold, InputKind, Propagation, Quantity};
 
 const MOST: i32 = 3;
 
@@ -14,25 +14,23 @@ pub(super) static INPUT_DELAY: Cause = Cause {
     key: "input_delay",
     name: "an input that is late or early",
     hint: "Where input and sensors pass different filters or clocks, one is late. Shift the input by whole samples.",
-    likely_causes: delay,
+    likely_causes: |bad, cause, found| {
+        if bad.input_size() == 0.0 {
+            return;
+        }
+        let near = bad.follows_input(-MOST..=MOST);
+        for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
+            let delay = bad.filter.input_delay + shift;
+            let since = delay - bad.origin.input_delay;
+            let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
+            let plural = if count == 1 { "" } else { "s" };
+            let sentence =
+                if count == 0 { String::new() } else { format!("the recorded input is {count} sample{plural} {word}") };
+            let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(shift.abs()).sqrt();
+            found.push(LikelyCause::new(cause, weight, 1.0, vec![bad.edit("input_delay", i64::from(delay))], sentence));
+        }
+    },
 };
-
-fn delay(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.input_size() == 0.0 {
-        return;
-    }
-    let near = bad.follows_input(-MOST..=MOST);
-    for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
-        let delay = bad.filter.input_delay + shift;
-        let since = delay - bad.origin.input_delay;
-        let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
-        let plural = if count == 1 { "" } else { "s" };
-        let sentence =
-            if count == 0 { String::new() } else { format!("the recorded input is {count} sample{plural} {word}") };
-        let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(shift.abs()).sqrt();
-        found.push(LikelyCause::new(cause, weight, 1.0, vec![bad.edit("input_delay", i64::from(delay))], sentence));
-    }
-}
 
 /// The steps in place of one of a record whose input is a smooth curve.
 const FINER: i32 = 4;
@@ -77,25 +75,23 @@ pub(super) static INPUT_GAIN: Cause = Cause {
     key: "input_gain",
     name: "the gain of the input",
     hint: "The record's input is not the force over mass: another unit, a mass, a calibration. Let the filter estimate its gain.",
-    likely_causes: gain,
+    likely_causes: |bad, cause, found| {
+        if bad.input_size() == 0.0 || bad.filter.augment.contains(&Channel::INPUT_GAIN) {
+            return;
+        }
+        let broad = bad.follows_input(1..=i32::MAX);
+        let weight = 1.5 * broad / (1.0 + 1.5 * broad);
+        let name = Channel::INPUT_GAIN.key();
+        let ratio = load(bad).map_or(1.0, |load| load / bad.input_size());
+        let edits = if ratio.is_normal() && !FEW.contains(&ratio) {
+            let [mean, std, _] = bad.begins(name, 0.5 * ratio, ratio);
+            vec![bad.augmented(Channel::INPUT_GAIN), mean, std]
+        } else {
+            vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
+        };
+        found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
+    },
 };
-
-fn gain(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.input_size() == 0.0 || bad.filter.augment.contains(&Channel::INPUT_GAIN) {
-        return;
-    }
-    let broad = bad.follows_input(1..=i32::MAX);
-    let weight = 1.5 * broad / (1.0 + 1.5 * broad);
-    let name = Channel::INPUT_GAIN.key();
-    let ratio = load(bad).map_or(1.0, |load| load / bad.input_size());
-    let edits = if ratio.is_normal() && !FEW.contains(&ratio) {
-        let [mean, std, _] = bad.begins(name, 0.5 * ratio, ratio);
-        vec![bad.augmented(Channel::INPUT_GAIN), mean, std]
-    } else {
-        vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
-    };
-    found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
-}
 
 /// Gains of an input in about its right unit, by the sizes of input and motion. A belief that begins at 1 reaches no others.
 const FEW: std::ops::Range<f64> = 0.03..30.0;
@@ -192,6 +188,79 @@ fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let elsewhere = input.len() - longest.len();
     let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();
     (longest.len() >= least && changes as f64 > MOVES * elsewhere as f64 && elsewhere > 0).then_some(longest)
+}
+
+/// The angle of a swing in a step \[rad\] above which a step of a set number of parts is coarse.
+const COARSE: f64 = 0.3;
+
+pub(super) static COARSE_PROPAGATION: Cause = Cause {
+    key: "coarse_propagation",
+    name: "steps of the propagation that are too coarse",
+    hint: "Euler's step adds about ωₙ dt/2 to the damping ratio, and one Runge-Kutta step errs where a sample is a large part of a \
+           swing. Let the propagation and its parts be chosen automatically.",
+    likely_causes: coarse_propagation,
+};
+
+fn coarse_propagation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(frequency) = bad.frequency() else { return };
+    let (filter, truth) = (bad.filter, bad.scenario.plant.kind);
+    let steps = filter.steps(truth, bad.scenario.input, bad.case.record.dt());
+    let turn = frequency * bad.case.record.dt() / steps as f64;
+    let sentence = match filter.propagation_for(truth) {
+        Propagation::Euler => {
+            format!("the steps of Euler's propagation are too coarse: they change ζ by about {}", short(0.5 * turn))
+        }
+        _ if turn > COARSE && (filter.substeps > 0 || filter.propagation.is_some()) => {
+            format!("the steps of the propagation are too coarse: a swing has {}", short(std::f64::consts::TAU / turn))
+        }
+        _ => return,
+    };
+    let edits = vec![bad.edit("propagation", "automatic"), bad.edit("substeps", 0)];
+    found.push(LikelyCause::new(cause, 0.5, 0.0, edits, sentence));
+}
+
+/// The share of the input in innovations that tells an absolute accelerometer from a relative one, and its deviation from 1.
+const CLEAR: f64 = 0.3;
+
+pub(super) static ABSOLUTE_ACCELERATION: Cause = Cause {
+    key: "absolute_acceleration",
+    name: "an absolute accelerometer taken for a relative one, or the other way round",
+    hint: "On a ground that moves, an accelerometer reads the ground's acceleration besides that against the ground. Give its column \
+           the other meaning.",
+    likely_causes: absolute_acceleration,
+};
+
+/// The innovations of an accelerometer with the other meaning contain the ground's acceleration itself, with factor 1 or -1.
+fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    if bad.scenario.input != InputKind::GroundAcceleration {
+        return;
+    }
+    for (place, one) in case.sensors.iter().enumerate() {
+        let (is_told, is, factor) = match one.sensor {
+            sensor if sensor.aspect() == Quantity::ACCELERATION.aspect() => ("relative", "total_acceleration", 1.0),
+            sensor if sensor.aspect() == Quantity::TOTAL_ACCELERATION.aspect() => ("absolute", "acceleration", -1.0),
+            _ => continue,
+        };
+        let pairs = case.samples.clone().map(|k| (case.estimates.innovation(k)[place], case.record.input()[k]));
+        let [mut product, mut squares, mut inputs] = [0.0; 3];
+        for (innovation, input) in pairs.filter(|(e, f)| (e * f).is_finite()) {
+            product += innovation * input;
+            squares += innovation * innovation;
+            inputs += input * input;
+        }
+        let (share, correlation) = (factor * product / inputs, factor * product / (squares * inputs).sqrt());
+        if (share - 1.0).abs() > CLEAR || correlation < CLEAR {
+            continue;
+        }
+        let sentence = format!(
+            "the innovations of the {} contain {share:.2} times the ground's acceleration: it is no {is_told} one, but `{is}`, and no \
+             setting of a filter mends that",
+            one.sensor.key()
+        );
+        let likely = LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence);
+        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::data::setting::Edit;
-use crate::judgement::diagnosis::distributions::chi_squared_p;
-use crate::judgement::diagnosis::evidence::Subject;
+use crate::judgement::diagnosis::case::chi_squared_p;
+use crate::judgement::diagnosis::checks::Subject;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
 use crate::judgement::diagnosis::parts::{Chosen, PARTS};
 use crate::judgement::words::short;
@@ -240,27 +240,25 @@ pub(super) static COMMON_NOISE: Cause = Cause {
     name: "noise that is common to two sensors",
     hint: "One supply, one amplifier or one mount shakes both, and R takes their noises for independent: the filter counts the same \
            error twice. Leave one of them out.",
-    likely_causes: common_noise,
-};
-
-fn common_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    let is_white = |place: usize| case.sensors[place].autocorrelation(&case.kept).iter().all(|r| r.abs() < ALONE);
-    for pair in &case.pairs {
-        let r = pair.correlation[0][0] - case.expected_correlation(pair.places);
-        let is_alone = pair.correlation.iter().all(|side| side[1..].iter().all(|other| other.abs() < ALONE));
-        if r.abs() < COMMON || !is_alone || !pair.places.iter().all(|&place| is_white(place)) {
-            continue;
-        }
-        let (one, other) = (case.sensors[pair.places[0]].sensor.key(), case.sensors[pair.places[1]].sensor.key());
-        let sentence = format!(
-            "the {one} and the {other} have noise in common: their innovations, each white, are correlated by {r:.2} within a sample, and \
+    likely_causes: |bad, cause, found| {
+        let case = bad.case;
+        let is_white = |place: usize| case.sensors[place].autocorrelation(&case.kept).iter().all(|r| r.abs() < ALONE);
+        for pair in &case.pairs {
+            let r = pair.correlation[0][0] - case.expected_correlation(pair.places);
+            let is_alone = pair.correlation.iter().all(|side| side[1..].iter().all(|other| other.abs() < ALONE));
+            if r.abs() < COMMON || !is_alone || !pair.places.iter().all(|&place| is_white(place)) {
+                continue;
+            }
+            let (one, other) = (case.sensors[pair.places[0]].sensor.key(), case.sensors[pair.places[1]].sensor.key());
+            let sentence = format!(
+                "the {one} and the {other} have noise in common: their innovations, each white, are correlated by {r:.2} within a sample, and \
              no setting mends that"
-        );
-        let likely = LikelyCause::new(cause, r.abs(), 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, ..likely });
-    }
-}
+            );
+            let likely = LikelyCause::new(cause, r.abs(), 0.0, Vec::new(), sentence);
+            found.push(LikelyCause { certain: true, ..likely });
+        }
+    },
+};
 
 pub(super) static WHITE_FORCE: Cause = Cause {
     key: "white_force",
@@ -289,8 +287,7 @@ pub(super) static PROCESS_NOISE: Cause = Cause {
 /// filtering.
 fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, filter) = (bad.case, bad.filter);
-    let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1);
-    let first = first.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let first = case.largest_first_correlation();
     // If a white force drives the motion, it is the motion's only process noise.
     let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
@@ -324,39 +321,35 @@ pub(super) static WIND_UP: Cause = Cause {
     key: "wind_up",
     name: "wind-up by fading",
     hint: "A fading memory forgets even while nothing is learnt. Switch it off, or give the parameters a process noise instead.",
-    likely_causes: wind_up,
+    likely_causes: |bad, cause, found| {
+        if bad.filter.fading <= 1.0 {
+            return;
+        }
+        let weight = bad.effect_of(|one| one.speaks_for == VerdictKind::WoundUp);
+        let fading = bad.filter.fading;
+        let fading = if fading < 1e6 { fading.to_string() } else { short(fading) };
+        let sentence = format!("the memory fades by λ = {fading} a sample while little is learnt");
+        let edits = vec![bad.edit("fading", 1.0)];
+        found.push(LikelyCause { certain: weight > 0.0, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
+    },
 };
-
-fn wind_up(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.fading <= 1.0 {
-        return;
-    }
-    let weight = bad.effect_of(|one| one.speaks_for == VerdictKind::WoundUp);
-    let fading = bad.filter.fading;
-    let fading = if fading < 1e6 { fading.to_string() } else { short(fading) };
-    let sentence = format!("the memory fades by λ = {fading} a sample while little is learnt");
-    let edits = vec![bad.edit("fading", 1.0)];
-    found.push(LikelyCause { certain: weight > 0.0, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
-}
 
 pub(super) static COLLAPSED_SAMPLE: Cause = Cause {
     key: "collapsed_sample",
     name: "a collapsed sample",
     hint: "Hardly a particle agrees with the measurements, and one stands for all. Take more of them, or a wider process noise.",
-    likely_causes: collapsed_sample,
+    likely_causes: |bad, cause, found| {
+        let sizes = bad.case.estimates.effective_samples();
+        let least = sizes.iter().copied().filter(|size| !size.is_nan()).fold(f64::INFINITY, f64::min);
+        if least == f64::INFINITY {
+            return;
+        }
+        let collapsed = bad.effect_of(|one| one.speaks_for == VerdictKind::Collapsed);
+        let particles = bad.filter.ensemble_size;
+        let more = (10 * particles).min(20_000);
+        let edits = vec![bad.edit("ensemble_size", more as i64)];
+        let sentence = format!("of {particles} particles as few as {} have had all the weight", short(least));
+        let weight = if collapsed > 0.0 || least < 3.0 { 0.9 } else { 0.3 };
+        found.push(LikelyCause { certain: weight > 0.5, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
+    },
 };
-
-fn collapsed_sample(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let sizes = bad.case.estimates.effective_samples();
-    let least = sizes.iter().copied().filter(|size| !size.is_nan()).fold(f64::INFINITY, f64::min);
-    if least == f64::INFINITY {
-        return;
-    }
-    let collapsed = bad.effect_of(|one| one.speaks_for == VerdictKind::Collapsed);
-    let particles = bad.filter.ensemble_size;
-    let more = (10 * particles).min(20_000);
-    let edits = vec![bad.edit("ensemble_size", more as i64)];
-    let sentence = format!("of {particles} particles as few as {} have had all the weight", short(least));
-    let weight = if collapsed > 0.0 || least < 3.0 { 0.9 } else { 0.3 };
-    found.push(LikelyCause { certain: weight > 0.5, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
-}

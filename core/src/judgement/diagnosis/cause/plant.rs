@@ -130,11 +130,6 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-struct Oscillator {
-    frequency: f64,
-    size: f64,
-}
-
 struct Component {
     key: &'static str,
     parameter: Option<[&'static str; 3]>,
@@ -142,31 +137,30 @@ struct Component {
     std: f64,
 }
 
-impl Oscillator {
-    fn of(bad: &BadFilter<'_>) -> Option<Self> {
-        let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
-        let (frequency, size) = (bad.frequency()?, bad.size());
-        let is_linear = believed == PlantKind::SDOF && bad.filter.kind != FilterKind::KF;
-        (is_linear && size > 0.0 && size.is_finite() && frequency > 0.0).then_some(Self { frequency, size })
-    }
+/// The natural frequency \[rad/s\] and the root mean square of the displacement \[m\], where the plant is one linear oscillator.
+fn oscillator(bad: &BadFilter<'_>) -> Option<(f64, f64)> {
+    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let (frequency, size) = (bad.frequency()?, bad.size());
+    let is_linear = believed == PlantKind::SDOF && bad.filter.kind != FilterKind::KF;
+    (is_linear && size > 0.0 && size.is_finite() && frequency > 0.0).then_some((frequency, size))
+}
 
-    fn edits(&self, bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Vec<Edit> {
-        let text = |text: &str| Value::String(text.to_owned());
-        let of_parameter = |one: &Component| {
-            let [name, unit, sign] = one.parameter?;
-            let entries =
-                [("name", name), ("unit", unit), ("sign", sign)].map(|(key, entry)| (key.to_owned(), text(entry)));
-            Some((one.key.to_owned(), Value::Table(Table::from_iter(entries))))
-        };
-        let parameters: Table = components.iter().filter_map(of_parameter).collect();
-        let plant = [("equation", text(equation)), ("parameters", Value::Table(parameters))];
-        let plant = plant.map(|(key, value)| (key.to_owned(), value));
-        let mut edits = vec![bad.edit("plant", Table::from_iter(plant))];
-        for Component { key, mean, std, .. } in components {
-            edits.extend(bad.begins(key, *mean, *std));
-        }
-        edits
+fn edits_of(bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Vec<Edit> {
+    let text = |text: &str| Value::String(text.to_owned());
+    let of_parameter = |one: &Component| {
+        let [name, unit, sign] = one.parameter?;
+        let entries =
+            [("name", name), ("unit", unit), ("sign", sign)].map(|(key, entry)| (key.to_owned(), text(entry)));
+        Some((one.key.to_owned(), Value::Table(Table::from_iter(entries))))
+    };
+    let parameters: Table = components.iter().filter_map(of_parameter).collect();
+    let plant = [("equation", text(equation)), ("parameters", Value::Table(parameters))];
+    let plant = plant.map(|(key, value)| (key.to_owned(), value));
+    let mut edits = vec![bad.edit("plant", Table::from_iter(plant))];
+    for Component { key, mean, std, .. } in components {
+        edits.extend(bad.begins(key, *mean, *std));
     }
+    edits
 }
 
 /// A term of one more parameter that the equation of a linear oscillator may lack.
@@ -263,8 +257,7 @@ pub(super) static DAMPING_OF_SWING: Cause = Cause {
 const SLOW: f64 = 0.05;
 
 fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(oscillator) = Oscillator::of(bad) else { return };
-    let Oscillator { frequency, size } = oscillator;
+    let Some((frequency, size)) = oscillator(bad) else { return };
     // Two digits, as a person would write it.
     let slow = SLOW * frequency * size;
     let scaled = format!("{slow:.1e}");
@@ -275,7 +268,7 @@ fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
         let equation = format!("x'' + 2 ζ ωₙ x' + ωₙ² x + {} = f", term.replace('@', &slow));
         let std = std(frequency, size);
         let component = Component { key, parameter: Some(*parameter), mean: mean * std, std };
-        let edits = oscillator.edits(bad, &equation, &[component]);
+        let edits = edits_of(bad, &equation, &[component]);
         found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 1.0, edits, (*sentence).to_owned()));
     }
 }
@@ -285,7 +278,17 @@ pub(super) static PERIODIC_FORCE: Cause = Cause {
     name: "a periodic force that is not recorded",
     hint: "A motor or the mains push in a line of the spectrum, which the plant has no mode for. Take an equation in which a second \
            oscillator without damping is that force: its frequency is estimated too.",
-    likely_causes: periodic_force,
+    likely_causes: |bad, cause, found| {
+        let Some((frequency, size)) = oscillator(bad) else { return };
+        let Some((_, line)) = bad.line().filter(|(height, line)| *height >= LINE && *line > 0.0) else { return };
+        let weight = 0.6 * bad.effect_of_lines();
+        // The force that moves the oscillator as far as it goes at that frequency.
+        let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
+        let components = swing(bad, force, [line, 0.01], "frequency of the force");
+        let edits = edits_of(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);
+        let sentence = format!("a periodic force acts that the record lacks, at {} rad/s", short(line));
+        found.push(LikelyCause::new(cause, weight, 3.0, edits, sentence));
+    },
 };
 
 pub(super) static SWINGING_STIFFNESS: Cause = Cause {
@@ -310,30 +313,17 @@ fn swing(bad: &BadFilter<'_>, size: f64, [frequency, share]: [f64; 2], name: &'s
     ]
 }
 
-fn periodic_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(oscillator) = Oscillator::of(bad) else { return };
-    let Some((_, line)) = bad.line().filter(|(height, line)| *height >= LINE && *line > 0.0) else { return };
-    let weight = 0.6 * bad.effect_of_lines();
-    let Oscillator { frequency, size } = oscillator;
-    // The force that moves the oscillator as far as it goes at that frequency.
-    let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
-    let components = swing(bad, force, [line, 0.01], "frequency of the force");
-    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);
-    let sentence = format!("a periodic force acts that the record lacks, at {} rad/s", short(line));
-    found.push(LikelyCause::new(cause, weight, 3.0, edits, sentence));
-}
-
 /// A swing of the stiffness at w makes lines at w - ωₙ and w + ωₙ.
 fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let Some((frequency, _)) = oscillator(bad) else { return };
     let Some((_, line)) = bad.line().filter(|(height, _)| *height >= LINE) else { return };
     let estimates = bad.case.estimates;
     let place = estimates.place(Channel::NATURAL_FREQUENCY);
-    let own = place.map_or(oscillator.frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
+    let own = place.map_or(frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
     for frequency in [line + own, (line - own).abs()].into_iter().filter(|frequency| *frequency > 0.1 * own) {
         let components = swing(bad, 0.3, [frequency, 0.04], "frequency of the swing");
         let equation = "x'' + 2 ζ ωₙ x' + ωₙ² (1 + u) x = f; u' = s; s' = -w² u";
-        let edits = oscillator.edits(bad, equation, &components);
+        let edits = edits_of(bad, equation, &components);
         let sentence = format!("the stiffness swings with time, at about {} rad/s", short(frequency));
         found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 3.0, edits, sentence));
     }
@@ -348,14 +338,13 @@ pub(super) static CREEP: Cause = Cause {
 };
 
 fn creep(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(oscillator) = Oscillator::of(bad) else { return };
-    let Oscillator { frequency, size } = oscillator;
+    let Some((frequency, size)) = oscillator(bad) else { return };
     let components = [
         Component { key: "z", parameter: None, mean: 0.0, std: frequency * size },
         Component { key: "b", parameter: Some(["late damping", "1/s", "any"]), mean: 0.0, std: 0.3 * frequency },
         Component { key: "a", parameter: Some(["corner", "rad/s", "positive"]), mean: frequency, std: 0.5 * frequency },
     ];
-    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + b z = f; z' = a (x' - z)", &components);
+    let edits = edits_of(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + b z = f; z' = a (x' - z)", &components);
     let sentence = "a part of the damping follows the motion late".to_owned();
     let likely = LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 2.0, edits, sentence);
     found.push(LikelyCause { softens: true, ..likely });

@@ -237,23 +237,21 @@ pub(super) static WRAPS: Cause = Cause {
     name: "an angle that wraps",
     hint: "An encoder begins again after each turn, and its readings jump from one end to the other. Add a turn at each jump, as an \
            import does.",
-    likely_causes: wraps,
-};
-
-fn wraps(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    for (place, one) in bad.case.sensors.iter().enumerate() {
-        let Some(readings) = Readings::of(bad.case, place) else { continue };
-        let Some((count, turn)) = readings.turns() else { continue };
-        let sentence = format!(
-            "the readings of the {} jump {count} times from one end to the other, by about {}: an angle that wraps, and no setting \
+    likely_causes: |bad, cause, found| {
+        for (place, one) in bad.case.sensors.iter().enumerate() {
+            let Some(readings) = Readings::of(bad.case, place) else { continue };
+            let Some((count, turn)) = readings.turns() else { continue };
+            let sentence = format!(
+                "the readings of the {} jump {count} times from one end to the other, by about {}: an angle that wraps, and no setting \
              mends that",
-            one.sensor.key(),
-            short(turn)
-        );
-        let likely = LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, of_record: true, ..likely });
-    }
-}
+                one.sensor.key(),
+                short(turn)
+            );
+            let likely = LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence);
+            found.push(LikelyCause { certain: true, of_record: true, ..likely });
+        }
+    },
+};
 
 /// The readings of one sensor over the diagnosed samples, and its normalised innovations `e/√S`; NaN where there is none.
 struct Readings {

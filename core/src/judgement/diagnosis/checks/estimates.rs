@@ -1,11 +1,10 @@
-//! Whether the estimates and their covariance are possible, and follow from the record.
+//! Whether the estimates and their covariance are possible, and follow from the record; whether particles still represent a belief.
 
 use std::f64::consts::PI;
 
-use crate::judgement::diagnosis::case::Case;
-use crate::judgement::diagnosis::distributions::{chi_squared_p, normal_p};
+use super::{Evidence, Subject, Test};
+use crate::judgement::diagnosis::case::{Case, chi_squared_p, normal_p};
 use crate::judgement::diagnosis::errors::ChannelErrors;
-use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::judgement::diagnosis::parts::{Chosen, PARTS};
 use crate::judgement::words::{percent, short};
 use crate::numbers::diagnostics::chi_squared;
@@ -28,18 +27,14 @@ fn divergence(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     if let Some(stop) = case.diagnostics.stop() {
         let time = short(case.record.time_of(stop.sample));
         let sentence = format!("{}; the filter stopped at {time} s", stop.reason);
-        found.push(all.certain(VerdictKind::Diverged, f64::MAX, sentence));
+        found.push(all.certain(VerdictKind::Diverged, f64::MAX, f64::MAX, sentence));
     }
     for (channel, in_stds, size) in case.diagnostics.lost(case.estimates, LOST) {
         let unit = channel.unit();
         let space = if unit.is_empty() { "" } else { " " };
         let sentence = format!("the {} is off by {}{space}{unit}, {}σ", channel.name(), short(size), short(in_stds));
-        let one = Evidence::new(test, Subject::Channel(channel), case).certain(
-            VerdictKind::Diverged,
-            in_stds / LOST,
-            sentence,
-        );
-        found.push(Evidence { samples: case.late(), ..one });
+        let one = Evidence { samples: case.late(), ..Evidence::new(test, Subject::Channel(channel), case) };
+        found.push(one.certain(VerdictKind::Diverged, in_stds / LOST, in_stds / LOST, sentence));
     }
 }
 
@@ -68,12 +63,15 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let space = if unit.is_empty() { "" } else { " " };
         let start = case.estimates.initial_mean(place).abs().max(2.0 * case.estimates.initial_std(place));
         let nyquist = PI / case.record.dt();
-        let evidence = || Evidence { samples: late.clone(), ..Evidence::new(test, Subject::Channel(channel), case) };
+        let mut push = |effect: f64, sentence: String| {
+            let one = Evidence { samples: late.clone(), ..Evidence::new(test, Subject::Channel(channel), case) };
+            found.push(one.certain(VerdictKind::Lost, effect, effect, sentence));
+        };
         if !mean.is_finite() {
-            found.push(evidence().certain(VerdictKind::Lost, f64::MAX, format!("the {name} is no number")));
+            push(f64::MAX, format!("the {name} is no number"));
         } else if start > 0.0 && mean.abs() > FAR * start {
             let sentence = format!("the {name} is {}{space}{unit}, more than 1000 times any start", short(mean.abs()));
-            found.push(evidence().certain(VerdictKind::Lost, mean.abs() / (FAR * start), sentence));
+            push(mean.abs() / (FAR * start), sentence);
         } else if channel == Channel::NATURAL_FREQUENCY {
             let sentence = format!(
                 "the {name} is {} rad/s; samples {} s apart show nothing above {} rad/s",
@@ -81,7 +79,7 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 short(case.record.dt()),
                 short(nyquist)
             );
-            found.push(evidence().certain(VerdictKind::Lost, mean.abs() / nyquist, sentence));
+            push(mean.abs() / nyquist, sentence);
         }
         if channel.is_positive() && case.estimates.initial_std(place) > 0.0 {
             let below = late.clone().map(|k| -means[k] / case.estimates.std(k, place)).fold(f64::INFINITY, f64::min);
@@ -90,7 +88,7 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let sentence =
                 format!("the {name} is negative, {}{space}{unit} ± {}{whose}", short(mean), short(2.0 * std));
             if below > 0.0 {
-                found.push(evidence().certain(VerdictKind::Lost, below / BELOW, sentence));
+                push(below / BELOW, sentence);
             }
         }
     }
@@ -126,7 +124,22 @@ pub(super) static ELLIPSOID: Test = Test {
     distribution: "95 % on average over many runs; errors of one run are much alike from sample to sample",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
     reading: "near 95 % is right; below a half, the truth is outside what the filter holds possible most of the time",
-    run: ellipsoid,
+    run: |case, test, found| {
+        let Some(share) = case.share_in_ellipsoid() else { return };
+        let late = case.diagnostics.nees_within(case.part(PARTS / 2).start..case.samples.end);
+        let degrees = late.degrees.checked_div(late.samples).unwrap_or(0);
+        let all_inside = case.errors.iter().all(|one| one.level(&case.kept) < 1.0);
+        let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
+        found.push(Evidence {
+            statistic: share,
+            // The errors of one record count as a single one.
+            p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
+            effect: if share > 0.0 { limit / share } else { f64::MAX },
+            speaks_for: VerdictKind::Overconfident,
+            sentence: format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share)),
+            ..Evidence::new(test, Subject::All, case)
+        });
+    },
 };
 
 fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
@@ -177,23 +190,6 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-fn ellipsoid(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(share) = case.share_in_ellipsoid() else { return };
-    let late = case.diagnostics.nees_within(case.part(PARTS / 2).start..case.samples.end);
-    let degrees = late.degrees.checked_div(late.samples).unwrap_or(0);
-    let all_inside = case.errors.iter().all(|one| one.level(&case.kept) < 1.0);
-    let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
-    found.push(Evidence {
-        statistic: share,
-        // The errors of one record count as a single one.
-        p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
-        effect: if share > 0.0 { limit / share } else { f64::MAX },
-        speaks_for: VerdictKind::Overconfident,
-        sentence: format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share)),
-        ..Evidence::new(test, Subject::All, case)
-    });
-}
-
 const BELOW_BOUND: f64 = 3.0;
 
 pub(super) static BOUND: Test = Test {
@@ -217,12 +213,8 @@ fn bound(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let ratio = floor / std;
         let sentence =
             format!("σ of the {} is {} times the least that any filter can reach", channel.name(), short(1.0 / ratio));
-        let one = Evidence::new(test, Subject::Channel(channel), case).certain(
-            VerdictKind::Overconfident,
-            ratio / BELOW_BOUND,
-            sentence,
-        );
-        found.push(Evidence { statistic: ratio, ..one });
+        let one = Evidence::new(test, Subject::Channel(channel), case);
+        found.push(one.certain(VerdictKind::Overconfident, ratio / BELOW_BOUND, ratio, sentence));
     }
 }
 
@@ -240,7 +232,25 @@ pub(super) static WIND_UP: Test = Test {
     distribution: "none: it is below 1 where anything is learnt",
     source: "Parkum, Poulsen and Holst (1992), Recursive forgetting algorithms, International Journal of Control 55",
     reading: "above 1 and growing: the filter forgets faster than the sensors tell anew",
-    run: wind_up,
+    run: |case, test, found| {
+        let Some(last) = case.last() else { return };
+        let is_estimated = |channel: Channel| channel.is_parameter() && !case.estimates.considers(channel);
+        for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| is_estimated(**c)) {
+            let first = case.estimates.initial_std(place);
+            let (third, now) =
+                (case.estimates.std(case.samples.start + case.len() * 2 / 3, place), case.estimates.std(last, place));
+            let growth = now / first;
+            let size = case.estimates.canonical_mean(last, place).abs();
+            let unbounded = now > GROWS * third || now > 0.5 * size;
+            let effect = if unbounded { growth / GROWN } else { 0.0 };
+            if first > 0.0 && growth.is_finite() {
+                let grows = if now > GROWS * third { " and grows" } else { "" };
+                let sentence = format!("σ of the {} is {} times that at first{grows}", channel.name(), short(growth));
+                let one = Evidence::new(test, Subject::Channel(channel), case);
+                found.push(one.certain(VerdictKind::WoundUp, effect, growth, sentence));
+            }
+        }
+    },
 };
 
 pub(super) static UNLEARNT: Test = Test {
@@ -251,27 +261,6 @@ pub(super) static UNLEARNT: Test = Test {
     reading: "near 1: the record does not tell, since nothing excites what the parameter does",
     run: unlearnt,
 };
-
-fn wind_up(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.last() else { return };
-    let is_estimated = |channel: Channel| channel.is_parameter() && !case.estimates.considers(channel);
-    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| is_estimated(**c)) {
-        let first = case.estimates.initial_std(place);
-        let (third, now) =
-            (case.estimates.std(case.samples.start + case.len() * 2 / 3, place), case.estimates.std(last, place));
-        let growth = now / first;
-        let size = case.estimates.canonical_mean(last, place).abs();
-        let unbounded = now > GROWS * third || now > 0.5 * size;
-        let effect = if unbounded { growth / GROWN } else { 0.0 };
-        if first > 0.0 && growth.is_finite() {
-            let grows = if now > GROWS * third { " and grows" } else { "" };
-            let sentence = format!("σ of the {} is {} times that at first{grows}", channel.name(), short(growth));
-            let one =
-                Evidence::new(test, Subject::Channel(channel), case).certain(VerdictKind::WoundUp, effect, sentence);
-            found.push(Evidence { statistic: growth, ..one });
-        }
-    }
-}
 
 fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(last) = case.last() else { return };
@@ -291,12 +280,9 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let when =
             if learnt.is_some() { format!(", and nothing is learnt since {} s", short(time)) } else { String::new() };
         let sentence = format!("σ of the {} is still {} times that at first{when}", channel.name(), short(share));
-        let one = Evidence::new(test, Subject::Channel(channel), case).certain(
-            VerdictKind::NotIdentifiable,
-            share / UNLEARNT_SHARE,
-            sentence,
-        );
-        found.push(Evidence { statistic: share, samples: since..case.samples.end, ..one });
+        let samples = since..case.samples.end;
+        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+        found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
     }
 }
 
@@ -312,23 +298,21 @@ pub(super) static RECOVERY: Test = Test {
     distribution: "none",
     source: "Basseville and Nikiforov (1993), Detection of Abrupt Changes",
     reading: "a run of surprises that ends: something changed, and the filter followed",
-    run: recovery,
+    run: |case, test, found| {
+        let Some(samples) = case.forgiven_samples() else { return };
+        let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
+        let (level, of_innovations) = level_of_innovations(case);
+        let (off, of_errors) = largest_error(case);
+        let is_error = off > MENTIONED && CALM.contains(&level);
+        let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
+        if !statistic.is_finite() {
+            return;
+        }
+        let sentence = format!("between {from} s and {to} s {what}; it has recovered");
+        let one = Evidence { samples, ..Evidence::new(test, Subject::All, case) };
+        found.push(one.certain(VerdictKind::Recovered, 1.0, statistic, sentence));
+    },
 };
-
-fn recovery(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(samples) = case.forgiven_samples() else { return };
-    let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
-    let (level, of_innovations) = level_of_innovations(case);
-    let (off, of_errors) = largest_error(case);
-    let is_error = off > MENTIONED && CALM.contains(&level);
-    let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
-    if !statistic.is_finite() {
-        return;
-    }
-    let sentence = format!("between {from} s and {to} s {what}; it has recovered");
-    let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Recovered, 1.0, sentence);
-    found.push(Evidence { statistic, samples, ..one });
-}
 
 /// Over their expectation, in the forgiven parts, with words: those of one sensor, if all together are as expected.
 fn level_of_innovations(case: &Case<'_>) -> (f64, String) {
@@ -349,4 +333,125 @@ fn largest_error(case: &Case<'_>) -> (f64, String) {
     let known = case.errors.iter().map(of).filter(|(off, _)| !off.is_nan());
     let (off, name) = known.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, ""));
     (off, format!("the {name} is {} times its σ off", short(off)))
+}
+
+/// Limits the fall of σ from one sample to the next.
+const FALL: f64 = 100.0;
+
+const FEWEST: f64 = 2.0;
+
+/// Limits the successive measurements with an effective sample size below [`FEWEST`].
+const A_WHILE: usize = 10;
+
+pub(super) static SAMPLE: Test = Test {
+    name: "the sample of particles",
+    statistic: "the largest fall of a σ from one sample to the next; the least effective sample size",
+    distribution: "none",
+    source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems",
+    reading: "a fall by more than 100, or less than 2 particles for a while: one particle stands for all, and σ says nothing",
+    run: sample,
+};
+
+fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    if case.estimates.effective_samples().is_empty() {
+        return;
+    }
+    let sizes = &case.estimates.effective_samples()[case.samples.clone()];
+    let fall_of = |(place, channel): (usize, &Channel)| {
+        let variances = &case.estimates.variances(place)[case.samples.clone()];
+        let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
+        let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((fall.sqrt(), k + 1, *channel))
+    };
+    let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
+    if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        let at = case.samples.start + k;
+        let time = short(case.record.time(at));
+        let with = match sizes[k] {
+            size if size.is_nan() => "where nothing is measured".to_owned(),
+            size => format!("with {} particles in effect", short(size)),
+        };
+        let sentence = format!("σ of the {} falls by {} times at {time} s, {with}", channel.name(), short(fall));
+        let samples = at..case.samples.end;
+        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+        found.push(one.certain(VerdictKind::Collapsed, fall / FALL, fall, sentence));
+    }
+    let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
+    for &size in sizes.iter().filter(|size| !size.is_nan()) {
+        present = if size < FEWEST { present + 1 } else { 0 };
+        longest = longest.max(present);
+        least = size.min(least);
+    }
+    let sentence =
+        format!("the effective sample size goes down to {}, and stays below 2 for {longest} samples", short(least));
+    let one = Evidence::new(test, Subject::All, case);
+    found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, least, sentence));
+}
+
+/// Limits the share of the shrinking that resampling alone explains.
+const SHARE: f64 = 0.25;
+
+/// Limits the factor on σ that resampling alone explains.
+const TIMES: f64 = 3.0;
+
+/// Limits the relative loss of a variance in one sample.
+const MOST: f64 = 1.0 - 1e-6;
+
+pub(super) static DIVERSITY: Test = Test {
+    name: "diversity of the particles",
+    statistic: "D = Σ -½ ln(1 - 1/N_eff) over all resamplings, as a share of D + Σ -½ ln(1 - K S Kᵀ / P) over all updates",
+    distribution: "none: D is 0 for infinitely many particles",
+    source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems; Liu and West (2001)",
+    reading: "a sample of N_eff particles has, on average, 1/N_eff less variance than what it is drawn from; where these losses \
+              explain a quarter of how σ has shrunk, it says how few particles are left and not what is known",
+    run: diversity,
+};
+
+fn diversity(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    let estimates = case.estimates;
+    if estimates.effective_samples().is_empty() {
+        return;
+    }
+    let resamples = |size: &&f64| **size < 0.5 * estimates.particles() as f64;
+    let sizes = &estimates.effective_samples()[case.samples.clone()];
+    let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
+    for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
+        let learnt: f64 =
+            (case.samples.start + 1..case.samples.end).map(|k| shrinks_by(learnt_share(case, k, place))).sum();
+        let share = lost / (lost + learnt);
+        if share.is_nan() {
+            continue;
+        }
+        let times = libm::exp(lost.min(700.0));
+        let sentence = format!(
+            "resampling alone makes σ of the {} {} times smaller, {} of all its shrinking",
+            channel.name(),
+            short(times),
+            percent(share)
+        );
+        let effect = (share / SHARE).min(lost / libm::log(TIMES));
+        let one = Evidence::new(test, Subject::Channel(channel), case);
+        found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
+    }
+}
+
+/// The share by which the measurements of sample `k` reduce the variance of the channel at `place`: K S Kᵀ / P.
+fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {
+    let (n, m) = (case.estimates.channels().len(), case.estimates.sensors().len());
+    let (gain, cov) = (case.estimates.gain(k), case.estimates.innovation_cov(k));
+    let innovation = case.estimates.innovation(k);
+    let of = |i: usize| if innovation[i].is_nan() { 0.0 } else { gain[i * n + place] };
+    let mut taken = 0.0;
+    for i in (0..m).filter(|&i| of(i) != 0.0) {
+        for j in (0..m).filter(|&j| of(j) != 0.0) {
+            taken += of(i) * cov[i * m + j] * of(j);
+        }
+    }
+    let variance = case.estimates.variances(place)[k - 1];
+    if taken > 0.0 { taken / variance } else { 0.0 }
+}
+
+/// The decrease of ln σ if the variance loses this share.
+fn shrinks_by(share: f64) -> f64 {
+    -0.5 * libm::log(1.0 - share.min(MOST))
 }

@@ -1,9 +1,8 @@
 //! Whether innovations are as a consistent filter leaves them: as large as expected, zero on average, white, without the input.
 
+use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
-use crate::judgement::diagnosis::case::Case;
-use crate::judgement::diagnosis::distributions::{chi_squared_p, normal_p};
-use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
+use crate::judgement::diagnosis::case::{Case, chi_squared_p, normal_p};
 use crate::judgement::diagnosis::innovations::SensorInnovations;
 use crate::judgement::diagnosis::parts::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS};
 use crate::judgement::words::short;
@@ -18,7 +17,18 @@ pub(super) static SENSORS: Test = Test {
     distribution: "χ² with one degree of freedom a measurement, over their number",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
     reading: "1 is right; above, the sensor surprises the filter, and below, the filter trusts it too little",
-    run: sensors,
+    run: |case, test, found| {
+        for one in &case.sensors {
+            for span in case.spans() {
+                let (level, count) = (one.level(&span.parts), one.count(&span.parts));
+                if count > 0.0 {
+                    let evidence = Evidence::over(test, Subject::Sensor(one.sensor), &span);
+                    let words = format!("of the {}{}", one.sensor.key(), span.words);
+                    found.push(sized(case, evidence, (level, count), &words));
+                }
+            }
+        }
+    },
 };
 
 pub(super) static TOGETHER: Test = Test {
@@ -29,19 +39,6 @@ pub(super) static TOGETHER: Test = Test {
     reading: "1 is right; a sensor that is trusted too much can hide one that is trusted too little",
     run: together,
 };
-
-fn sensors(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        for span in case.spans() {
-            let (level, count) = (one.level(&span.parts), one.count(&span.parts));
-            if count > 0.0 {
-                let evidence = Evidence::over(test, Subject::Sensor(one.sensor), &span);
-                let words = format!("of the {}{}", one.sensor.key(), span.words);
-                found.push(sized(case, evidence, (level, count), &words));
-            }
-        }
-    }
-}
 
 fn together(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let (level, degrees) = case.nis(&case.kept);
@@ -71,26 +68,24 @@ pub(super) static MEAN: Test = Test {
     distribution: "standard normal",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
     reading: "not zero: a sensor has a bias, or the input an offset",
-    run: mean,
-};
-
-fn mean(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
-        if count == 0.0 {
-            continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
+            if count == 0.0 {
+                continue;
+            }
+            let statistic = mean * count.sqrt();
+            found.push(Evidence {
+                statistic,
+                p_value: normal_p(statistic),
+                effect: mean.abs() / OFF_ZERO,
+                speaks_for: case.pattern(one),
+                sentence: format!("the innovations of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
+                ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+            });
         }
-        let statistic = mean * count.sqrt();
-        found.push(Evidence {
-            statistic,
-            p_value: normal_p(statistic),
-            effect: mean.abs() / OFF_ZERO,
-            speaks_for: case.pattern(one),
-            sentence: format!("the innovations of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
-    }
-}
+    },
+};
 
 const CORRELATED: f64 = 0.08;
 
@@ -175,15 +170,12 @@ pub(super) static AT_ONCE: Test = Test {
     distribution: "standard normal",
     source: "Fisher (1921), On the probable error of a coefficient of correlation",
     reading: "noise that is common to both sensors, or a force that both feel and R does not know",
-    run: at_once,
-};
-
-fn at_once(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for pair in case.pairs.iter().filter(|pair| pair.count >= 2.0 * LAGS as f64) {
-        let (r, expected) = (pair.correlation[0][0], case.expected_correlation(pair.places));
-        let [one, other] = pair.places.map(|place| &case.sensors[place]);
-        let statistic = (r - expected) * pair.count.sqrt() / (1.0 - expected * expected).max(1e-3);
-        found.push(Evidence {
+    run: |case, test, found| {
+        for pair in case.pairs.iter().filter(|pair| pair.count >= 2.0 * LAGS as f64) {
+            let (r, expected) = (pair.correlation[0][0], case.expected_correlation(pair.places));
+            let [one, other] = pair.places.map(|place| &case.sensors[place]);
+            let statistic = (r - expected) * pair.count.sqrt() / (1.0 - expected * expected).max(1e-3);
+            found.push(Evidence {
             statistic,
             p_value: normal_p(statistic),
             effect: (r - expected).abs() / CORRELATED,
@@ -195,8 +187,9 @@ fn at_once(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             ),
             ..Evidence::new(test, Subject::Sensor(one.sensor), case)
         });
-    }
-}
+        }
+    },
+};
 
 /// Limits the innovations² of all sensors, relative to their expectation, up to which those of one sensor may decide.
 const ABOUT_RIGHT: f64 = 1.05;

@@ -1,8 +1,13 @@
-//! Random ensembles of filters that the engine serves, from seeds.
+//! Random ensembles of filters that the engine serves, from seeds; lanes held to the same filters over plain numbers, and alone.
 
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::filter::{Adaptation, Robust};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal};
+use kalmanscope_core::internals::engine::{self, Baseline, Setup};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Record, Scenario, Signal,
+};
+use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
 
 pub(crate) struct Draw(pub(crate) u64);
 
@@ -142,4 +147,56 @@ fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], dr
         filter.sensor_std.fill(1e-170);
     }
     filter
+}
+
+/// The runs of all filters of a scenario.
+pub(crate) fn runs_of<'a>(scenario: &'a Scenario, record: &'a Record) -> Vec<LaneRun<'a>> {
+    (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect()
+}
+
+fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
+    let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
+    let run = engine::Run { setup: &setup, record: run.record };
+    engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
+}
+
+pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
+    let last = runs[0].record.len() - 1;
+    let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
+    let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
+    for level in Level::available() {
+        let lanes = outcomes_with(level, runs, &samples).unwrap();
+        assert_eq!(lanes.len(), singles.len());
+        for (place, (lane, single)) in lanes.iter().zip(&singles).enumerate() {
+            assert_eq!(bits(lane), bits(single), "{what}, run {place} at {level:?}\n{lane:?}\n{single:?}");
+        }
+    }
+    singles
+}
+
+pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
+    let runs = runs_of(scenario, record);
+    for (place, lane) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().enumerate() {
+        let alone = Outcome::of(scenario, place, record).unwrap();
+        assert_eq!(bits(lane), bits(&alone), "{what}, filter {place}");
+    }
+    runs.len()
+}
+
+/// Every number of an outcome, bit by bit; all NaNs count as equal.
+pub(crate) fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
+    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, looks } = outcome;
+    let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
+    numbers.extend(mean.iter().chain(std));
+    for (_, score) in channels {
+        numbers.extend([score.error, score.std, score.rmse, score.coverage]);
+    }
+    for look in looks {
+        numbers.extend([look.nees, look.nis]);
+        numbers.extend(look.channels.as_flattened());
+    }
+    let settled: Vec<_> = channels.iter().map(|(channel, score)| (channel.key(), score.settled)).collect();
+    let counts = [nees.degrees, nees.samples, nis.degrees, nis.samples];
+    let rest = format!("{samples} {counts:?} {stop:?} {diverged} {settled:?}");
+    (numbers.iter().map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() }).collect(), rest)
 }

@@ -4,6 +4,7 @@
 use std::sync::LazyLock;
 
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Channel, FilterSettings, Hold, PlantKind, Quantity, Scenario, Signal};
 use kalmanscope_gpu::{Gpu, Software};
 
 static GPU: LazyLock<Gpu> = LazyLock::new(|| match pollster::block_on(Gpu::find(Software::Allowed)) {
@@ -26,6 +27,8 @@ pub(crate) struct Tally {
     /// Those of them that are to be close, and those that are.
     pub(crate) kept: usize,
     pub(crate) close: usize,
+    /// Those that the processor's filter has lost, or in which it has stopped.
+    pub(crate) lost: usize,
     pub(crate) worst: (f64, String),
 }
 
@@ -38,14 +41,36 @@ impl Tally {
         is_kept: impl Fn(C) -> bool,
     ) {
         self.runs += 1;
+        self.lost += usize::from(exact.diverged);
         if class(outcome) != class(exact) {
             return;
         }
         self.same += 1;
         if is_kept(class(exact)) {
-            self.kept += 1;
             self.compare(outcome, exact);
         }
+    }
+
+    pub(crate) fn same_share(&self) -> f64 {
+        self.same as f64 / self.runs as f64
+    }
+
+    pub(crate) fn close_share(&self) -> f64 {
+        self.close as f64 / self.kept as f64
+    }
+
+    /// Takes in the numbers of a run that is to be close: each with its name, the exact one, and their size.
+    pub(crate) fn keep(&mut self, numbers: impl IntoIterator<Item = (String, f64, f64, f64)>) {
+        let mut largest = 0.0_f64;
+        for (name, number, exact, size) in numbers {
+            let difference = if number == exact { 0.0 } else { (number - exact).abs() / size };
+            largest = if difference <= largest { largest } else { difference };
+            if largest > self.worst.0 {
+                self.worst = (largest, format!("{name} is {number} in place of {exact}"));
+            }
+        }
+        self.kept += 1;
+        self.close += usize::from(largest <= CLOSE);
     }
 
     fn compare(&mut self, outcome: &Outcome, exact: &Outcome) {
@@ -70,15 +95,19 @@ impl Tally {
             // A parameter that a filter rightly knows for certain has the error of single precision alone.
             pairs.push((format!("RMSE of {}", channel.key()), score.rmse, other.rmse, other.rmse.max(1e-5)));
         }
-        let mut largest = 0.0_f64;
-        for (name, number, exact, size) in pairs {
-            let is_same = number == exact || (number.is_nan() && exact.is_nan());
-            let difference = if is_same { 0.0 } else { (number - exact).abs() / size };
-            largest = if difference <= largest { largest } else { difference };
-            if largest > self.worst.0 {
-                self.worst = (largest, format!("{name} is {number} in place of {exact}"));
-            }
-        }
-        self.close += usize::from(largest <= CLOSE);
+        pairs.retain(|(_, number, exact, _)| !(number.is_nan() && exact.is_nan()));
+        self.keep(pairs);
     }
+}
+
+pub(crate) fn built_in(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
+    let filters = vec![FilterSettings::default()];
+    let mut scenario = Scenario { filters, hold, duration: 10.0, ..Scenario::default() };
+    scenario.filters[0].augment = augment.to_vec();
+    scenario.set_plant(plant);
+    scenario.set_sensors(quantities);
+    for &channel in augment {
+        scenario.plant.set(channel, Signal::Constant(channel.usual().mean + 0.2 * channel.usual().std));
+    }
+    scenario
 }
