@@ -1,6 +1,7 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
 use kalmanscope_core::diagnosis::{CAUSES, Cause};
+use kalmanscope_core::scenario::option::{EXCLUSIONS, FilterOption};
 use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
 use kalmanscope_core::{Channel, FilterKind, MeasureKind, PlantKind, Quantity, Robust, Scenario};
 
@@ -184,6 +185,16 @@ fn every_channel_and_quantity_is_in_its_table() {
         kept
     });
     assert_eq!(table(FORMAT, "| quantity | symbol | unit |"), of_first, "{}", of_first.join("\n"));
+}
+
+#[test]
+fn every_exclusion_of_options_is_in_its_table() {
+    let row = |(first, others, reason): &(&FilterOption, &[&FilterOption], &str)| {
+        let keys: Vec<String> = others.iter().map(|other| format!("`{}`", other.key)).collect();
+        format!("| {} | {} | {reason} |", first.words, keys.join(", "))
+    };
+    let rows: Vec<String> = EXCLUSIONS.iter().map(row).collect();
+    assert_eq!(table(FORMAT, "| a filter that | cannot have | since |"), rows, "{}", rows.join("\n"));
 }
 
 #[test]
