@@ -13,7 +13,7 @@ mod own_system;
 #[expect(dead_code, reason = "an example has a main function")]
 mod printer;
 
-use kalmanscope_core::filter::{FilterInfo, Particles, Way};
+use kalmanscope_core::filter::{Algorithm, FilterInfo, Particles};
 use kalmanscope_core::plant::{Plant, PlantInfo};
 use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Scenario};
 
@@ -60,7 +60,7 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
         evaluations: |settings, _| 4 * settings.ensemble_size,
         time: |settings, n| 75.0 * (settings.ensemble_size * n) as f64,
         has_propagation: false,
-        way: Way::Belief(|initial, settings, normal| {
+        algorithm: Algorithm::Belief(|initial, settings, normal| {
             Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
         }),
     };
@@ -105,7 +105,7 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
         evaluations: |_, _| 1,
         time: |_, _| 1000.0,
         has_propagation: false,
-        way: FilterKind::UKF.info().way,
+        algorithm: FilterKind::UKF.info().algorithm,
     };
     let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));
     assert!(plant != PlantKind::SDOF && plant == PlantKind::new(&Impostor) && kind != FilterKind::EKF);

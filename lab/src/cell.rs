@@ -141,7 +141,7 @@ impl CellTask {
             FilterPass::Sums(pass) => {
                 let outcome = pass.outcome();
                 if self.runner.needs_history() {
-                    self.runner.ensemble().trace().fill(nth, &outcome.looks, &mut self.row);
+                    self.runner.ensemble().trace().fill(nth, &outcome.sample_scores, &mut self.row);
                 } else {
                     self.runner.fill(nth, &run, &outcome, &mut self.row);
                 }

@@ -122,7 +122,7 @@ impl Runner {
                     if !trace.samples().is_empty()
                         && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
                     {
-                        trace.fill(nth, &outcome.looks, row);
+                        trace.fill(nth, &outcome.sample_scores, row);
                     }
                 }
             }
@@ -146,7 +146,7 @@ impl Runner {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
         self.fill_scores(nth, &scores, row);
-        self.ensemble.trace().fill(nth, &outcome.looks, row);
+        self.ensemble.trace().fill(nth, &outcome.sample_scores, row);
     }
 
     /// On the input of a given record, which was imported with the gain of the ensemble's scenario.

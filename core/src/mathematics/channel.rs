@@ -5,7 +5,7 @@ pub mod augment;
 use std::cmp::Ordering;
 use std::sync::{PoisonError, RwLock};
 
-use serde::{Deserialize, Deserializer, de};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::PlantKind;
 use crate::mathematics::registry::{hashed, keyed};
@@ -25,9 +25,11 @@ pub enum Role {
 }
 
 /// The allowed sign of a plant's parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Sign {
     /// Any number.
+    #[default]
     Any,
     /// At least zero.
     NotNegative,
@@ -82,7 +84,6 @@ pub struct Channel {
     mass: u8,
 }
 
-/// A word for each mass: as given for the first, with a number for the others.
 macro_rules! by_mass {
     ($word:literal, $space:literal) => {
         by_mass!($word; $word, $space, "")
@@ -91,7 +92,6 @@ macro_rules! by_mass {
         $crate::mathematics::channel::numbered!($first; concat!($word, $space); $after; "2" "3" "4" "5" "6" "7" "8" "9" "10")
     };
 }
-/// A symbol for each mass: as given for the first, with a subscript for the others.
 macro_rules! symbols_by_mass {
     ($first:literal, $symbol:literal) => {
         $crate::mathematics::channel::numbered!($first; $symbol; ""; "₂" "₃" "₄" "₅" "₆" "₇" "₈" "₉" "₁₀")
@@ -105,7 +105,6 @@ macro_rules! numbered {
 pub(crate) use {by_mass, numbered, symbols_by_mass};
 
 impl ChannelInfo {
-    /// A parameter with keys, names and symbols, which does not change its sign.
     pub(crate) const fn parameter(
         [keys, names, symbols]: [&'static [&'static str]; 3],
         unit: &'static str,

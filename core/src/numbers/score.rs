@@ -81,8 +81,8 @@ impl Scores {
     }
 
     /// The filter at the last sample.
-    pub fn look(&self) -> Look {
-        self.sums.look(0)
+    pub fn sample_score(&self) -> SampleScore {
+        self.sums.sample_score(0)
     }
 
     /// The accuracy of a channel. `None` if the truth is not known.
@@ -148,7 +148,7 @@ pub struct Outcome {
     /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
     pub std: Vec<f64>,
     /// The filter at the wanted samples, up to the last one that it reached.
-    pub looks: Vec<Look>,
+    pub sample_scores: Vec<SampleScore>,
 }
 
 /// The truth is lost above this error in standard deviations, if it is above the truth and the initial σ too.
@@ -199,7 +199,7 @@ impl ChannelSums {
 
 /// One filter at one sample of a record.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Look {
+pub struct SampleScore {
     /// NEES; NaN without a known truth.
     pub nees: f64,
     /// NIS; NaN without a measurement.
@@ -214,11 +214,11 @@ pub struct ScoredPass {
     pass: Pass,
     scores: Scores,
     samples: Vec<usize>,
-    looks: Vec<Look>,
+    sample_scores: Vec<SampleScore>,
 }
 
 impl ScoredPass {
-    /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
+    /// The filter at `place` of a scenario before the first sample of a record, to be scored after these samples, which are in
     /// order.
     ///
     /// # Errors
@@ -226,7 +226,7 @@ impl ScoredPass {
     pub fn new(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
         let scores = Scores::new(&Pass::history(scenario, place)?, record);
         let pass = Pass::new(scenario, place, record)?;
-        Ok(Self { pass, scores, samples: samples.to_vec(), looks: Vec::new() })
+        Ok(Self { pass, scores, samples: samples.to_vec(), sample_scores: Vec::new() })
     }
 
     /// The number of samples done, counted from the record's beginning.
@@ -237,15 +237,15 @@ impl ScoredPass {
     /// Goes on until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
-        let Self { pass, scores, samples: asked, looks } = self;
-        while let Some(&sample) = asked.get(looks.len()).filter(|sample| **sample < samples) {
+        let Self { pass, scores, samples: asked, sample_scores } = self;
+        while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
             pass.follow(record, sample.saturating_add(1), &mut scores.against(record));
             if scores.len() != sample.saturating_add(1) {
                 // The filter has stopped, or the record has ended.
-                asked.truncate(looks.len());
+                asked.truncate(sample_scores.len());
                 break;
             }
-            looks.push(scores.look());
+            sample_scores.push(scores.sample_score());
         }
         pass.follow(record, samples, &mut scores.against(record));
         pass.done() >= record.forgotten() + record.len()
@@ -253,7 +253,7 @@ impl ScoredPass {
 
     /// The outcome so far.
     pub fn outcome(self) -> Outcome {
-        Outcome { looks: self.looks, ..self.scores.outcome() }
+        Outcome { sample_scores: self.sample_scores, ..self.scores.outcome() }
     }
 }
 
@@ -279,7 +279,7 @@ impl Outcome {
         Self::at(scenario, place, record, &[])
     }
 
-    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
+    /// [`Self::of`], with the scores at each of these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

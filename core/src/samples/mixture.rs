@@ -231,7 +231,6 @@ impl Rule for Guesses {
     }
 }
 
-/// Filters that differ in the scale of Q alone, weighed by the posterior of the scale ([`NoiseScale`]).
 pub(crate) struct Scales {
     scale: NoiseScale,
     adaptation: Adaptation,

@@ -41,7 +41,6 @@ pub(crate) trait Smoother: Piecewise {
     /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
-    /// The share that is done, from 0 to 1.
     fn progress(&self, samples: usize) -> f64;
 
     /// Whether it takes in more samples later; else it needs the last one.
@@ -61,7 +60,6 @@ pub(crate) struct Forward {
     hindsight: Hindsight,
 }
 
-/// Smoothed beliefs in the units of the channels, between their bounds.
 pub(crate) struct Hindsight {
     in_units: Option<Box<InUnits>>,
     truncation: Truncation,
@@ -322,7 +320,6 @@ impl WayBack {
         Self { closed_loop: kept * transition, score: transition.tr_mul(score), information: gained }
     }
 
-    /// The way back over later passages and then over these.
     fn after(&self, later: &Self) -> Self {
         let mut gained = later.information.clone();
         congruence(&mut gained, &self.closed_loop);
@@ -448,7 +445,6 @@ impl Update {
     }
 }
 
-/// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
 pub(crate) struct Adjoint {
     pub(crate) score: Vector,
     pub(crate) information: Matrix,

@@ -243,7 +243,6 @@ impl Builder {
         without
     }
 
-    /// The operation on other operands, each by a function.
     fn rebuilt(&mut self, operation: Operation, of: &dyn Fn(&mut Self, Node) -> Node) -> Node {
         let mut both = |a, b| (of(self, a), of(self, b));
         match operation {

@@ -20,14 +20,21 @@ pub(super) enum Component {
     Displacement(usize),
     /// v of a mass, counted from 0.
     Velocity(usize),
-    /// A component with a rate of first order, by its key.
     Internal(String),
     Parameter(String),
 }
 
+impl Component {
+    pub(super) fn key(&self) -> Option<&String> {
+        match self {
+            Self::Internal(key) | Self::Parameter(key) => Some(key),
+            Self::Displacement(_) | Self::Velocity(_) => None,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Solved {
-    /// The components of the state: displacements, velocities, internal states, parameters.
     pub(super) components: Vec<Component>,
     pub(super) typed: Typed,
     pub(super) is_linear: bool,
@@ -166,16 +173,8 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
         return Err(EquationError::at(0, format!("there are {have} equations for {need} components that move")));
     }
     // ωₙ and ζ come first, as in built-in plants.
-    let of = |name: &str| Component::Parameter(name.to_owned());
-    let place = |one: &Component| {
-        if *one == of("omega_n") {
-            0
-        } else if *one == of("zeta") {
-            1
-        } else {
-            2
-        }
-    };
+    let place =
+        |one: &Component| one.key().map_or(2, |key| if key == "omega_n" { 0 } else { 1 + usize::from(key != "zeta") });
     sort_items(&mut parameters, |a, b| place(a).cmp(&place(b)));
     let count = masses.len();
     let displacements = (0..count).map(Component::Displacement).chain((0..count).map(Component::Velocity));

@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_numbers_and_signs_are_told_apart() {
+    fn names_numbers_and_signs_are_distinguished() {
         let of = |text: &str| tokens(text).map(|all| all.into_iter().map(|(_, token)| token).collect::<Vec<_>>());
         let name = |key: &str, primes| Token::Name(key.to_owned(), primes);
         assert_eq!(

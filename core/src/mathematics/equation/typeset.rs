@@ -171,7 +171,6 @@ impl Line {
         }
     }
 
-    /// A name with its dots, or with primes if it is too long for dots.
     fn name(&mut self, key: &str, primes: usize) {
         let (letters, below) = parts(key);
         let mut all = letters.chars();

@@ -1,84 +1,34 @@
 //! Names in equations: as they are typed, and as keys.
 
-const GREEK: [(char, &str); 24] = [
-    ('α', "alpha"),
-    ('β', "beta"),
-    ('γ', "gamma"),
-    ('δ', "delta"),
-    ('ε', "epsilon"),
-    ('ζ', "zeta"),
-    ('η', "eta"),
-    ('θ', "theta"),
-    ('ι', "iota"),
-    ('κ', "kappa"),
-    ('λ', "lambda"),
-    ('μ', "mu"),
-    ('ν', "nu"),
-    ('ξ', "xi"),
-    ('ο', "omicron"),
-    ('π', "pi"),
-    ('ρ', "rho"),
-    ('σ', "sigma"),
-    ('τ', "tau"),
-    ('υ', "upsilon"),
-    ('φ', "phi"),
-    ('χ', "chi"),
-    ('ψ', "psi"),
-    ('ω', "omega"),
+/// Greek letters; of the capitals, those that no Latin letter looks like.
+const GREEK: &str = "αβγδεζηθικλμνξοπρστυφχψωΓΔΘΛΞΠΣΦΨΩ";
+
+const NAMES: [&str; 34] = [
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "Gamma", "Delta", "Theta",
+    "Lambda", "Xi", "Pi", "Sigma", "Phi", "Psi", "Omega",
 ];
 
-const CAPITAL: [(char, &str); 10] = [
-    ('Γ', "Gamma"),
-    ('Δ', "Delta"),
-    ('Θ', "Theta"),
-    ('Λ', "Lambda"),
-    ('Ξ', "Xi"),
-    ('Π', "Pi"),
-    ('Σ', "Sigma"),
-    ('Φ', "Phi"),
-    ('Ψ', "Psi"),
-    ('Ω', "Omega"),
-];
+/// Subscripts, each with its character on the line.
+const SUBSCRIPTS: [&str; 2] = ["₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", "0123456789aehijklmnoprstuvx"];
+
+const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+fn place(letter: char, letters: &str) -> Option<usize> {
+    letters.chars().position(|other| other == letter)
+}
 
 pub(super) fn greek(letter: char) -> Option<&'static str> {
     // The micro sign is often typed for μ.
-    let letter = if letter == 'µ' { 'μ' } else { letter };
-    GREEK.iter().chain(&CAPITAL).find(|(greek, _)| *greek == letter).map(|(_, name)| *name)
+    place(if letter == 'µ' { 'μ' } else { letter }, GREEK).map(|place| NAMES[place])
 }
 
 pub(super) fn subscript(c: char) -> Option<char> {
-    Some(match c {
-        '₀'..='₉' => char::from(b'0' + u8::try_from(u32::from(c) - u32::from('₀')).ok()?),
-        'ₐ' => 'a',
-        'ₑ' => 'e',
-        'ₕ' => 'h',
-        'ᵢ' => 'i',
-        'ⱼ' => 'j',
-        'ₖ' => 'k',
-        'ₗ' => 'l',
-        'ₘ' => 'm',
-        'ₙ' => 'n',
-        'ₒ' => 'o',
-        'ₚ' => 'p',
-        'ᵣ' => 'r',
-        'ₛ' => 's',
-        'ₜ' => 't',
-        'ᵤ' => 'u',
-        'ᵥ' => 'v',
-        'ₓ' => 'x',
-        _ => return None,
-    })
+    place(c, SUBSCRIPTS[0]).and_then(|place| SUBSCRIPTS[1].chars().nth(place))
 }
 
 pub(super) fn superscript(c: char) -> Option<u32> {
-    match c {
-        '⁰' => Some(0),
-        '¹' => Some(1),
-        '²' => Some(2),
-        '³' => Some(3),
-        '⁴'..='⁹' => Some(u32::from(c) - u32::from('⁴') + 4),
-        _ => None,
-    }
+    place(c, SUPERSCRIPTS).map(|digit| digit as u32)
 }
 
 /// The letter below the dots of a character that has some, and their number.
@@ -126,11 +76,10 @@ pub(super) fn parts(key: &str) -> (String, String) {
         let letters = key.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         key.split_at(letters)
     });
-    let letter = GREEK.iter().chain(&CAPITAL).find(|(_, greek)| *greek == name);
+    let letter = GREEK.chars().zip(NAMES).find(|(_, greek)| *greek == name);
     (letter.map_or_else(|| name.to_owned(), |(greek, _)| greek.to_string()), below.to_owned())
 }
 
-/// The symbol of a key: `omega_n` is shown as `ωₙ`.
 pub(super) fn symbol(key: &str) -> String {
     let (first, below) = parts(key);
     let small = |c: char| ('\u{2080}'..='\u{209c}').chain('ᵢ'..='ᵥ').find(|&small| subscript(small) == Some(c));

@@ -128,7 +128,6 @@ static DUFFING_INFO: PlantInfo = PlantInfo {
 
 pub(super) const BOUC_WEN: BuiltIn = BuiltIn { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
 
-/// With exponent 1, β₁ and γ₁.
 pub(super) const BOUC_WEN_1: BuiltIn =
     BuiltIn { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 

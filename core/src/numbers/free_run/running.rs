@@ -99,7 +99,6 @@ impl Running {
     }
 }
 
-/// The first sample after a time \[s\].
 fn after(record: &Record, time: f64) -> usize {
     let k = libm::ceil((time - record.time(0)) / record.dt()).clamp(0.0, record.len() as f64) as usize;
     if k < record.len() && record.time(k) <= time { k + 1 } else { k }
@@ -147,7 +146,6 @@ impl Beginning {
         Self { part, scales, motion, rows, error: None, columns: Vec::new(), iterations: 0, trial }
     }
 
-    /// Makes a piece of an iteration. Returns whether the fit is done.
     fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
         // Without readings there is nothing to fit.
         if self.rows == 0 || self.motion.is_empty() {
@@ -244,7 +242,6 @@ fn beginning(record: &Record, part: &Range<usize>, readings: &[Option<Reading>])
     part.start..end.map_or(part.end, |end| end + 1).min(part.start + part.len() / 2)
 }
 
-/// The root mean square of the readings that are not missing, or 1.
 fn scale(measured: &[f64]) -> f64 {
     let values = measured.iter().filter(|value| !value.is_nan());
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));

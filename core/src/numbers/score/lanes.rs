@@ -9,7 +9,7 @@ use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::UpdateResult;
 use crate::numbers::score::lane_sums::{LogProducts, Scores};
-use crate::numbers::score::{Look, Outcome};
+use crate::numbers::score::{Outcome, SampleScore};
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::{FilterError, Record, Stop};
 
@@ -41,7 +41,7 @@ impl Run<'_> {
     }
 }
 
-/// The outcomes of some runs, at most as many as there are lanes, with looks at the filters at these samples, which are in
+/// The outcomes of some runs, at most as many as there are lanes, with the scores at these samples, which are in
 /// order. All must [go with](Run::goes_with) the first.
 pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
     let [first, ..] = runs else { return Vec::new() };
@@ -61,7 +61,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
         stopped: T::of(0.0),
         of_parts: LogProducts::new(),
         outcomes: vec![None; runs.len()],
-        looks: vec![Vec::new(); runs.len()],
+        sample_scores: vec![Vec::new(); runs.len()],
     };
     level.apart(
         #[inline(always)]
@@ -152,7 +152,7 @@ struct Batch<T: Number, L> {
     stopped: T,
     of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
-    looks: Vec<Vec<Look>>,
+    sample_scores: Vec<Vec<SampleScore>>,
 }
 
 impl<T: Number, L: Level> Batch<T, L> {
@@ -189,19 +189,19 @@ impl<T: Number, L: Level> Batch<T, L> {
             let belief = in_units.as_ref().map_or(&filter.belief, |in_units| &in_units.belief);
             scores.take_belief(*level, [&belief.mean, &belief.cov], &truth);
             while samples.next_if_eq(&k).is_some() {
-                self.look();
+                self.score_sample();
             }
         }
         self.finish()
     }
 
     fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
-        let Some(told) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
+        let Some(update) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
         let Self { level, scores, filter, .. } = self;
         level.apart(
             #[inline(always)]
             || {
-                scores.take_update([told.nis, told.determinant], told.measured, |lane| {
+                scores.take_update([update.nis, update.determinant], update.measured, |lane| {
                     filter.update.ln_determinant(lane)
                 });
             },
@@ -214,8 +214,8 @@ impl<T: Number, L: Level> Batch<T, L> {
         let mut squares = [T::of(0.0); 2];
         for (part, readings) in parts.iter() {
             measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
-            let told = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
-            let Some(UpdateResult { nis, determinant, measured, .. }) = told else { return false };
+            let update = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
+            let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
             squares = [squares[0] + nis, squares[1] + measured];
@@ -224,11 +224,11 @@ impl<T: Number, L: Level> Batch<T, L> {
         true
     }
 
-    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
+    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if all filters have stopped.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
         let Self { level, filter, .. } = self;
-        let mut told = level.apart(
+        let mut update = level.apart(
             #[inline(always)]
             || {
                 filter.predict_share(*level, share, forces);
@@ -241,19 +241,19 @@ impl<T: Number, L: Level> Batch<T, L> {
             in_units.take(&self.filter.belief);
             [fits, _] = in_units.belief.check(self.level);
         }
-        if !((told.holds & fits) | has_stopped).all() {
-            self.stop(told.holds, fits, k);
+        if !((update.holds & fits) | has_stopped).all() {
+            self.stop(update.holds, fits, k);
             if self.outcomes.iter().all(Option::is_some) {
                 return None;
             }
         }
         let is_going = self.stopped.lt(T::of(0.5));
         if !is_going.all() {
-            told.nis = T::select(is_going, told.nis, T::of(0.0));
-            told.determinant = T::select(is_going, told.determinant, T::of(1.0));
+            update.nis = T::select(is_going, update.nis, T::of(0.0));
+            update.determinant = T::select(is_going, update.determinant, T::of(1.0));
             self.park();
         }
-        Some(told)
+        Some(update)
     }
 
     /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.
@@ -283,16 +283,16 @@ impl<T: Number, L: Level> Batch<T, L> {
 
     #[cold]
     #[inline(never)]
-    fn look(&mut self) {
-        for (lane, looks) in self.looks.iter_mut().enumerate() {
+    fn score_sample(&mut self) {
+        for (lane, sample_scores) in self.sample_scores.iter_mut().enumerate() {
             if self.stopped.lane(lane) == 0.0 {
-                looks.push(self.scores.look(lane));
+                sample_scores.push(self.scores.sample_score(lane));
             }
         }
     }
 
     fn outcome(&mut self, lane: usize, stop: Option<Stop>) -> Outcome {
-        Outcome { looks: std::mem::take(&mut self.looks[lane]), ..self.scores.outcome(lane, stop) }
+        Outcome { sample_scores: std::mem::take(&mut self.sample_scores[lane]), ..self.scores.outcome(lane, stop) }
     }
 
     fn finish(mut self) -> Vec<Outcome> {

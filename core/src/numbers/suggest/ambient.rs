@@ -25,7 +25,6 @@ impl Sizes {
     }
 }
 
-/// Whether a record has no input: one that does not change moves nothing.
 pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
@@ -56,7 +55,6 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    /// The sizes of the next trial: those of the climb, then its best with a force that is held.
     pub(super) fn next(&self) -> Option<Sizes> {
         if let Some(factors) = self.climb.next() {
             return Some(self.sizes.times(&factors));
@@ -177,7 +175,6 @@ impl Suggestion {
 #[derive(Clone, Copy, Debug)]
 struct AmbientFit {
     found: Response,
-    /// s, the standard deviation of the force over mass at a sample \[m/s²\].
     force: f64,
     noise: f64,
     /// The standard errors of ωₙ and ζ, relative to them.

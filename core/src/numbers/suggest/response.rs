@@ -22,7 +22,6 @@ pub(super) struct Response {
     pub(super) gain: Option<f64>,
 }
 
-/// Frequencies count up to this share of the Nyquist frequency.
 const HIGHEST: f64 = 0.8;
 const ROUNDS: usize = 8;
 /// The rounds in which the part of an acceleration that follows a held force at once is taken out.
@@ -244,7 +243,7 @@ const LOUD: f64 = 6.0;
 ///
 /// Displacement, velocity and acceleration have this form alike. The descent begins at the highest frequency of the
 /// first 64, 128, … samples, since light damping shows in long parts and strong damping in short ones. `None` if no
-/// decay explains the readings, for example because an unknown force goes on.
+/// decay explains the readings, for example because an unknown force still acts.
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
 /// Testing*, section 4.4 (time domain).

@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_told_from_motion_at_any_times() {
+    fn noise_is_separated_from_motion_at_any_times() {
         let mut normal = Normal::from_seed(3);
         let mut time = 0.0;
         let (mut times, mut values) = (Vec::new(), Vec::new());

@@ -92,8 +92,6 @@ impl Suggest {
         }
     }
 
-    /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
-    /// Returns whether the motion is a decay.
     fn begin(&mut self, lost: Option<&Lost>) -> bool {
         // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
@@ -215,7 +213,7 @@ impl Suggest {
                 let (record, given) = (self.record.clone(), self.suggestion.clone());
                 let is_decay = self.begin(None);
                 if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
-                    // What goes on through the pauses is looked at as a whole.
+                    // A motion that continues through the pauses is one part.
                     (self.record, self.suggestion) = (whole, given);
                     return Some(Stage::Data);
                 }

@@ -41,7 +41,6 @@ struct Followed {
 trait Steps {
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
 
-    /// Updates by the readings of the model's sensors.
     fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
@@ -126,7 +125,6 @@ impl Followed {
         }
     }
 
-    /// Widens the belief if the plant was plucked between two times \[s\].
     fn pluck(&mut self, between: [f64; 2]) {
         let Self { plucks, filter, .. } = self;
         if let Some(variances) = plucks.between(between) {

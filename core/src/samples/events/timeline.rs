@@ -43,7 +43,6 @@ impl Timeline {
         Self { events: VecDeque::new(), hold, kept, before: None }
     }
 
-    /// The place of the last event that is not after a time \[s\].
     pub(super) fn last_at(&self, time: f64) -> usize {
         self.place_until(time).unwrap_or(0)
     }
@@ -91,7 +90,6 @@ impl Timeline {
         self.events[place].force.unwrap_or_else(|| self.forces_to(place)[1])
     }
 
-    /// Forgets events that are no longer kept at a time \[s\], all before a place. Returns their number.
     pub(super) fn forget(&mut self, now: f64, place: usize) -> usize {
         let mut forgotten = 0;
         while forgotten < place && (self.events[1].time < now - self.kept || self.events.len() > MOST) {
