@@ -114,32 +114,29 @@ impl ChannelInfo {
         Self { keys, names, symbols, unit, role: Role::Parameter(sign), rate: None, mirrored: false, usual }
     }
 
+    pub(crate) const fn motion(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
+        Self { role: Role::Motion, ..Self::parameter(words, unit, Sign::Any, usual) }
+    }
+
     pub(crate) const fn augmentation(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
         Self { role: Role::Augmentation, ..Self::parameter(words, unit, Sign::Any, usual) }
     }
 }
 
 static DISPLACEMENT: ChannelInfo = ChannelInfo {
-    keys: by_mass!("displacement", "_"),
-    names: by_mass!("displacement", " "),
-    symbols: symbols_by_mass!("x", "x"),
-    unit: "m",
-    role: Role::Motion,
     rate: Some(&VELOCITY),
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.1, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+    ..ChannelInfo::motion(
+        [by_mass!("displacement", "_"), by_mass!("displacement", " "), symbols_by_mass!("x", "x")],
+        "m",
+        Usual { mean: 0.0, std: 0.1, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+    )
 };
 
-static VELOCITY: ChannelInfo = ChannelInfo {
-    keys: by_mass!("velocity", "_"),
-    names: by_mass!("velocity", " "),
-    symbols: symbols_by_mass!("v", "v"),
-    unit: "m/s",
-    role: Role::Motion,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.3, process: 1e-3, truth: &[], slider: (-5.0, 5.0), decimals: 3 },
-};
+static VELOCITY: ChannelInfo = ChannelInfo::motion(
+    [by_mass!("velocity", "_"), by_mass!("velocity", " "), symbols_by_mass!("v", "v")],
+    "m/s",
+    Usual { mean: 0.0, std: 0.3, process: 1e-3, truth: &[], slider: (-5.0, 5.0), decimals: 3 },
+);
 
 impl Channel {
     /// x \[m\], of the first mass in a chain.

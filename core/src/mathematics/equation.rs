@@ -12,7 +12,6 @@ mod plant_kind;
 mod solve;
 mod token;
 mod typeset;
-mod word;
 
 use std::collections::BTreeMap;
 
@@ -22,8 +21,8 @@ use crate::mathematics::channel::Sign;
 pub use plant_kind::{Equation, Symbol};
 pub(crate) use plant_kind::{channels, is_read};
 use solve::solve;
+use token::key;
 pub use typeset::{Level, TextRun, typeset};
-use word::key;
 
 /// An equation that cannot be a plant.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

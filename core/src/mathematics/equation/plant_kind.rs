@@ -9,7 +9,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::solve::{Component, Solved, solve};
-use super::word::{key, symbol};
+use super::token::{key, symbol};
 use super::{EquationError, EquationSettings, Numbers, ParameterSettings, size};
 use crate::mathematics::channel::{ChannelInfo, Role, Usual};
 use crate::mathematics::engine::plants::Typed;

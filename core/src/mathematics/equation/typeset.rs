@@ -4,7 +4,7 @@
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
-use super::word::{dots, parts};
+use super::token::{dots, parts};
 use crate::mathematics::engine::number::Function;
 use crate::mathematics::lists::mapped;
 

@@ -4,7 +4,7 @@ use std::any::Any;
 
 use super::{Plant, PlantInfo, PlantKind, Spring};
 use crate::Channel;
-use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
+use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass, symbols_by_mass};
 use crate::mathematics::engine::plants::{self, Own};
 
 #[derive(Debug)]
@@ -160,16 +160,11 @@ const fn bouc_wen_channels(beta: Channel, gamma: Channel) -> [Channel; 8] {
     ]
 }
 
-static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo {
-    keys: &["hysteretic_displacement"],
-    names: &["hysteretic displacement"],
-    symbols: &["z"],
-    unit: "m",
-    role: Role::Motion,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.05, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
-};
+static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo::motion(
+    [&["hysteretic_displacement"], &["hysteretic displacement"], &["z"]],
+    "m",
+    Usual { mean: 0.0, std: 0.05, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+);
 
 static POST_YIELD_RATIO: ChannelInfo = shape(
     [&["post_yield_ratio"], &["post-yield ratio"], &["α"]],
@@ -201,22 +196,22 @@ static YIELD_GAMMA: ChannelInfo = shape(
     Usual { mean: 3.0, std: 1.5, process: 0.001, truth: &[4.0], slider: (-10.0, 20.0), decimals: 2 },
 );
 
-const fn shape([keys, names, symbols]: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
-    ChannelInfo { keys, names, symbols, unit, role: Role::Parameter(Sign::Any), rate: None, mirrored: false, usual }
+const fn shape(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
+    ChannelInfo::parameter(words, unit, Sign::Any, usual)
 }
 
 /// A chain of masses connected by springs and dampers, such as the storeys of a building.
 pub(super) struct ShearChain<const MASSES: usize>;
 
-static STIFFNESS: ChannelInfo = ChannelInfo {
-    keys: by_mass!("stiffness_1"; "stiffness", "_", ""),
-    names: by_mass!("stiffness 1"; "stiffness", " ", ""),
-    symbols: &["κ₁", "κ₂", "κ₃", "κ₄", "κ₅", "κ₆", "κ₇", "κ₈", "κ₉", "κ₁₀"],
-    unit: "1/s²",
-    role: Role::Parameter(Sign::NotNegative),
-    rate: None,
-    mirrored: false,
-    usual: Usual {
+static STIFFNESS: ChannelInfo = ChannelInfo::parameter(
+    [
+        by_mass!("stiffness_1"; "stiffness", "_", ""),
+        by_mass!("stiffness 1"; "stiffness", " ", ""),
+        symbols_by_mass!("κ₁", "κ"),
+    ],
+    "1/s²",
+    Sign::NotNegative,
+    Usual {
         mean: 150.0,
         std: 30.0,
         process: 0.01,
@@ -224,7 +219,7 @@ static STIFFNESS: ChannelInfo = ChannelInfo {
         slider: (10.0, 500.0),
         decimals: 1,
     },
-};
+);
 
 static STOREY_DAMPING: ChannelInfo = ChannelInfo::parameter(
     [&["storey_damping"], &["storey damping"], &["c"]],
