@@ -170,11 +170,6 @@ impl FilterKind {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
     }
 
-    /// Whether it is one of the registry: their descriptions are statics, compared by address.
-    fn is_of_registry(self) -> bool {
-        Self::ALL.iter().any(|known| std::ptr::eq(known.0, self.0))
-    }
-
     /// Whether it is your own kind with a key of the registry: a file with this key would mean the registry's.
     pub(crate) fn is_impostor(self) -> bool {
         Self::from_key(self.key()).is_some_and(|known| known != self)
@@ -230,7 +225,8 @@ impl Default for FilterKind {
 impl PartialEq for FilterKind {
     /// Compares keys; your own kind differs from the registry's kind with the same key.
     fn eq(&self, other: &Self) -> bool {
-        let is_own = |kind: &Self| !kind.is_of_registry();
+        // The descriptions of the registry are statics.
+        let is_own = |kind: &Self| !Self::ALL.iter().any(|known| std::ptr::eq(known.0, kind.0));
         std::ptr::eq(self.0, other.0) || (self.key() == other.key() && is_own(self) && is_own(other))
     }
 }

@@ -27,7 +27,7 @@ use crate::{Channel, Estimates, Pass, Record, RunError, Scenario, Stop};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
-    sums: lane_sums::Scores<f64>,
+    sums: lane_sums::ScoreSums<f64>,
     sensors: usize,
     own_likelihood: Option<f64>,
     truth: Vec<f64>,
@@ -56,7 +56,7 @@ impl Scores {
         let channels: Vec<Channel> = history.channels().to_vec();
         let is_known = |channel| record.truth(channel).is_some();
         Self {
-            sums: lane_sums::Scores::new(&channels, is_known, record.len()),
+            sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
             sensors: history.sensors().len(),
             own_likelihood: history.kind().has_own_likelihood().then_some(0.0),
             channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
@@ -234,7 +234,7 @@ impl ScoredPass {
         self.pass.done()
     }
 
-    /// Goes on until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
+    /// Continues until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, scores, samples: asked, sample_scores } = self;

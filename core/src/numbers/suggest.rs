@@ -25,11 +25,11 @@ use crate::data::scenario::cost::steps_over;
 use crate::mathematics::channel::MAX_MASSES;
 
 use ambient::has_no_input;
-use conditioning::{Course, Lost};
+use conditioning::{Course, LostReadings};
 use forced::forced;
 use likeliest::first_alone;
 use response::{Decay, decay, free_response, response};
-use spectra::{Gaps, Spectra, noise};
+use spectra::{GapTreatment, Spectra, noise};
 use trials::SHARES;
 
 pub use trials::Suggest;
@@ -106,12 +106,12 @@ impl Suggestion {
         self.scenario.filters.iter_mut()
     }
 
-    fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
+    fn sensor_noise(&mut self, record: &Record, lost: Option<&LostReadings>) {
         for place in 0..self.scenario.sensors.len() {
             let measures = self.scenario.sensors[place].measures;
             let Some(column) = measures.place_in(record.sensors()) else { continue };
             let measured = record.measured(column);
-            let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
+            let spectra = Spectra::new(record, measured, spectra::SHORT, GapTreatment::Avoid);
             let floor = spectra.and_then(|spectra| spectra.noise(self.scenario.record.as_ref()));
             // A filled reading adds no noise.
             let floor =

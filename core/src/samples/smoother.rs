@@ -231,7 +231,7 @@ pub(crate) struct FixedLag {
     lag: usize,
     beliefs: VecDeque<Gaussian>,
     reported: usize,
-    window: Window,
+    window: LagWindow,
     stop: Option<Stop>,
 }
 
@@ -239,7 +239,7 @@ impl FixedLag {
     /// The smoother of a filter before its first sample, with a lag of at least one sample.
     pub(crate) fn new(forward: Forward, lag: usize) -> Self {
         let lag = lag.max(1);
-        Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: Window::default(), stop: None }
+        Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
     }
 
     fn report(&mut self, estimates: &mut Estimates) {
@@ -333,14 +333,14 @@ impl WayBack {
 
 /// The ways back over the passages of a window, as two stacks.
 #[derive(Default)]
-struct Window {
+struct LagWindow {
     /// For each of the older passages, the way back from the last of them over all to it; the oldest is the last.
     older: Vec<WayBack>,
     newer: Vec<WayBack>,
     over_newer: Option<WayBack>,
 }
 
-impl Window {
+impl LagWindow {
     fn push(&mut self, passages: &[Passage]) {
         let over = |passages: &[Passage]| {
             let ways = passages.iter().map(WayBack::over);

@@ -143,12 +143,12 @@ pub(crate) fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, co
 
 /// The process noise of shorter steps: their share of Q, and of λ as a power, kept for the next step of the same length.
 #[derive(Clone, Debug)]
-pub(super) struct Share<T> {
+pub(super) struct NoiseShare<T> {
     share: f64,
     noise: Noise<T>,
 }
 
-impl<T: Number> Share<T> {
+impl<T: Number> NoiseShare<T> {
     pub(super) fn new(whole: &Noise<T>) -> Self {
         Self { share: 1.0, noise: Noise { sensors: Vec::new(), ..whole.clone() } }
     }

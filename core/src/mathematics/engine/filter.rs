@@ -5,7 +5,7 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 
-use super::belief::{Belief, Considered, Noise, Share};
+use super::belief::{Belief, Considered, Noise, NoiseShare};
 use super::columns::{Rooted, divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
 use super::learning::{Learning, Learnt};
@@ -24,7 +24,7 @@ use crate::FilterError;
 pub(crate) struct Filter<T: Number> {
     pub(crate) design: Design,
     pub(crate) noise: Noise<T>,
-    of_share: Share<T>,
+    of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub(crate) white: T,
     /// The belief after the last predict or update.
@@ -81,7 +81,7 @@ impl<T: Number> Filter<T> {
             considered: Considered::new(&design.considered, &belief),
             checks: Checks::new(),
             design,
-            of_share: Share::new(&noise),
+            of_share: NoiseShare::new(&noise),
             noise,
             white,
             belief,

@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::solve::{Component, Solved, solve};
+use super::solve::{Solved, StateComponent, solve};
 use super::token::{key, symbol};
 use super::{EquationError, EquationSettings, Numbers, ParameterSettings, size};
 use crate::mathematics::channel::{ChannelInfo, Role, Usual};
@@ -99,12 +99,12 @@ fn of_all_plants(name: &str) -> Option<Channel> {
     channels.find(|channel| channel.key() == as_key(name))
 }
 
-fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
+fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
     let (name, is_parameter) = match component {
-        Component::Displacement(mass) => return Ok(Channel::displacement(*mass)),
-        Component::Velocity(mass) => return Ok(Channel::velocity(*mass)),
-        Component::Internal(name) => (name, false),
-        Component::Parameter(name) => (name, true),
+        StateComponent::Displacement(mass) => return Ok(Channel::displacement(*mass)),
+        StateComponent::Velocity(mass) => return Ok(Channel::velocity(*mass)),
+        StateComponent::Internal(name) => (name, false),
+        StateComponent::Parameter(name) => (name, true),
     };
     let settings = known.iter().find(|(key, _)| key == name).map(|(_, settings)| *settings);
     let as_key = as_key(name);
@@ -187,9 +187,9 @@ impl EquationSettings {
     /// # Errors
     /// [`EquationError`] where the text is no equation.
     pub fn symbols(&self) -> Result<Vec<Symbol>, EquationError> {
-        let of = |component: &Component| {
+        let of = |component: &StateComponent| {
             let key = component.key()?.clone();
-            let is_parameter = matches!(component, Component::Parameter(_));
+            let is_parameter = matches!(component, StateComponent::Parameter(_));
             Some(Symbol { shown: symbol(&key), known: of_all_plants(&key), key, is_parameter })
         };
         Ok(solve(&self.equation)?.components.iter().filter_map(of).collect())
@@ -273,9 +273,9 @@ impl Serialize for PlantKind {
 
 impl<'de> Deserialize<'de> for PlantKind {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Kind;
+        struct KindVisitor;
 
-        impl<'de> Visitor<'de> for Kind {
+        impl<'de> Visitor<'de> for KindVisitor {
             type Value = PlantKind;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -294,6 +294,6 @@ impl<'de> Deserialize<'de> for PlantKind {
             }
         }
 
-        deserializer.deserialize_any(Kind)
+        deserializer.deserialize_any(KindVisitor)
     }
 }

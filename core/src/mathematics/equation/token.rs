@@ -25,7 +25,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {
             characters.len()
         )));
     }
-    let mut reader = Reader { characters, place: 0 };
+    let mut reader = TokenReader { characters, place: 0 };
     let mut all = Vec::new();
     loop {
         reader.skip(char::is_whitespace);
@@ -39,12 +39,12 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {
     }
 }
 
-struct Reader {
+struct TokenReader {
     characters: Vec<char>,
     place: usize,
 }
 
-impl Reader {
+impl TokenReader {
     fn peek(&self) -> Option<char> {
         self.characters.get(self.place).copied()
     }

@@ -8,12 +8,12 @@ use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by
 use crate::mathematics::engine::plants::{self, Own};
 
 #[derive(Debug)]
-pub(super) struct BuiltIn {
+pub(super) struct BuiltInPlant {
     pub(super) info: &'static PlantInfo,
     pub(super) plant: plants::Plant,
 }
 
-impl Plant for BuiltIn {
+impl Plant for BuiltInPlant {
     fn info(&self) -> &PlantInfo {
         self.info
     }
@@ -32,16 +32,17 @@ impl plants::Plant {
     /// The engine's form of a plant.
     pub fn of(kind: PlantKind) -> Self {
         let plant: &dyn Any = kind.plant();
-        match plant.downcast_ref::<BuiltIn>() {
+        match plant.downcast_ref::<BuiltInPlant>() {
             Some(built_in) => built_in.plant,
             None => kind.own_equation().map_or(Self::Own(Own(kind)), |equation| Self::Typed(&equation.typed)),
         }
     }
 }
 
-pub(super) const SDOF: BuiltIn = BuiltIn { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
+pub(super) const SDOF: BuiltInPlant = BuiltInPlant { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
 
-pub(super) const DUFFING: BuiltIn = BuiltIn { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
+pub(super) const DUFFING: BuiltInPlant =
+    BuiltInPlant { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
 
 impl Channel {
     /// ωₙ \[rad/s\]
@@ -126,10 +127,11 @@ static DUFFING_INFO: PlantInfo = PlantInfo {
     spring: Spring::Cubic(Channel::CUBIC_STIFFNESS),
 };
 
-pub(super) const BOUC_WEN: BuiltIn = BuiltIn { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
+pub(super) const BOUC_WEN: BuiltInPlant =
+    BuiltInPlant { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
 
-pub(super) const BOUC_WEN_1: BuiltIn =
-    BuiltIn { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
+pub(super) const BOUC_WEN_1: BuiltInPlant =
+    BuiltInPlant { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 
 static BOUC_WEN_INFO: PlantInfo = bouc_wen(
     ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
@@ -201,7 +203,7 @@ const fn shape(words: [&'static [&'static str]; 3], unit: &'static str, usual: U
 }
 
 /// A chain of masses connected by springs and dampers, such as the storeys of a building.
-pub(super) struct ShearChain<const MASSES: usize>;
+pub(super) struct ShearPlant<const MASSES: usize>;
 
 static STIFFNESS: ChannelInfo = ChannelInfo::parameter(
     [
@@ -243,9 +245,9 @@ const fn chain(masses: usize) -> [Channel; CHAIN] {
     channels
 }
 
-impl<const MASSES: usize> ShearChain<MASSES> {
-    pub(super) const PLANT: BuiltIn =
-        BuiltIn { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
+impl<const MASSES: usize> ShearPlant<MASSES> {
+    pub(super) const PLANT: BuiltInPlant =
+        BuiltInPlant { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);
     const INFO: PlantInfo = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],

@@ -40,7 +40,7 @@ impl Running {
         Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
 
-    /// Goes on until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
+    /// Continues until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
     /// all samples are done.
     pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.done < self.part.len() {
@@ -119,17 +119,17 @@ struct Beginning {
     /// The changes of the error with each component of the motion, for the components done in this iteration.
     columns: Vec<Vector>,
     iterations: usize,
-    trial: Trial,
+    trial: FitTrial,
 }
 
-struct Trial {
+struct FitTrial {
     motion: Vec<f64>,
     course: Course,
     done: usize,
     errors: Vec<f64>,
 }
 
-impl Trial {
+impl FitTrial {
     fn new(identified: &Identified, motion: Vec<f64>) -> Self {
         Self { course: Course::new(identified, &motion), motion, done: 0, errors: Vec::new() }
     }
@@ -142,7 +142,7 @@ impl Beginning {
         let motion = vec![0.0; identified.model.motion()];
         let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
         let rows = (0..readings.len()).map(there).sum();
-        let trial = Trial::new(identified, motion.clone());
+        let trial = FitTrial::new(identified, motion.clone());
         Self { part, scales, motion, rows, error: None, columns: Vec::new(), iterations: 0, trial }
     }
 
@@ -155,7 +155,7 @@ impl Beginning {
             return false;
         }
         let Some(motion) = self.conclude() else { return true };
-        self.trial = Trial::new(identified, motion);
+        self.trial = FitTrial::new(identified, motion);
         false
     }
 
@@ -211,7 +211,7 @@ impl Beginning {
 
     /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.
     fn piece(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        let Self { part, scales, rows, trial: Trial { course, done, errors, .. }, .. } = self;
+        let Self { part, scales, rows, trial: FitTrial { course, done, errors, .. }, .. } = self;
         course.go_on(identified, record, part.clone(), done, &mut |k, state| {
             for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
             {

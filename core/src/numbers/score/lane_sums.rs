@@ -19,7 +19,7 @@ struct Squares<T> {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Scores<T> {
+pub(super) struct ScoreSums<T> {
     frequency: Option<usize>,
     last_fifth: usize,
     samples: usize,
@@ -34,7 +34,7 @@ pub(super) struct Scores<T> {
     variance: Vec<T>,
 }
 
-impl<T: Number> Scores<T> {
+impl<T: Number> ScoreSums<T> {
     pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
         let track = |(place, &channel)| Tracked::new(channel, place, 0);

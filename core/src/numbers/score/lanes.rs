@@ -8,7 +8,7 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::UpdateResult;
-use crate::numbers::score::lane_sums::{LogProducts, Scores};
+use crate::numbers::score::lane_sums::{LogProducts, ScoreSums};
 use crate::numbers::score::{Outcome, SampleScore};
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::{FilterError, Record, Stop};
@@ -48,11 +48,11 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     let channels = &first.setup.channels;
     let of = |lane: usize| runs[lane.min(runs.len() - 1)];
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
-    let inputs = Inputs::new(runs, is_shared, T::LANES);
+    let inputs = LaneInputs::new(runs, is_shared, T::LANES);
     let filter = filter(&|lane| of(lane).setup);
-    let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
-    let in_units = InUnits::new(&first.setup.design.model.logarithms, &filter.belief);
-    let batch = Batch {
+    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let in_units = LanesInUnits::new(&first.setup.design.model.logarithms, &filter.belief);
+    let batch = LaneBatch {
         level,
         count: runs.len(),
         filter,
@@ -69,7 +69,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     )
 }
 
-struct Inputs<'a> {
+struct LaneInputs<'a> {
     /// The run whose record has readings at times of their own, which all lanes share.
     timed: Option<Run<'a>>,
     force: Column<'a>,
@@ -96,7 +96,7 @@ impl Column<'_> {
     }
 }
 
-impl<'a> Inputs<'a> {
+impl<'a> LaneInputs<'a> {
     fn new(runs: &[Run<'a>], is_shared: bool, lanes: usize) -> Self {
         let lanes = if is_shared { 1 } else { lanes };
         let column = |of: &dyn Fn(Run<'a>) -> Cow<'a, [f64]>| {
@@ -124,13 +124,13 @@ impl<'a> Inputs<'a> {
     }
 }
 
-struct InUnits<T> {
+struct LanesInUnits<T> {
     logarithms: Vec<usize>,
     unit: Vec<T>,
     belief: Belief<T>,
 }
 
-impl<T: Number> InUnits<T> {
+impl<T: Number> LanesInUnits<T> {
     fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
         let unit = vec![T::of(1.0); belief.mean.len()];
         let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
@@ -143,21 +143,21 @@ impl<T: Number> InUnits<T> {
     }
 }
 
-struct Batch<T: Number, L> {
+struct LaneBatch<T: Number, L> {
     level: L,
     count: usize,
     filter: Filter<T>,
-    in_units: Option<InUnits<T>>,
-    scores: Scores<T>,
+    in_units: Option<LanesInUnits<T>>,
+    scores: ScoreSums<T>,
     stopped: T,
     of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
     sample_scores: Vec<Vec<SampleScore>>,
 }
 
-impl<T: Number, L: Level> Batch<T, L> {
+impl<T: Number, L: Level> LaneBatch<T, L> {
     #[inline(always)]
-    fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
+    fn run(mut self, inputs: &LaneInputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
         let mut samples = samples.iter().copied().peekable();
         let mut measured = vec![T::of(0.0); inputs.measured.len()];
         let mut truth = vec![T::of(0.0); inputs.truth.len()];

@@ -3,7 +3,7 @@
 
 use super::likeliest::Climb;
 use super::response::{Response, free_response, is_within, order};
-use super::spectra::{Gaps, LONG, Spectra};
+use super::spectra::{GapTreatment, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::mathematics::lists::{numbers, sort_numbers};
@@ -212,7 +212,7 @@ const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096
 fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> Option<AmbientFit> {
     let measured = record.measured_quantity(quantity)?;
     let start = free_response(record, measured, band)?;
-    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let spectra = Spectra::new(record, measured, LONG, GapTreatment::Fill)?;
     let peak = start.natural_frequency;
     let last = (HIGHEST * spectra.len() as f64) as usize;
     let is_near = |place: &usize| {
