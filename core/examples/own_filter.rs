@@ -8,8 +8,8 @@ use std::borrow::Cow;
 
 use kalmanscope_core::filter::kalman::{self, Expected};
 use kalmanscope_core::filter::{
-    Adaptation, Belief, Correction, Filter, FilterError, FilterInfo, Gaussian, Noise, Observation, Propagation, Step,
-    Way,
+    Adaptation, Algorithm, Belief, Correction, Filter, FilterError, FilterInfo, Gaussian, Noise, Observation,
+    Propagation, Step,
 };
 use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario};
@@ -73,7 +73,7 @@ pub(crate) const DOUBTING: FilterKind = FilterKind::new(&FilterInfo {
     evaluations: |_, n| 1 + n,
     time: |_, n| 500.0 * n as f64,
     has_propagation: false,
-    way: Way::Belief(|initial, _, _| Ok(Box::new(Doubting { belief: initial }))),
+    algorithm: Algorithm::Belief(|initial, _, _| Ok(Box::new(Doubting { belief: initial }))),
 });
 
 /// Steps the filter by hand over measurements at rest with one outlier of a metre. Returns the estimated displacement

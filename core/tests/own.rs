@@ -13,7 +13,7 @@ mod own_system;
 #[expect(dead_code, reason = "an example has a main function")]
 mod printer;
 
-use kalmanscope_core::filter::{FilterInfo, Particles, Way};
+use kalmanscope_core::filter::{Algorithm, FilterInfo, Particles};
 use kalmanscope_core::plant::{Plant, PlantInfo};
 use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Scenario};
 
@@ -54,7 +54,7 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
         key: "own_pf",
         name: "own PF",
         has_own_likelihood: true,
-        way: Way::Belief(|initial, settings, normal| {
+        algorithm: Algorithm::Belief(|initial, settings, normal| {
             Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
         }),
         ..*FilterKind::PF.info()

@@ -1,7 +1,7 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
 use kalmanscope_core::document::{self, DocumentError};
-use kalmanscope_core::score::Look;
+use kalmanscope_core::score::SampleScore;
 use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
 use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
 use serde::{Deserialize, Serialize};
@@ -344,12 +344,12 @@ impl Trace {
         self.begin + before + time * stride(&self.channels[nth])
     }
 
-    pub(crate) fn fill(&self, nth: usize, looks: &[Look], row: &mut [f64]) {
+    pub(crate) fn fill(&self, nth: usize, sample_scores: &[SampleScore], row: &mut [f64]) {
         if self.samples.is_empty() {
             return;
         }
         let begin = self.at(nth, 0);
-        for (numbers, look) in row[begin..].chunks_mut(stride(&self.channels[nth])).zip(looks) {
+        for (numbers, look) in row[begin..].chunks_mut(stride(&self.channels[nth])).zip(sample_scores) {
             numbers[..2].copy_from_slice(&[look.nees, look.nis]);
             numbers[2..].copy_from_slice(look.channels.as_flattened());
         }

@@ -135,7 +135,7 @@ impl Runner {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let numbers = numbers(&run.scenario, filters[nth], &run.record, measures, (outcome, history));
         row[nth * measures.len()..][..measures.len()].copy_from_slice(&numbers);
-        self.ensemble.trace().fill(nth, &outcome.looks, row);
+        self.ensemble.trace().fill(nth, &outcome.sample_scores, row);
     }
 
     /// On the input of a given record, which was imported with the gain of the ensemble's scenario.

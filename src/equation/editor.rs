@@ -2,7 +2,8 @@
 
 use egui::{Button, ComboBox, Context, DragValue, FontId, Key, Pos2, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::Scenario;
-use kalmanscope_core::equation::{AllowedSign, Equation, EquationSettings, Numbers, ParameterSettings, Symbol};
+use kalmanscope_core::channel::Sign;
+use kalmanscope_core::equation::{Equation, EquationSettings, Numbers, ParameterSettings, Symbol};
 
 use super::{job, typed};
 use crate::request::Request;
@@ -285,13 +286,9 @@ fn number_ui(ui: &mut Ui, value: &mut f64, name: String) -> bool {
     response.drag_stopped() || response.lost_focus() || is_at_once
 }
 
-fn sign_ui(ui: &mut Ui, sign: &mut AllowedSign, shown: &str) -> bool {
+fn sign_ui(ui: &mut Ui, sign: &mut Sign, shown: &str) -> bool {
     let before = *sign;
-    let words = [
-        (AllowedSign::Any, "any sign"),
-        (AllowedSign::NotNegative, "not negative"),
-        (AllowedSign::Positive, "positive"),
-    ];
+    let words = [(Sign::Any, "any sign"), (Sign::NotNegative, "not negative"), (Sign::Positive, "positive")];
     let text = words.iter().find(|(one, _)| one == sign).map_or("", |(_, word)| word);
     let combo = ComboBox::from_id_salt(("sign", shown)).selected_text(text).width(WIDTHS[4]).show_ui(ui, |ui| {
         for (one, word) in words {

@@ -5,7 +5,7 @@ pub mod augment;
 use std::cmp::Ordering;
 use std::sync::{PoisonError, RwLock};
 
-use serde::{Deserialize, Deserializer, de};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::PlantKind;
 use crate::mathematics::registry::{hashed, keyed};
@@ -25,9 +25,11 @@ pub enum Role {
 }
 
 /// The allowed sign of a plant's parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Sign {
     /// Any number.
+    #[default]
     Any,
     /// At least zero.
     NotNegative,
@@ -82,7 +84,6 @@ pub struct Channel {
     mass: u8,
 }
 
-/// A word for each mass: as given for the first, with a number for the others.
 macro_rules! by_mass {
     ($word:literal, $space:literal) => {
         by_mass!($word; $word, $space, "")
@@ -91,7 +92,6 @@ macro_rules! by_mass {
         $crate::mathematics::channel::numbered!($first; concat!($word, $space); $after; "2" "3" "4" "5" "6" "7" "8" "9" "10")
     };
 }
-/// A symbol for each mass: as given for the first, with a subscript for the others.
 macro_rules! symbols_by_mass {
     ($first:literal, $symbol:literal) => {
         $crate::mathematics::channel::numbered!($first; $symbol; ""; "₂" "₃" "₄" "₅" "₆" "₇" "₈" "₉" "₁₀")
@@ -105,7 +105,6 @@ macro_rules! numbered {
 pub(crate) use {by_mass, numbered, symbols_by_mass};
 
 impl ChannelInfo {
-    /// A parameter with keys, names and symbols, which does not change its sign.
     pub(crate) const fn parameter(
         [keys, names, symbols]: [&'static [&'static str]; 3],
         unit: &'static str,
@@ -115,32 +114,29 @@ impl ChannelInfo {
         Self { keys, names, symbols, unit, role: Role::Parameter(sign), rate: None, mirrored: false, usual }
     }
 
+    pub(crate) const fn motion(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
+        Self { role: Role::Motion, ..Self::parameter(words, unit, Sign::Any, usual) }
+    }
+
     pub(crate) const fn augmentation(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
         Self { role: Role::Augmentation, ..Self::parameter(words, unit, Sign::Any, usual) }
     }
 }
 
 static DISPLACEMENT: ChannelInfo = ChannelInfo {
-    keys: by_mass!("displacement", "_"),
-    names: by_mass!("displacement", " "),
-    symbols: symbols_by_mass!("x", "x"),
-    unit: "m",
-    role: Role::Motion,
     rate: Some(&VELOCITY),
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.1, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+    ..ChannelInfo::motion(
+        [by_mass!("displacement", "_"), by_mass!("displacement", " "), symbols_by_mass!("x", "x")],
+        "m",
+        Usual { mean: 0.0, std: 0.1, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+    )
 };
 
-static VELOCITY: ChannelInfo = ChannelInfo {
-    keys: by_mass!("velocity", "_"),
-    names: by_mass!("velocity", " "),
-    symbols: symbols_by_mass!("v", "v"),
-    unit: "m/s",
-    role: Role::Motion,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.3, process: 1e-3, truth: &[], slider: (-5.0, 5.0), decimals: 3 },
-};
+static VELOCITY: ChannelInfo = ChannelInfo::motion(
+    [by_mass!("velocity", "_"), by_mass!("velocity", " "), symbols_by_mass!("v", "v")],
+    "m/s",
+    Usual { mean: 0.0, std: 0.3, process: 1e-3, truth: &[], slider: (-5.0, 5.0), decimals: 3 },
+);
 
 impl Channel {
     /// x \[m\], of the first mass in a chain.

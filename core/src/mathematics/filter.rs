@@ -114,12 +114,12 @@ pub struct FilterInfo {
     /// Whether the belief moves as the setting `propagation` says. By local linearisation that is exact on a linear plant.
     pub has_propagation: bool,
     /// How its belief moves and is measured.
-    pub way: Way,
+    pub algorithm: Algorithm,
 }
 
 /// How a belief moves and is measured.
 #[derive(Clone, Copy, Debug)]
-pub enum Way {
+pub enum Algorithm {
     /// It is a mean and a covariance, and all options of filters work: the method of one with these settings over n components.
     Gaussian(fn(&MethodSettings, usize) -> Method),
     /// It is a [`Belief`]: the one that a filter begins with, from its mean and covariance; random numbers, if it needs any, come from
@@ -139,7 +139,6 @@ pub struct MethodSettings {
 }
 
 impl MethodSettings {
-    /// The number of members or particles, by which a time grows.
     fn members(&self) -> f64 {
         self.ensemble_size.max(1) as f64
     }
@@ -169,11 +168,6 @@ impl FilterKind {
     /// The kind of the registry with this key, if there is one.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
-    }
-
-    /// Whether it is one of the registry: their descriptions are statics, compared by address.
-    fn is_of_registry(self) -> bool {
-        Self::ALL.iter().any(|known| std::ptr::eq(known.0, self.0))
     }
 
     /// Whether it is your own kind with a key of the registry: a file with this key would mean the registry's.
@@ -213,7 +207,7 @@ impl FilterKind {
 
     /// Whether the belief is a mean and a covariance, for which all options of filters work.
     pub const fn is_gaussian(self) -> bool {
-        matches!(self.0.way, Way::Gaussian(_))
+        matches!(self.0.algorithm, Algorithm::Gaussian(_))
     }
 
     /// Whether the belief reports its own log likelihood and effective sample size.
@@ -231,7 +225,8 @@ impl Default for FilterKind {
 impl PartialEq for FilterKind {
     /// Compares keys; your own kind differs from the registry's kind with the same key.
     fn eq(&self, other: &Self) -> bool {
-        let is_own = |kind: &Self| !kind.is_of_registry();
+        // The descriptions of the registry are statics.
+        let is_own = |kind: &Self| !Self::ALL.iter().any(|known| std::ptr::eq(known.0, kind.0));
         std::ptr::eq(self.0, other.0) || (self.key() == other.key() && is_own(self) && is_own(other))
     }
 }
@@ -271,7 +266,7 @@ const LINEARISED: FilterInfo = FilterInfo {
     evaluations,
     time: |_, n| time_of_linearised(n),
     has_propagation: true,
-    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),
+    algorithm: Algorithm::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),
 };
 
 static EKF: FilterInfo = LINEARISED;
@@ -290,7 +285,7 @@ static IEKF: FilterInfo = FilterInfo {
     description: "linearises the sensors again where the update leads, by Gauss-Newton",
     reference: "Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method",
     time: |settings, n| settings.iterations.max(1) as f64 * time_of_linearised(n),
-    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, settings.iterations)),
+    algorithm: Algorithm::Gaussian(|settings, _| Method::Linearised(settings.propagation, settings.iterations)),
     ..LINEARISED
 };
 
@@ -304,7 +299,7 @@ const SIGMA_POINTS: FilterInfo = FilterInfo {
     evaluations: |_, n| 4 * (2 * n + 1),
     time: |_, n| 4.0 * time_of_linearised(n),
     has_propagation: false,
-    way: Way::Gaussian(|_, _| Method::SigmaPoints(Rule::UNSCENTED)),
+    algorithm: Algorithm::Gaussian(|_, _| Method::SigmaPoints(Rule::UNSCENTED)),
 };
 
 static UKF: FilterInfo = SIGMA_POINTS;
@@ -315,7 +310,7 @@ static CKF: FilterInfo = FilterInfo {
     description: "moves 2n cubature points",
     reference: "Arasaratnam and Haykin (2009), Cubature Kalman filters",
     evaluations: |_, n| 4 * 2 * n,
-    way: Way::Gaussian(|_, n| Method::SigmaPoints(Rule::cubature(n))),
+    algorithm: Algorithm::Gaussian(|_, n| Method::SigmaPoints(Rule::cubature(n))),
     ..SIGMA_POINTS
 };
 
@@ -324,6 +319,6 @@ static SR_UKF: FilterInfo = FilterInfo {
     name: "SR-UKF",
     description: "a UKF on the root of its covariance, which no rounding makes indefinite",
     reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
-    way: Way::Gaussian(|_, _| Method::SquareRoot(Rule::UNSCENTED)),
+    algorithm: Algorithm::Gaussian(|_, _| Method::SquareRoot(Rule::UNSCENTED)),
     ..SIGMA_POINTS
 };

@@ -26,7 +26,6 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     if is_positive { -(0..count).map(|i| libm::log(lower[i * (count + 1)])).sum::<f64>() } else { f64::NAN }
 }
 
-/// The rows and columns at some places of an m × m matrix.
 pub(crate) fn part_of(matrix: &[f64], m: usize, places: &[usize]) -> Vec<f64> {
     let count = places.len();
     numbers(count * count, &|at| matrix[places[at / count] * m + places[at % count]])
@@ -69,7 +68,6 @@ impl LogSum {
     }
 }
 
-/// Mean and covariance, n and n × n numbers.
 #[derive(Default)]
 pub(crate) struct Moments {
     pub(crate) mean: Vec<f64>,

@@ -398,7 +398,6 @@ impl Model {
         gradient
     }
 
-    /// Adds the non-zero parts of `∂h/∂y` to their places.
     pub(crate) fn read_gradient_into(
         &self,
         reading: &Reading,
@@ -455,7 +454,6 @@ pub(crate) struct Scale {
     pub(crate) bias: Option<usize>,
 }
 
-/// A state that moves: n numbers, and where a sensor reads rates also ẏ, n numbers, and A, n × n.
 #[derive(Clone, Copy)]
 pub(crate) struct Moving<'a> {
     pub(crate) state: &'a [f64],

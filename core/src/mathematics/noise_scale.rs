@@ -24,9 +24,7 @@ pub(crate) struct NoiseScale {
     log_likelihood: Vec<f64>,
     /// Each filter's share, all of them together 1.
     pub(crate) weights: Vec<f64>,
-    /// Mean and standard deviation of u.
     pub(crate) moments: [f64; 2],
-    /// Σ aᵏ and Σ a²ᵏ.
     sums: [f64; 2],
 }
 

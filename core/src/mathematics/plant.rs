@@ -122,23 +122,23 @@ registry! {
     /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
     ///
     /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
-    SHEAR_2 = built_in::ShearChain::<2>::PLANT;
+    SHEAR_2 = built_in::ShearPlant::<2>::PLANT;
     /// A chain of three masses.
-    SHEAR_3 = built_in::ShearChain::<3>::PLANT;
+    SHEAR_3 = built_in::ShearPlant::<3>::PLANT;
     /// A chain of four masses.
-    SHEAR_4 = built_in::ShearChain::<4>::PLANT;
+    SHEAR_4 = built_in::ShearPlant::<4>::PLANT;
     /// A chain of five masses.
-    SHEAR_5 = built_in::ShearChain::<5>::PLANT;
+    SHEAR_5 = built_in::ShearPlant::<5>::PLANT;
     /// A chain of six masses.
-    SHEAR_6 = built_in::ShearChain::<6>::PLANT;
+    SHEAR_6 = built_in::ShearPlant::<6>::PLANT;
     /// A chain of seven masses.
-    SHEAR_7 = built_in::ShearChain::<7>::PLANT;
+    SHEAR_7 = built_in::ShearPlant::<7>::PLANT;
     /// A chain of eight masses.
-    SHEAR_8 = built_in::ShearChain::<8>::PLANT;
+    SHEAR_8 = built_in::ShearPlant::<8>::PLANT;
     /// A chain of nine masses.
-    SHEAR_9 = built_in::ShearChain::<9>::PLANT;
+    SHEAR_9 = built_in::ShearPlant::<9>::PLANT;
     /// A chain of ten masses.
-    SHEAR_10 = built_in::ShearChain::<10>::PLANT;
+    SHEAR_10 = built_in::ShearPlant::<10>::PLANT;
 }
 
 impl PlantKind {

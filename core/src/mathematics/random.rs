@@ -15,9 +15,7 @@ pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
-    /// A fault of a sensor, by the number of its family.
     Fault(crate::Quantity, u64),
-    /// The members of a filter's ensemble, by the number of the filter's stream.
     Ensemble(usize),
     /// A number of a member of a population, by the hash of its key.
     Draw(u64),

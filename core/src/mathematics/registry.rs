@@ -1,6 +1,5 @@
 //! Types whose values are the rows of a registry, each with its key.
 
-/// A constant for each row, by a constructor, and the list of all of them.
 macro_rules! registry {
     ($type:ident by $new:path, $(#[$all:meta])* ALL; $($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
         impl $type {
@@ -42,7 +41,6 @@ macro_rules! keyed {
     };
 }
 
-/// These are hashed by their keys, and ordered.
 macro_rules! hashed {
     ($type:ty) => {
         impl std::hash::Hash for $type {

@@ -161,7 +161,6 @@ impl CramerRao {
     }
 }
 
-/// The initial belief and process noise of the filter at `place`, the truth otherwise.
 fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let FilterSettings { kind, augment, mut initial_std, mut process_std, initial_mean, eta, .. } =
         scenario.filters.get(place)?.clone();

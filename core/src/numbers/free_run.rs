@@ -75,7 +75,7 @@ impl Identified {
         self.model.channels().iter().copied().zip(self.values.iter().copied())
     }
 
-    /// Runs over the samples of `part`. The motion at the beginning, and where a filter takes it to begin anew
+    /// Runs over the samples of `part`. The motion at the beginning, and where a filter takes it to begin again
     /// ([`FilterSettings::plucks`]), is fitted to the next fifty readings by least squares; from then on the measurements are not used.
     ///
     /// Source of the fit: Nocedal and Wright (2006), *Numerical Optimization*, section 10.3 (Gauss and Newton).

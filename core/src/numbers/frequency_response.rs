@@ -129,7 +129,6 @@ fn normal(i: usize, j: usize, d: usize) -> f64 {
 /// Source: Hyndman and Fan (1996), Sample quantiles in statistical packages, definition 5.
 const BEYOND_SECOND: f64 = 0.025 * DRAWS as f64 + 0.5 - 2.0;
 
-/// The three smallest and the three largest values so far, at each frequency.
 struct Extremes {
     least: [Vec<f64>; 3],
     most: [Vec<f64>; 3],

@@ -18,7 +18,6 @@ use crate::mathematics::gaussian_likelihood::{Moments, shares};
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     forgotten: usize,
-    /// For each kept sample, the sum of the log likelihoods up to it.
     sums: Vec<f64>,
     total: f64,
     is_stopped: bool,

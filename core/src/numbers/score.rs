@@ -27,7 +27,7 @@ use crate::{Channel, Estimates, Pass, Record, RunError, Scenario, Stop};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
-    sums: lane_sums::Scores<f64>,
+    sums: lane_sums::ScoreSums<f64>,
     sensors: usize,
     own_likelihood: Option<f64>,
     truth: Vec<f64>,
@@ -56,7 +56,7 @@ impl Scores {
         let channels: Vec<Channel> = history.channels().to_vec();
         let is_known = |channel| record.truth(channel).is_some();
         Self {
-            sums: lane_sums::Scores::new(&channels, is_known, record.len()),
+            sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
             sensors: history.sensors().len(),
             own_likelihood: history.kind().has_own_likelihood().then_some(0.0),
             channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
@@ -81,8 +81,8 @@ impl Scores {
     }
 
     /// The filter at the last sample.
-    pub fn look(&self) -> Look {
-        self.sums.look(0)
+    pub fn sample_score(&self) -> SampleScore {
+        self.sums.sample_score(0)
     }
 
     /// The accuracy of a channel. `None` if the truth is not known.
@@ -148,7 +148,7 @@ pub struct Outcome {
     /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
     pub std: Vec<f64>,
     /// The filter at the wanted samples, up to the last one that it reached.
-    pub looks: Vec<Look>,
+    pub sample_scores: Vec<SampleScore>,
 }
 
 /// The truth is lost above this error in standard deviations, if it is above the truth and the initial σ too.
@@ -199,7 +199,7 @@ impl ChannelSums {
 
 /// One filter at one sample of a record.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Look {
+pub struct SampleScore {
     /// NEES; NaN without a known truth.
     pub nees: f64,
     /// NIS; NaN without a measurement.
@@ -214,7 +214,7 @@ pub struct ScoredPass {
     pass: Pass,
     scores: Scores,
     samples: Vec<usize>,
-    looks: Vec<Look>,
+    sample_scores: Vec<SampleScore>,
     history: Option<Estimates>,
 }
 
@@ -254,7 +254,7 @@ impl ScoredPass {
         let scores = Scores::new(&history, record);
         let pass = Pass::new(scenario, place, record)?;
         let history = needs_history.then_some(history);
-        Ok(Self { pass, scores, samples: samples.to_vec(), looks: Vec::new(), history })
+        Ok(Self { pass, scores, samples: samples.to_vec(), sample_scores: Vec::new(), history })
     }
 
     /// The number of samples done, counted from the record's beginning.
@@ -262,18 +262,18 @@ impl ScoredPass {
         self.pass.done()
     }
 
-    /// Goes on until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
+    /// Continues until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
-        let Self { pass, scores, samples: asked, looks, history } = self;
-        while let Some(&sample) = asked.get(looks.len()).filter(|sample| **sample < samples) {
+        let Self { pass, scores, samples: asked, sample_scores, history } = self;
+        while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
             pass.follow(record, sample.saturating_add(1), &mut Scored(scores.against(record), history.as_mut()));
             if scores.len() != sample.saturating_add(1) {
                 // The filter has stopped, or the record has ended.
-                asked.truncate(looks.len());
+                asked.truncate(sample_scores.len());
                 break;
             }
-            looks.push(scores.look());
+            sample_scores.push(scores.sample_score());
         }
         pass.follow(record, samples, &mut Scored(scores.against(record), history.as_mut()));
         pass.done() >= record.forgotten() + record.len()
@@ -281,7 +281,7 @@ impl ScoredPass {
 
     /// The outcome so far, and the history if it is kept.
     pub fn finish(self) -> (Outcome, Option<Estimates>) {
-        (Outcome { looks: self.looks, ..self.scores.outcome() }, self.history)
+        (Outcome { sample_scores: self.sample_scores, ..self.scores.outcome() }, self.history)
     }
 }
 
@@ -307,7 +307,7 @@ impl Outcome {
         Self::at(scenario, place, record, &[])
     }
 
-    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
+    /// [`Self::of`], with the scores at each of these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

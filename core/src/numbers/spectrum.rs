@@ -85,14 +85,12 @@ struct Group {
     squares: [f64; LANES],
 }
 
-/// Complex numbers of modulus one, one per frequency.
 #[derive(Clone, Copy, Debug)]
 struct Phasors {
     cos: [f64; LANES],
     sin: [f64; LANES],
 }
 
-/// Weighted sums, one per frequency.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     re: [f64; LANES],
@@ -200,7 +198,6 @@ impl Group {
         self.phase = Phasors::new(self.frequencies.map(|w| w * time));
     }
 
-    /// The sum of squares over all windows, including incomplete ones.
     fn sums(&self) -> [f64; LANES] {
         let falling = self.risen.squares_with(&self.falling);
         let rising = self.rising.squares_with(&Sum::default());

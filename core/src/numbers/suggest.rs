@@ -25,11 +25,11 @@ use crate::data::scenario::cost::steps_over;
 use crate::mathematics::channel::MAX_MASSES;
 
 use ambient::has_no_input;
-use conditioning::{Course, Lost};
+use conditioning::{Course, LostReadings};
 use forced::forced;
 use likeliest::first_alone;
 use response::{Decay, decay, free_response, response};
-use spectra::{Gaps, Spectra, noise};
+use spectra::{GapTreatment, Spectra, noise};
 use trials::SHARES;
 
 pub use trials::Suggest;
@@ -106,15 +106,14 @@ impl Suggestion {
         self.scenario.filters.iter_mut()
     }
 
-    /// R from the part of the spectrum at high frequencies that the input does not explain.
-    fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
+    fn sensor_noise(&mut self, record: &Record, lost: Option<&LostReadings>) {
         for place in 0..self.scenario.sensors.len() {
             let measures = self.scenario.sensors[place].measures;
             let Some(column) = measures.place_in(record.sensors()) else { continue };
             let measured = record.measured(column);
-            let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
+            let spectra = Spectra::new(record, measured, spectra::SHORT, GapTreatment::Avoid);
             let floor = spectra.and_then(|spectra| spectra.noise(self.scenario.record.as_ref()));
-            // A filled reading has no noise of its own.
+            // A filled reading adds no noise.
             let floor =
                 floor.map(|noise| noise / libm::sqrt(lost.map_or(1.0, |lost| lost.there(column, record.len()))));
             // Where readings were moved to samples, so was a part of the motion: what is less is the sensor's.
@@ -207,9 +206,9 @@ impl Suggestion {
         filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
-    /// A prediction over a large part of a period is divided, finely enough for a relative error `told` of ωₙ, before a run for that of
+    /// A prediction over a large part of a period is divided, finely enough for a relative error `expected` of ωₙ, before a run for that of
     /// the guess. Local linearisation moves the mean of a linear plant exactly, but its Jacobian takes the motion for constant over a step.
-    fn substeps(&mut self, dt: f64, told: Option<f64>) {
+    fn substeps(&mut self, dt: f64, expected: Option<f64>) {
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
@@ -223,11 +222,11 @@ impl Suggestion {
             let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
             let guess = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
             let knows_all = guess == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
-            let told = told.unwrap_or(guess);
+            let expected = expected.unwrap_or(guess);
             let swing = frequency * dt;
             // The spread of the motion is now its size.
             let turn = if model.is_linear() { swing } else { swing.max(filter.turn(&model, dt)) };
-            let steps = steps_over(turn, Some(told).filter(|told| *told > 0.0 && !is_exact));
+            let steps = steps_over(turn, Some(expected).filter(|expected| *expected > 0.0 && !is_exact));
             filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
             most = most.max(filter.steps(kind, input, dt));
         }
@@ -351,7 +350,6 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     format!("no start values of ωₙ and ζ could be found, because {why}: the guess is a default, please set it by hand")
 }
 
-/// Mean and standard deviation of the values that are not missing.
 fn moments(values: &[f64]) -> (f64, f64) {
     let there = || values.iter().filter(|value| !value.is_nan());
     let count = there().count().max(1) as f64;

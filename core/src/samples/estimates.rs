@@ -56,9 +56,7 @@ pub struct Estimates {
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
     weighs: bool,
-    /// Whether the filter learns R.
     learns: bool,
-    /// Whether the filter knows how large Q is.
     scales: bool,
     /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
@@ -107,7 +105,6 @@ impl Estimates {
         self.id
     }
 
-    /// Takes over the name and the colour of a filter.
     pub(crate) fn call(&mut self, settings: &FilterSettings) {
         self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
         self.color = settings.color;

@@ -85,14 +85,12 @@ pub(crate) struct FilterContext {
     pub(crate) input: InputKind,
     pub(crate) hold: Hold,
     pub(crate) sensors: Vec<Quantity>,
-    /// Time between samples \[s\].
     pub(crate) dt: f64,
     pub(crate) seed: u64,
     /// The number of the filter's random stream, from 0 on.
     pub(crate) stream: usize,
     /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub(crate) is_timed: bool,
-    /// The time of the first sample \[s\].
     pub(crate) start: f64,
 }
 

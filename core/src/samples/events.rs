@@ -12,7 +12,7 @@ use crate::samples::sink::{LastSample, Sample, Sink};
 use crate::samples::smoother::{Adjoint, Hindsight, Passages};
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
-use timeline::{Event, Timeline};
+use timeline::{TimedEvent, Timeline};
 
 /// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
 /// late ones too.
@@ -60,7 +60,7 @@ pub struct EventFilter {
     look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
-    latest: Latest,
+    latest: LatestSample,
     hindsight: Hindsight,
     in_hindsight: LastSample,
     stopped: Option<(f64, FilterError)>,
@@ -72,12 +72,12 @@ pub struct EventFilter {
 }
 
 #[derive(Default)]
-struct Latest {
+struct LatestSample {
     sample: LastSample,
     passages: Passages,
 }
 
-impl Sink for Latest {
+impl Sink for LatestSample {
     fn push(&mut self, sample: &Sample<'_>) {
         self.sample.push(sample);
     }
@@ -125,7 +125,7 @@ impl EventFilter {
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
-        let mut latest = Latest::default();
+        let mut latest = LatestSample::default();
         estimator.begin(&mut latest)?;
         if look_ahead.is_some() {
             estimator.keep_passages();
@@ -242,20 +242,20 @@ impl EventFilter {
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
-                self.begin(Event::new(time, force, readings));
+                self.begin(TimedEvent::new(time, force, readings));
                 // The first value is felt until the second is.
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
-                    self.put(Event::new(felt, force, nothing))?;
+                    self.put(TimedEvent::new(felt, force, nothing))?;
                 }
             }
             (Some(_), Some(felt)) => {
-                self.put(Event::new(felt, force, nothing))?;
-                self.put(Event::new(time, None, readings))?;
+                self.put(TimedEvent::new(felt, force, nothing))?;
+                self.put(TimedEvent::new(time, None, readings))?;
             }
-            (Some(_), None) => self.put(Event::new(time, force, readings))?,
+            (Some(_), None) => self.put(TimedEvent::new(time, force, readings))?,
         }
         for (time, readings) in others {
-            self.put(Event::new(time, None, readings))?;
+            self.put(TimedEvent::new(time, None, readings))?;
         }
         self.at -= self.timeline.forget(self.now, self.at);
         Ok(self.sample())
@@ -289,13 +289,13 @@ impl EventFilter {
         Ok(())
     }
 
-    fn begin(&mut self, event: Event) {
+    fn begin(&mut self, event: TimedEvent) {
         (self.first, self.at) = (event.time, 0);
         self.timeline.insert(event);
         self.timeline.events[0].state = self.estimator.state();
     }
 
-    fn put(&mut self, event: Event) -> Result<(), EventError> {
+    fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {
         let before = self.at;
         let first = self.timeline.insert(event).max(1);
         if first <= before {

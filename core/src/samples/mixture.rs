@@ -21,7 +21,7 @@ use crate::samples::sink::{AssumedNoise, LastSample, Sample, Sink};
 use crate::{Adaptation, Channel, FilterError, FilterSettings};
 
 /// The weights of filters. It fails where a filter has failed without which the others cannot continue.
-pub(crate) trait Rule: Send {
+pub(crate) trait WeightRule: Send {
     /// Lets the filters begin a step from each other's beliefs.
     fn begin(&mut self, _: &mut [Member]) -> Result<(), FilterError> {
         Ok(())
@@ -49,7 +49,7 @@ pub(crate) struct Member {
 
 pub(crate) struct Mixture {
     members: Vec<Member>,
-    rule: Box<dyn Rule>,
+    rule: Box<dyn WeightRule>,
     belief: Moments,
     prior: Moments,
     update: Update,
@@ -79,7 +79,7 @@ fn samples<'a>(members: &'a [Member], weights: &[f64]) -> Vec<(f64, Sample<'a>)>
 impl Mixture {
     pub(crate) fn new(
         members: &[FilterSettings],
-        rule: impl Rule + 'static,
+        rule: impl WeightRule + 'static,
         build: impl Fn(&FilterSettings) -> Box<dyn Estimator>,
     ) -> Self {
         let member = |settings| Member { estimator: build(settings), last: LastSample::default(), failure: None };
@@ -191,7 +191,7 @@ impl Guesses {
     }
 }
 
-impl Rule for Guesses {
+impl WeightRule for Guesses {
     fn weights(&self) -> &[f64] {
         &[]
     }
@@ -231,7 +231,6 @@ impl Rule for Guesses {
     }
 }
 
-/// Filters that differ in the scale of Q alone, weighed by the posterior of the scale ([`NoiseScale`]).
 pub(crate) struct Scales {
     scale: NoiseScale,
     adaptation: Adaptation,
@@ -269,7 +268,7 @@ impl Scales {
     }
 }
 
-impl Rule for Scales {
+impl WeightRule for Scales {
     fn weights(&self) -> &[f64] {
         &self.scale.weights
     }
@@ -364,7 +363,7 @@ impl Walk {
     }
 }
 
-impl Rule for Walk {
+impl WeightRule for Walk {
     fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
         let Self { weights, transition, has_samples, .. } = self;
         let before = |j: usize| transition[0][j] * weights[0] + transition[1][j] * weights[1];

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::data::record::{Delays, Parts};
-use crate::mathematics::filter::Way;
+use crate::mathematics::filter::Algorithm;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::estimator::setup::Setup;
@@ -293,7 +293,6 @@ pub(crate) fn build(settings: &FilterSettings, context: &FilterContext) -> Box<d
     walking(settings, context)
 }
 
-/// Builds the filter of one guess, or two where its parameters may walk.
 fn walking(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if settings.walk == 0.0 {
         return single(settings, context);
@@ -309,9 +308,9 @@ fn walking(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estima
 }
 
 fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
-    match settings.kind.info().way {
-        Way::Belief(begin) => sampled::estimator(begin, settings, context),
-        Way::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
+    match settings.kind.info().algorithm {
+        Algorithm::Belief(begin) => sampled::estimator(begin, settings, context),
+        Algorithm::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
             Some(setup) => engine::estimator(&setup, settings),
             None => Box::new(Failed(FilterError::TooLarge)),
         },

@@ -276,7 +276,6 @@ impl Run {
     }
 }
 
-/// The filters of a scenario, side by side.
 pub(crate) struct Bank {
     /// The scenario; each filter has a unique id.
     pub(crate) scenario: Scenario,
@@ -414,7 +413,7 @@ pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
 /// let mut run = Run::new(&scenario)?;
 /// run.finish();
 /// let (filter, smoother) = (&run.estimates()[0], smoothed(&scenario, 0, run.record())?);
-/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record tells of the first sample");
+/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record informs the first sample");
 /// # Ok(())
 /// # }
 /// ```

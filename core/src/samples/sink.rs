@@ -6,7 +6,7 @@ use crate::{Estimates, FilterError, Stop};
 
 /// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
 /// channels, m sensors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<'a> {
     /// Mean, n numbers.
     pub mean: &'a [f64],
@@ -49,23 +49,7 @@ impl<'a> Sample<'a> {
     /// A belief without a measurement, and without that before it.
     pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
         let nan = f64::NAN;
-        Self {
-            mean,
-            cov,
-            prior_mean: &[],
-            prior_cov: &[],
-            innovation: &[],
-            innovation_cov: &[],
-            gain: &[],
-            earlier: 0,
-            nis: nan,
-            determinant: nan,
-            log_likelihood: nan,
-            effective_samples: nan,
-            noise: None,
-            weights: &[],
-            has_widened: false,
-        }
+        Self { mean, cov, nis: nan, determinant: nan, log_likelihood: nan, effective_samples: nan, ..Self::default() }
     }
 
     /// The number of readings in its update.
@@ -97,7 +81,7 @@ pub(crate) fn readings(innovation: &[f64]) -> u32 {
 }
 
 /// The variances of an adaptive filter.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct AssumedNoise<'a> {
     /// Diagonal of Q, n numbers, in the state's units squared.
     pub process: &'a [f64],
@@ -175,12 +159,8 @@ impl Sink for Passages {
 pub struct LastSample {
     /// Its vectors and matrices, the variances that a filter learns among them, in the order of [`parts`].
     parts: [Vec<f64>; 11],
-    earlier: u32,
-    /// NIS, det S, own log likelihood, effective sample size.
-    numbers: [f64; 4],
-    process_scale: [f64; 2],
-    is_adaptive: bool,
-    has_widened: bool,
+    /// The same sample with empty vectors and matrices.
+    scalars: Sample<'static>,
     without_prior: bool,
 }
 
@@ -199,28 +179,11 @@ impl LastSample {
 
     /// The sample; without numbers before the first one.
     pub fn sample(&self) -> Sample<'_> {
-        let [nis, determinant, log_likelihood, effective_samples] = self.numbers;
         let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = &self.parts;
         let [process, sensors, uncertainty] = noise;
-        let process_scale = self.process_scale;
-        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors, uncertainty, process_scale });
-        Sample {
-            mean,
-            cov,
-            prior_mean,
-            prior_cov,
-            innovation,
-            innovation_cov,
-            gain,
-            earlier: self.earlier,
-            nis,
-            determinant,
-            log_likelihood,
-            effective_samples,
-            noise,
-            weights,
-            has_widened: self.has_widened,
-        }
+        let noise = self.scalars.noise.map(|noise| AssumedNoise { process, sensors, uncertainty, ..noise });
+        let sample = Sample { mean, cov, prior_mean, prior_cov, noise, weights, ..self.scalars };
+        Sample { innovation, innovation_cov, gain, ..sample }
     }
 }
 
@@ -230,11 +193,11 @@ impl Sink for LastSample {
             kept.clear();
             kept.extend_from_slice(part);
         }
-        self.numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
-        self.earlier = sample.earlier;
-        self.process_scale = sample.noise.map_or([f64::NAN; 2], |noise| noise.process_scale);
-        self.is_adaptive = sample.noise.is_some();
-        self.has_widened = sample.has_widened;
+        let Sample { earlier, nis, determinant, log_likelihood, effective_samples, has_widened, .. } = *sample;
+        let noise =
+            sample.noise.map(|AssumedNoise { process_scale, .. }| AssumedNoise { process_scale, ..Default::default() });
+        let scalars = Sample { earlier, nis, determinant, log_likelihood, effective_samples, ..Sample::default() };
+        self.scalars = Sample { noise, has_widened, ..scalars };
     }
 
     fn stop_at(&mut self, _: Stop) {}

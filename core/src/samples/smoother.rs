@@ -41,7 +41,6 @@ pub(crate) trait Smoother: Piecewise {
     /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
-    /// The share that is done, from 0 to 1.
     fn progress(&self, samples: usize) -> f64;
 
     /// Whether it takes in more samples later; else it needs the last one.
@@ -61,7 +60,6 @@ pub(crate) struct Forward {
     hindsight: Hindsight,
 }
 
-/// Smoothed beliefs in the units of the channels, between their bounds.
 pub(crate) struct Hindsight {
     in_units: Option<Box<InUnits>>,
     truncation: Truncation,
@@ -233,7 +231,7 @@ pub(crate) struct FixedLag {
     lag: usize,
     beliefs: VecDeque<Gaussian>,
     reported: usize,
-    window: Window,
+    window: LagWindow,
     stop: Option<Stop>,
 }
 
@@ -241,7 +239,7 @@ impl FixedLag {
     /// The smoother of a filter before its first sample, with a lag of at least one sample.
     pub(crate) fn new(forward: Forward, lag: usize) -> Self {
         let lag = lag.max(1);
-        Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: Window::default(), stop: None }
+        Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
     }
 
     fn report(&mut self, estimates: &mut Estimates) {
@@ -322,7 +320,6 @@ impl WayBack {
         Self { closed_loop: kept * transition, score: transition.tr_mul(score), information: gained }
     }
 
-    /// The way back over later passages and then over these.
     fn after(&self, later: &Self) -> Self {
         let mut gained = later.information.clone();
         congruence(&mut gained, &self.closed_loop);
@@ -336,14 +333,14 @@ impl WayBack {
 
 /// The ways back over the passages of a window, as two stacks.
 #[derive(Default)]
-struct Window {
+struct LagWindow {
     /// For each of the older passages, the way back from the last of them over all to it; the oldest is the last.
     older: Vec<WayBack>,
     newer: Vec<WayBack>,
     over_newer: Option<WayBack>,
 }
 
-impl Window {
+impl LagWindow {
     fn push(&mut self, passages: &[Passage]) {
         let over = |passages: &[Passage]| {
             let ways = passages.iter().map(WayBack::over);
@@ -448,7 +445,6 @@ impl Update {
     }
 }
 
-/// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
 pub(crate) struct Adjoint {
     pub(crate) score: Vector,
     pub(crate) information: Matrix,

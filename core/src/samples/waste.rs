@@ -3,7 +3,6 @@
 
 use crate::{Estimates, Record};
 
-/// Memory that can be returned piece by piece.
 pub(crate) trait Piecewise: Send {
     /// Returns one piece of the memory to the system, in a millisecond or so. Returns whether there was one.
     fn free_piece(&mut self) -> bool;

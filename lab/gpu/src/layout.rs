@@ -183,7 +183,7 @@ pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &Tape, state: &State
         channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
         mean: state.mean.clone(),
         std: state.variance.iter().map(|variance| variance.sqrt()).collect(),
-        looks: Vec::new(),
+        sample_scores: Vec::new(),
     }
 }
 

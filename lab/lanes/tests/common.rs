@@ -185,13 +185,13 @@ pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> u
 
 /// Every number of an outcome, bit by bit; all NaNs count as equal.
 pub(crate) fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
-    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, looks } = outcome;
+    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, sample_scores } = outcome;
     let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
     numbers.extend(mean.iter().chain(std));
     for (_, score) in channels {
         numbers.extend([score.error, score.std, score.rmse, score.coverage]);
     }
-    for look in looks {
+    for look in sample_scores {
         numbers.extend([look.nees, look.nis]);
         numbers.extend(look.channels.as_flattened());
     }

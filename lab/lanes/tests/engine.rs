@@ -6,7 +6,7 @@ use std::path::Path;
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::internals::engine::{self, Baseline, Setup};
 use kalmanscope_core::record::{Clocks, Timed};
-use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::score::{Outcome, SampleScore};
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
     Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
@@ -169,9 +169,10 @@ fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) ->
             let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.coverage, b.coverage)];
             assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
         }
-        assert_eq!(lane.looks.len(), single.looks.len());
-        for (a, b) in lane.looks.iter().zip(&single.looks) {
-            let numbers = |look: &Look| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
+        assert_eq!(lane.sample_scores.len(), single.sample_scores.len());
+        for (a, b) in lane.sample_scores.iter().zip(&single.sample_scores) {
+            let numbers =
+                |look: &SampleScore| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
             assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| is_near(a, b)), "{what}");
         }
         single.nees.samples

@@ -153,7 +153,7 @@ mod tests {
             evaluations: |_, _| 1,
             time: |settings, n| 1e6 * (n * settings.iterations) as f64,
             has_propagation: false,
-            way: FilterKind::EKF.info().way,
+            algorithm: FilterKind::EKF.info().algorithm,
         };
         let of =
             |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());

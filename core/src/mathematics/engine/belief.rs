@@ -100,7 +100,6 @@ impl<T: Number> Belief<T> {
         *own = *own * kept + variance;
     }
 
-    /// The lanes with finite numbers, and those without a negative variance.
     #[inline(always)]
     pub(crate) fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
         let n = level.size(self.size());
@@ -144,12 +143,12 @@ pub(crate) fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, co
 
 /// The process noise of shorter steps: their share of Q, and of λ as a power, kept for the next step of the same length.
 #[derive(Clone, Debug)]
-pub(super) struct Share<T> {
+pub(super) struct NoiseShare<T> {
     share: f64,
     noise: Noise<T>,
 }
 
-impl<T: Number> Share<T> {
+impl<T: Number> NoiseShare<T> {
     pub(super) fn new(whole: &Noise<T>) -> Self {
         Self { share: 1.0, noise: Noise { sensors: Vec::new(), ..whole.clone() } }
     }
@@ -201,7 +200,6 @@ impl<T: Number> Considered<T> {
         (!places.is_empty()).then(|| Box::new(Self { places: places.to_vec(), before: belief.clone() }))
     }
 
-    /// Takes the fading of a prediction with this noise away.
     pub(super) fn keep(&self, belief: &mut Belief<T>, noise: &Noise<T>) {
         let (n, scale) = (belief.size(), T::of(1.0) / noise.fading.sqrt());
         let is_considered = |i: usize| self.places.contains(&i);
@@ -228,7 +226,6 @@ impl<T: Number> Considered<T> {
         self.before.copy_from(belief);
     }
 
-    /// Puts back what the update has changed of the components, and makes their gain zero.
     pub(super) fn restore(&self, belief: &mut Belief<T>, gain: &mut [T]) {
         let n = belief.size();
         for &i in &self.places {
@@ -244,7 +241,6 @@ impl<T: Number> Considered<T> {
 /// Limits the rounding error of an estimate over a long record, relative to its largest value.
 const ESTIMATE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The normalised estimation error squared.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare<T> {
     pub(crate) places: Vec<usize>,

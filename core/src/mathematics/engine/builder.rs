@@ -48,12 +48,8 @@ impl Builder {
         }
         let node = Node::at(self.operations.len());
         let needs = match operation {
-            Operation::Constant(_) => 0,
             Operation::Input(input) => 1 << input,
-            Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
-                self.needs(a) | self.needs(b)
-            }
-            Operation::Negative(a) | Operation::Call(_, a) => self.needs(a),
+            _ => operation.operands().into_iter().flatten().fold(0, |needs, operand| needs | self.needs(operand)),
         };
         self.operations.push(operation);
         self.needs.push(needs);
@@ -243,35 +239,18 @@ impl Builder {
         without
     }
 
-    /// The operation on other operands, each by a function.
     fn rebuilt(&mut self, operation: Operation, of: &dyn Fn(&mut Self, Node) -> Node) -> Node {
-        let mut both = |a, b| (of(self, a), of(self, b));
+        let [a, b] = operation.operands().map(|operand| operand.map(|node| of(self, node)));
+        let Some(a) = a else { return self.push(operation) };
+        let b = b.unwrap_or(a);
         match operation {
             Operation::Constant(_) | Operation::Input(_) => self.push(operation),
-            Operation::Add(a, b) => {
-                let (a, b) = both(a, b);
-                self.add(a, b)
-            }
-            Operation::Subtract(a, b) => {
-                let (a, b) = both(a, b);
-                self.subtract(a, b)
-            }
-            Operation::Multiply(a, b) => {
-                let (a, b) = both(a, b);
-                self.multiply(a, b)
-            }
-            Operation::Divide(a, b) => {
-                let (a, b) = both(a, b);
-                self.divide(a, b)
-            }
-            Operation::Negative(a) => {
-                let a = of(self, a);
-                self.negative(a)
-            }
-            Operation::Call(function, a) => {
-                let a = of(self, a);
-                self.call(function, a)
-            }
+            Operation::Add(..) => self.add(a, b),
+            Operation::Subtract(..) => self.subtract(a, b),
+            Operation::Multiply(..) => self.multiply(a, b),
+            Operation::Divide(..) => self.divide(a, b),
+            Operation::Negative(_) => self.negative(a),
+            Operation::Call(function, _) => self.call(function, a),
         }
     }
 

@@ -22,7 +22,6 @@ pub(crate) fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     }
 }
 
-/// An entry of a symmetric n × n matrix.
 #[inline(always)]
 pub(crate) fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
     if i >= j { a[j * n + i] } else { a[i * n + j] }
@@ -31,7 +30,6 @@ pub(crate) fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
 /// The rows from which on a lone run mirrors its covariance first, and then takes several numbers of a column at a time.
 const LONG: usize = 7;
 
-/// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
 #[inline(always)]
 pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
     each!(level, 1, n, |j| {
@@ -118,7 +116,6 @@ pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, 
     product(out, a, b, rows, k);
 }
 
-/// The same as a part of its caller, whose sizes the compiler may know.
 #[inline(always)]
 pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
     for (j, out) in out.chunks_exact_mut(rows).enumerate() {

@@ -80,7 +80,6 @@ impl<T: Number> Coupled<T> {
         [value, integral, second, &displaced[..m * m], &pulled[..m * m], &kept[..m * m]]
     }
 
-    /// m, which the compiler may know.
     #[inline(always)]
     fn count<L: Level>(&self, level: L) -> usize {
         level.moving(2 * self.masses) / 2

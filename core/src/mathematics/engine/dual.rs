@@ -124,7 +124,6 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     }
 }
 
-/// The derivative of a function at x, where it has this value. That of a sign is zero, also where it jumps.
 fn slope<T: Real>(function: Function, x: T, value: T) -> T {
     let one = T::of(1.0);
     match function {

@@ -42,7 +42,6 @@ impl<const N: usize> Classes<N> {
         (least < f64::INFINITY).then(|| self.of(least))
     }
 
-    /// Puts back the matrices of the lanes whose class is done.
     #[inline(always)]
     pub(super) fn restore<T: Number>(&self, done: usize, sizes: T, kept: &[Vec<T>], parts: [&mut Vec<T>; 3]) {
         let is_done = sizes.le(T::of(self.upper(done)));

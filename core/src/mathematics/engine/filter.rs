@@ -5,7 +5,7 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 
-use super::belief::{Belief, Considered, Noise, Share};
+use super::belief::{Belief, Considered, Noise, NoiseShare};
 use super::columns::{Rooted, divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
 use super::learning::{Learning, Learnt};
@@ -24,7 +24,7 @@ use crate::FilterError;
 pub(crate) struct Filter<T: Number> {
     pub(crate) design: Design,
     pub(crate) noise: Noise<T>,
-    of_share: Share<T>,
+    of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub(crate) white: T,
     /// The belief after the last predict or update.
@@ -57,7 +57,6 @@ impl Filter<f64> {
 }
 
 impl<T: Number> Filter<T> {
-    /// Whether the filters weigh, learn or jump.
     pub(crate) fn learns(&self) -> bool {
         self.learning.is_some()
     }
@@ -82,7 +81,7 @@ impl<T: Number> Filter<T> {
             considered: Considered::new(&design.considered, &belief),
             checks: Checks::new(),
             design,
-            of_share: Share::new(&noise),
+            of_share: NoiseShare::new(&noise),
             noise,
             white,
             belief,
@@ -144,7 +143,6 @@ impl<T: Number> Filter<T> {
         rooted
     }
 
-    /// Keeps a share of a component of the state, and adds an independent one of this variance.
     fn renew<L: Level>(&mut self, level: L, place: usize, [kept, variance]: [T; 2]) {
         let Self { belief, root, update, .. } = self;
         match root {
@@ -156,7 +154,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Notes the step that is about to be taken by sigma points, for the smoother.
     #[inline(never)]
     fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
         self.square();
@@ -191,7 +188,6 @@ impl<T: Number> Filter<T> {
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
     }
 
-    /// Ends a part of a prediction, with the noise in the last one.
     #[inline(always)]
     fn spread<L: Level>(&mut self, level: L, share: f64, is_last: bool) -> Rooted<T::Mask> {
         let Self { belief, noise, of_share, root, considered, .. } = self;
@@ -276,7 +272,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Adds variances to components of the state, and makes a root of the covariance if the filter holds one.
     pub(crate) fn widen(&mut self, variances: impl Iterator<Item = (usize, T)>) {
         self.square();
         let n = self.belief.size();
@@ -320,7 +315,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Makes the covariance after a prediction that of the root, if there is one.
     pub(crate) fn square(&mut self) {
         let Self { belief, root, .. } = self;
         if const { may_have_root::<T, Baseline>() }
@@ -351,7 +345,6 @@ impl<T: Number> Filter<T> {
     }
 }
 
-/// A step of a filter as its smoother reads it: the transition from the state before, and the update.
 #[derive(Clone, Debug)]
 pub(crate) struct Passage<T> {
     /// Φ, n × n, of all steps: the derivative by the state, or the regression on it, without directions of no variance.

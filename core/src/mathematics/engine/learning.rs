@@ -271,7 +271,6 @@ pub(crate) struct Innovations<'a, T> {
     /// S, m × m, and its [factor](factor).
     pub(crate) innovation_cov: &'a [T],
     pub(crate) factor: &'a [T],
-    /// The diagonal of R.
     pub(crate) variances: &'a [T],
 }
 

@@ -111,7 +111,6 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// Moves the mean of an oscillator, and takes the rows of Φ, by the closed form.
     #[inline(always)]
     fn swing<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         let n = level.size(model.size);
@@ -253,7 +252,6 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// A stage after some time \[s\], which counts for some time \[s\].
     #[inline(always)]
     fn pass<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));

@@ -39,6 +39,16 @@ pub enum Operation {
     Call(Function, Node),
 }
 
+impl Operation {
+    pub(super) fn operands(self) -> [Option<Node>; 2] {
+        match self {
+            Self::Constant(_) | Self::Input(_) => [None; 2],
+            Self::Negative(a) | Self::Call(_, a) => [Some(a), None],
+            Self::Add(a, b) | Self::Subtract(a, b) | Self::Multiply(a, b) | Self::Divide(a, b) => [Some(a), Some(b)],
+        }
+    }
+}
+
 const REGISTERS: usize = 128;
 
 /// Operations in order. Their results stand in registers, which are used again.

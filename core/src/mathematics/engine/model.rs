@@ -107,7 +107,6 @@ impl Model {
         });
     }
 
-    /// The same with the plant's equation as an argument. The page calls it, to be smaller.
     #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(

@@ -21,7 +21,6 @@ pub(crate) trait Equation<T>: Copy {
 /// A plant that the engine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
-    /// The linear oscillator.
     Sdof(Sdof),
     /// The oscillator with a cubic spring.
     Duffing(Duffing),
@@ -29,9 +28,7 @@ pub enum Plant {
     BoucWen(BoucWen<false>),
     /// The same with exponent 1.
     BoucWenOne(BoucWen<true>),
-    /// A chain of masses.
     ShearChain(ShearChain),
-    /// An equation that a user types.
     Typed(&'static Typed),
     /// A plant of a program's own, which knows plain numbers only.
     Own(Own),

@@ -21,7 +21,6 @@ impl<T: Number> RungeKutta<T> {
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
-    /// Moves a state by one step; components that do not move keep every bit.
     #[inline(always)]
     pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
         with_equation!(model.plant, equation => {
@@ -144,7 +143,6 @@ impl States {
         }
     }
 
-    /// Moves each state by one Runge-Kutta step. Components that do not move keep every bit.
     pub(crate) fn advance(&mut self, states: &mut [f64], step: &Step<f64>) {
         let (n, moving, points) = (self.model.size, self.model.moving(), f64::POINTS);
         let [begin, end] = step.forces;

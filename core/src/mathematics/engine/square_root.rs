@@ -303,7 +303,6 @@ impl<T: Number> SquareRoot<T> {
     }
 }
 
-/// The root of a variance; of one that is subnormal, zero.
 #[inline(always)]
 pub(super) fn std<T: Number>(variance: T) -> T {
     T::select(variance.is_normal(), variance.sqrt(), T::of(0.0))

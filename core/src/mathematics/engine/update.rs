@@ -41,7 +41,6 @@ pub(super) struct Observation<'a, T> {
     pub(super) force: T,
     /// A number for each sensor; NaN where it is missing.
     pub(super) measured: &'a [T],
-    /// The diagonal of R.
     pub(super) variances: &'a [T],
 }
 
@@ -85,7 +84,6 @@ impl<T: Number> Update<T> {
         }
     }
 
-    /// Conditions a belief on the measurements that are not NaN.
     #[inline(always)]
     pub(super) fn condition<L: Level>(
         &mut self,
@@ -296,7 +294,6 @@ impl<T: Number> Update<T> {
         subtract_products(cov, excess, gain, n, m);
     }
 
-    /// Replaces P by `P - K S Kᵀ`, for updates without an H.
     #[inline(always)]
     fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut Belief<T>) {
         let Self { innovation_cov: s, gain, excess, .. } = self;
@@ -401,7 +398,6 @@ pub(super) struct Checks<M> {
     pub(super) predicted: Rooted<M>,
     /// Sigma points can be drawn for the update.
     pub(super) expected: Rooted<M>,
-    /// S is positive definite.
     pub(super) factored: M,
     pub(super) is_finite: M,
     pub(super) is_positive: M,

@@ -48,7 +48,7 @@ impl Tree {
 }
 
 pub(super) fn parse(text: &str) -> Result<Vec<Sides>, EquationError> {
-    let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
+    let mut parser = EquationParser { tokens: tokens(text)?, at: 0, depth: 0 };
     let mut all = Vec::new();
     loop {
         let place = parser.place();
@@ -68,13 +68,13 @@ pub(super) fn parse(text: &str) -> Result<Vec<Sides>, EquationError> {
     }
 }
 
-struct Parser {
+struct EquationParser {
     tokens: Vec<Placed>,
     at: usize,
     depth: usize,
 }
 
-impl Parser {
+impl EquationParser {
     /// The next token; the last one is the end, which stays.
     fn peek(&self) -> &Token {
         self.tokens.get(self.at).map_or(&Token::End, |(_, token)| token)

@@ -15,20 +15,27 @@ use crate::mathematics::lists::sort_items;
 const COMPONENTS: usize = 32;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Component {
+pub(super) enum StateComponent {
     /// x of a mass, counted from 0.
     Displacement(usize),
     /// v of a mass, counted from 0.
     Velocity(usize),
-    /// A component with a rate of first order, by its key.
     Internal(String),
     Parameter(String),
 }
 
+impl StateComponent {
+    pub(super) fn key(&self) -> Option<&String> {
+        match self {
+            Self::Internal(key) | Self::Parameter(key) => Some(key),
+            Self::Displacement(_) | Self::Velocity(_) => None,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Solved {
-    /// The components of the state: displacements, velocities, internal states, parameters.
-    pub(super) components: Vec<Component>,
+    pub(super) components: Vec<StateComponent>,
     pub(super) typed: Typed,
     pub(super) is_linear: bool,
 }
@@ -48,11 +55,11 @@ pub(super) fn solve(text: &str) -> Result<Solved, EquationError> {
 fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     let names = names(equations);
     let components = components(&names, equations)?;
-    let motion = components.iter().take_while(|one| !matches!(one, Component::Parameter(_))).count();
+    let motion = components.iter().take_while(|one| !matches!(one, StateComponent::Parameter(_))).count();
     let (n, masses) =
-        (components.len(), components.iter().filter(|one| matches!(one, Component::Displacement(_))).count());
+        (components.len(), components.iter().filter(|one| matches!(one, StateComponent::Displacement(_))).count());
     let mut builder = Builder::default();
-    let inputs = Inputs { components: &components, masses, force: n };
+    let inputs = RateInputs { components: &components, masses, force: n };
     let velocities = (0..masses).map(|mass| builder.input(masses + mass));
     let mut rates: Vec<Option<Node>> = velocities.map(Some).collect();
     rates.resize(motion, None);
@@ -121,7 +128,7 @@ fn mass(key: &str) -> Option<usize> {
     }
 }
 
-fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>, EquationError> {
+fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<StateComponent>, EquationError> {
     let (mut masses, mut internal, mut parameters) = (Vec::new(), Vec::new(), Vec::new());
     for name in names {
         let Name { key, primes, place } = *name;
@@ -134,11 +141,11 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
             0 if mass(key).is_some() => {
                 return fault(format!("`{key}` is a displacement, and no equation has its acceleration `{key}''`"));
             }
-            0 => parameters.push(Component::Parameter(key.to_owned())),
+            0 => parameters.push(StateComponent::Parameter(key.to_owned())),
             1 if mass(key).is_some() => {
                 return fault(format!("`{key}'` is a velocity, and no equation has the acceleration `{key}''`"));
             }
-            1 => internal.push(Component::Internal(key.to_owned())),
+            1 => internal.push(StateComponent::Internal(key.to_owned())),
             2 => match mass(key) {
                 Some(mass) if mass < MAX_MASSES => masses.push((mass, key, place)),
                 _ => return fault(format!("masses are x, or x1 to x{MAX_MASSES}: `{key}''` is none")),
@@ -166,20 +173,13 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
         return Err(EquationError::at(0, format!("there are {have} equations for {need} components that move")));
     }
     // ωₙ and ζ come first, as in built-in plants.
-    let of = |name: &str| Component::Parameter(name.to_owned());
-    let place = |one: &Component| {
-        if *one == of("omega_n") {
-            0
-        } else if *one == of("zeta") {
-            1
-        } else {
-            2
-        }
+    let place = |one: &StateComponent| {
+        one.key().map_or(2, |key| if key == "omega_n" { 0 } else { 1 + usize::from(key != "zeta") })
     };
     sort_items(&mut parameters, |a, b| place(a).cmp(&place(b)));
     let count = masses.len();
-    let displacements = (0..count).map(Component::Displacement).chain((0..count).map(Component::Velocity));
-    let all: Vec<Component> = displacements.chain(internal).chain(parameters).collect();
+    let displacements = (0..count).map(StateComponent::Displacement).chain((0..count).map(StateComponent::Velocity));
+    let all: Vec<StateComponent> = displacements.chain(internal).chain(parameters).collect();
     if all.len() > COMPONENTS {
         return Err(EquationError::at(0, format!("a plant has at most {COMPONENTS} components, not {}", all.len())));
     }
@@ -187,13 +187,13 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
 }
 
 /// The inputs of the rates: the components, the force, and the highest derivatives.
-struct Inputs<'a> {
-    components: &'a [Component],
+struct RateInputs<'a> {
+    components: &'a [StateComponent],
     masses: usize,
     force: usize,
 }
 
-impl Inputs<'_> {
+impl RateInputs<'_> {
     /// The place of a component among the rates, and its rate by one equation.
     fn solve(&self, equation: &Sides, builder: &mut Builder) -> Result<(usize, Node), EquationError> {
         let (left, right) = (self.node(&equation.left, builder), self.node(&equation.right, builder));
@@ -251,18 +251,18 @@ impl Inputs<'_> {
     }
 
     fn input(&self, key: &str, primes: usize) -> usize {
-        let place = |one: &Component| self.components.iter().position(|other| other == one).unwrap_or(self.force);
+        let place = |one: &StateComponent| self.components.iter().position(|other| other == one).unwrap_or(self.force);
         match (mass(key), primes) {
-            (Some(mass), 0) => place(&Component::Displacement(mass)),
-            (Some(mass), 1) => place(&Component::Velocity(mass)),
+            (Some(mass), 0) => place(&StateComponent::Displacement(mass)),
+            (Some(mass), 1) => place(&StateComponent::Velocity(mass)),
             (Some(mass), _) => self.force + 1 + mass,
             // An internal state at place p of the moving components is the unknown p - masses, after the masses.
-            (None, 1) => self.force + 1 + place(&Component::Internal(key.to_owned())) - self.masses,
+            (None, 1) => self.force + 1 + place(&StateComponent::Internal(key.to_owned())) - self.masses,
             _ if key == "f" => self.force,
-            _ if self.components.contains(&Component::Internal(key.to_owned())) => {
-                place(&Component::Internal(key.to_owned()))
+            _ if self.components.contains(&StateComponent::Internal(key.to_owned())) => {
+                place(&StateComponent::Internal(key.to_owned()))
             }
-            _ => place(&Component::Parameter(key.to_owned())),
+            _ => place(&StateComponent::Parameter(key.to_owned())),
         }
     }
 }

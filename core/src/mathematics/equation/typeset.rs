@@ -4,7 +4,7 @@
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
-use super::word::{dots, parts};
+use super::token::{dots, parts};
 use crate::mathematics::engine::number::Function;
 use crate::mathematics::lists::mapped;
 
@@ -171,7 +171,6 @@ impl Line {
         }
     }
 
-    /// A name with its dots, or with primes if it is too long for dots.
     fn name(&mut self, key: &str, primes: usize) {
         let (letters, below) = parts(key);
         let mut all = letters.chars();

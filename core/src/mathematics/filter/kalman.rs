@@ -22,7 +22,6 @@ impl Expected {
         Self::with_noise(belief, mean, jacobian, &Matrix::from_diagonal(&observation.variances.to_vec().into()))
     }
 
-    /// The same with this R, m × m.
     pub(super) fn with_noise(belief: &Gaussian, mean: Vector, jacobian: Matrix, noise: &Matrix) -> Self {
         let cross = &belief.cov * jacobian.transpose();
         let cov = symmetric(&jacobian * &cross) + noise;

@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, Way, kalman};
+use super::{
+    Algorithm, Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman,
+};
 use crate::Model;
 use crate::mathematics::engine::runge_kutta::States;
 use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
@@ -173,7 +175,9 @@ const SAMPLED: FilterInfo = FilterInfo {
     evaluations: |settings, _| 4 * settings.ensemble_size,
     time: |settings, n| settings.members() * 75.0 * n as f64,
     has_propagation: false,
-    way: Way::Belief(|initial, settings, normal| Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?))),
+    algorithm: Algorithm::Belief(|initial, settings, normal| {
+        Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?))
+    }),
 };
 
 pub(super) static ENKF: FilterInfo = SAMPLED;
@@ -359,7 +363,6 @@ fn bandwidth_square(n: usize, count: usize) -> f64 {
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
 }
 
-/// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.
 fn add_draws(sample: &mut Matrix, root: &Matrix, normal: &mut Normal) {
     let draws = Matrix::from_fn(sample.nrows(), sample.ncols(), |_, _| normal.sample());
     sample.gemm(1.0, root, &draws, 1.0);
@@ -371,7 +374,7 @@ pub(super) static PF: FilterInfo = FilterInfo {
     description: "moves weighted particles and resamples them systematically",
     reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
     has_own_likelihood: true,
-    way: Way::Belief(|initial, settings, normal| {
+    algorithm: Algorithm::Belief(|initial, settings, normal| {
         Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
     }),
     ..SAMPLED

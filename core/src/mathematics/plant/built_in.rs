@@ -4,16 +4,16 @@ use std::any::Any;
 
 use super::{Plant, PlantInfo, PlantKind, Spring};
 use crate::Channel;
-use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
+use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass, symbols_by_mass};
 use crate::mathematics::engine::plants::{self, Own};
 
 #[derive(Debug)]
-pub(super) struct BuiltIn {
+pub(super) struct BuiltInPlant {
     pub(super) info: &'static PlantInfo,
     pub(super) plant: plants::Plant,
 }
 
-impl Plant for BuiltIn {
+impl Plant for BuiltInPlant {
     fn info(&self) -> &PlantInfo {
         self.info
     }
@@ -32,16 +32,17 @@ impl plants::Plant {
     /// The engine's form of a plant.
     pub fn of(kind: PlantKind) -> Self {
         let plant: &dyn Any = kind.plant();
-        match plant.downcast_ref::<BuiltIn>() {
+        match plant.downcast_ref::<BuiltInPlant>() {
             Some(built_in) => built_in.plant,
             None => kind.own_equation().map_or(Self::Own(Own(kind)), |equation| Self::Typed(&equation.typed)),
         }
     }
 }
 
-pub(super) const SDOF: BuiltIn = BuiltIn { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
+pub(super) const SDOF: BuiltInPlant = BuiltInPlant { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
 
-pub(super) const DUFFING: BuiltIn = BuiltIn { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
+pub(super) const DUFFING: BuiltInPlant =
+    BuiltInPlant { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
 
 impl Channel {
     /// ωₙ \[rad/s\]
@@ -126,11 +127,11 @@ static DUFFING_INFO: PlantInfo = PlantInfo {
     spring: Spring::Cubic(Channel::CUBIC_STIFFNESS),
 };
 
-pub(super) const BOUC_WEN: BuiltIn = BuiltIn { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
+pub(super) const BOUC_WEN: BuiltInPlant =
+    BuiltInPlant { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
 
-/// With exponent 1, β₁ and γ₁.
-pub(super) const BOUC_WEN_1: BuiltIn =
-    BuiltIn { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
+pub(super) const BOUC_WEN_1: BuiltInPlant =
+    BuiltInPlant { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 
 static BOUC_WEN_INFO: PlantInfo = bouc_wen(
     ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
@@ -161,16 +162,11 @@ const fn bouc_wen_channels(beta: Channel, gamma: Channel) -> [Channel; 8] {
     ]
 }
 
-static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo {
-    keys: &["hysteretic_displacement"],
-    names: &["hysteretic displacement"],
-    symbols: &["z"],
-    unit: "m",
-    role: Role::Motion,
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.0, std: 0.05, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
-};
+static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo::motion(
+    [&["hysteretic_displacement"], &["hysteretic displacement"], &["z"]],
+    "m",
+    Usual { mean: 0.0, std: 0.05, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+);
 
 static POST_YIELD_RATIO: ChannelInfo = shape(
     [&["post_yield_ratio"], &["post-yield ratio"], &["α"]],
@@ -202,22 +198,22 @@ static YIELD_GAMMA: ChannelInfo = shape(
     Usual { mean: 3.0, std: 1.5, process: 0.001, truth: &[4.0], slider: (-10.0, 20.0), decimals: 2 },
 );
 
-const fn shape([keys, names, symbols]: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
-    ChannelInfo { keys, names, symbols, unit, role: Role::Parameter(Sign::Any), rate: None, mirrored: false, usual }
+const fn shape(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
+    ChannelInfo::parameter(words, unit, Sign::Any, usual)
 }
 
 /// A chain of masses connected by springs and dampers, such as the storeys of a building.
-pub(super) struct ShearChain<const MASSES: usize>;
+pub(super) struct ShearPlant<const MASSES: usize>;
 
-static STIFFNESS: ChannelInfo = ChannelInfo {
-    keys: by_mass!("stiffness_1"; "stiffness", "_", ""),
-    names: by_mass!("stiffness 1"; "stiffness", " ", ""),
-    symbols: &["κ₁", "κ₂", "κ₃", "κ₄", "κ₅", "κ₆", "κ₇", "κ₈", "κ₉", "κ₁₀"],
-    unit: "1/s²",
-    role: Role::Parameter(Sign::NotNegative),
-    rate: None,
-    mirrored: false,
-    usual: Usual {
+static STIFFNESS: ChannelInfo = ChannelInfo::parameter(
+    [
+        by_mass!("stiffness_1"; "stiffness", "_", ""),
+        by_mass!("stiffness 1"; "stiffness", " ", ""),
+        symbols_by_mass!("κ₁", "κ"),
+    ],
+    "1/s²",
+    Sign::NotNegative,
+    Usual {
         mean: 150.0,
         std: 30.0,
         process: 0.01,
@@ -225,7 +221,7 @@ static STIFFNESS: ChannelInfo = ChannelInfo {
         slider: (10.0, 500.0),
         decimals: 1,
     },
-};
+);
 
 static STOREY_DAMPING: ChannelInfo = ChannelInfo::parameter(
     [&["storey_damping"], &["storey damping"], &["c"]],
@@ -249,9 +245,9 @@ const fn chain(masses: usize) -> [Channel; CHAIN] {
     channels
 }
 
-impl<const MASSES: usize> ShearChain<MASSES> {
-    pub(super) const PLANT: BuiltIn =
-        BuiltIn { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
+impl<const MASSES: usize> ShearPlant<MASSES> {
+    pub(super) const PLANT: BuiltInPlant =
+        BuiltInPlant { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);
     const INFO: PlantInfo = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],

@@ -22,7 +22,6 @@ fn models() -> impl Iterator<Item = Model> {
     })
 }
 
-/// The largest difference between a gradient and the differences of a function, relative to the gradient.
 fn worst(at: &[f64], gradient: impl Fn(usize) -> Vec<f64>, function: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let mut worst = 0.0_f64;
     for j in 0..at.len() {

@@ -74,7 +74,6 @@ impl<T: Number> Tracked<T> {
         }
     }
 
-    /// Takes in an error of the sample with this number; NaN where the truth is not known.
     #[inline(always)]
     pub(crate) fn take(&mut self, error: T, truth: T, variance: T, number: usize, is_recent: bool) {
         let (zero, one) = (T::of(0.0), T::of(1.0));
@@ -119,7 +118,6 @@ pub(super) struct Accuracy {
     first: usize,
     /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
-    /// The squared errors of each known channel, with the numbers of samples with a known truth, and with the truth inside ±2σ.
     squares: Vec<RangeSums>,
     /// The errors of the last samples, a row each, in the filter's own form, and the sign that makes the last ones canonical.
     errors: Vec<f64>,
@@ -180,7 +178,6 @@ impl Accuracy {
         errors
     }
 
-    /// The last error of a tracked channel; NaN where the truth is not known.
     pub(super) fn error(&self, at: usize) -> f64 {
         let sign = if self.known[at].channel.is_mirrored() { self.sign } else { 1.0 };
         sign * self.errors[self.errors.len() - self.known.len() + at]

@@ -65,7 +65,6 @@ impl MeanSquare {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Totals {
     pub(super) whole: Total,
-    /// With the degrees of freedom and the contributing samples.
     squares: RangeSums,
 }
 

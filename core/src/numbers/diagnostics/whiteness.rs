@@ -51,7 +51,6 @@ impl Whiteness {
         whiteness
     }
 
-    /// Takes in a normalised innovation; NaN where nothing was measured.
     #[inline]
     pub(super) fn push(&mut self, innovation: f64) {
         let Self { samples, square, products, past, newest } = self;

@@ -40,7 +40,7 @@ impl Running {
         Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
 
-    /// Goes on until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
+    /// Continues until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
     /// all samples are done.
     pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.done < self.part.len() {
@@ -99,7 +99,6 @@ impl Running {
     }
 }
 
-/// The first sample after a time \[s\].
 fn after(record: &Record, time: f64) -> usize {
     let k = libm::ceil((time - record.time(0)) / record.dt()).clamp(0.0, record.len() as f64) as usize;
     if k < record.len() && record.time(k) <= time { k + 1 } else { k }
@@ -120,17 +119,17 @@ struct Beginning {
     /// The changes of the error with each component of the motion, for the components done in this iteration.
     columns: Vec<Vector>,
     iterations: usize,
-    trial: Trial,
+    trial: FitTrial,
 }
 
-struct Trial {
+struct FitTrial {
     motion: Vec<f64>,
     course: Course,
     done: usize,
     errors: Vec<f64>,
 }
 
-impl Trial {
+impl FitTrial {
     fn new(identified: &Identified, motion: Vec<f64>) -> Self {
         Self { course: Course::new(identified, &motion), motion, done: 0, errors: Vec::new() }
     }
@@ -143,11 +142,10 @@ impl Beginning {
         let motion = vec![0.0; identified.model.motion()];
         let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
         let rows = (0..readings.len()).map(there).sum();
-        let trial = Trial::new(identified, motion.clone());
+        let trial = FitTrial::new(identified, motion.clone());
         Self { part, scales, motion, rows, error: None, columns: Vec::new(), iterations: 0, trial }
     }
 
-    /// Makes a piece of an iteration. Returns whether the fit is done.
     fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
         // Without readings there is nothing to fit.
         if self.rows == 0 || self.motion.is_empty() {
@@ -157,7 +155,7 @@ impl Beginning {
             return false;
         }
         let Some(motion) = self.conclude() else { return true };
-        self.trial = Trial::new(identified, motion);
+        self.trial = FitTrial::new(identified, motion);
         false
     }
 
@@ -213,7 +211,7 @@ impl Beginning {
 
     /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.
     fn piece(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        let Self { part, scales, rows, trial: Trial { course, done, errors, .. }, .. } = self;
+        let Self { part, scales, rows, trial: FitTrial { course, done, errors, .. }, .. } = self;
         course.go_on(identified, record, part.clone(), done, &mut |k, state| {
             for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
             {
@@ -244,7 +242,6 @@ fn beginning(record: &Record, part: &Range<usize>, readings: &[Option<Reading>])
     part.start..end.map_or(part.end, |end| end + 1).min(part.start + part.len() / 2)
 }
 
-/// The root mean square of the readings that are not missing, or 1.
 fn scale(measured: &[f64]) -> f64 {
     let values = measured.iter().filter(|value| !value.is_nan());
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));

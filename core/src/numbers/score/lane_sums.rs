@@ -7,7 +7,7 @@ use crate::mathematics::gaussian_likelihood::{LogSum, log_likelihood};
 use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::Total;
 use crate::numbers::diagnostics::accuracy::Tracked;
-use crate::numbers::score::{ChannelSums, Look, Outcome};
+use crate::numbers::score::{ChannelSums, Outcome, SampleScore};
 use crate::{Channel, Stop};
 
 /// A sum of normalised squares: the sum, the degrees of freedom, the samples that count.
@@ -19,7 +19,7 @@ struct Squares<T> {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Scores<T> {
+pub(super) struct ScoreSums<T> {
     frequency: Option<usize>,
     last_fifth: usize,
     samples: usize,
@@ -30,12 +30,11 @@ pub(super) struct Scores<T> {
     /// NEES and NIS of the last sample; NaN where there is none.
     last: [T; 2],
     ln_determinants: LogProducts<T>,
-    /// The last mean and variance of every channel.
     mean: Vec<T>,
     variance: Vec<T>,
 }
 
-impl<T: Number> Scores<T> {
+impl<T: Number> ScoreSums<T> {
     pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
         let track = |(place, &channel)| Tracked::new(channel, place, 0);
@@ -135,7 +134,7 @@ impl<T: Number> Scores<T> {
         self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
     }
 
-    pub(super) fn look(&self, lane: usize) -> Look {
+    pub(super) fn sample_score(&self, lane: usize) -> SampleScore {
         let mut channels = vec![[f64::NAN; 2]; self.mean.len()];
         for tracked in &self.tracked {
             if let Some(score) = self.sums(tracked, lane).score(self.samples) {
@@ -143,7 +142,7 @@ impl<T: Number> Scores<T> {
             }
         }
         let [nees, nis] = self.last.map(|last| last.lane(lane));
-        Look { nees, nis, channels }
+        SampleScore { nees, nis, channels }
     }
 
     pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
@@ -160,7 +159,7 @@ impl<T: Number> Scores<T> {
             channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(self.samples)?))).collect(),
             mean: mapped(&self.mean, &|mean| mean.lane(lane)),
             std: mapped(&self.variance, &|variance| variance.lane(lane).sqrt()),
-            looks: Vec::new(),
+            sample_scores: Vec::new(),
         }
     }
 
@@ -193,7 +192,6 @@ impl<T: Number> Squares<T> {
     }
 }
 
-/// A [`LogSum`] a lane.
 #[derive(Clone, Debug)]
 pub(super) struct LogProducts<T> {
     product: T,

@@ -8,8 +8,8 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::UpdateResult;
-use crate::numbers::score::lane_sums::{LogProducts, Scores};
-use crate::numbers::score::{Look, Outcome};
+use crate::numbers::score::lane_sums::{LogProducts, ScoreSums};
+use crate::numbers::score::{Outcome, SampleScore};
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::{FilterError, Record, Stop};
 
@@ -41,18 +41,18 @@ impl Run<'_> {
     }
 }
 
-/// The outcomes of some runs, at most as many as there are lanes, with looks at the filters at these samples, which are in
+/// The outcomes of some runs, at most as many as there are lanes, with the scores at these samples, which are in
 /// order. All must [go with](Run::goes_with) the first.
 pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
     let [first, ..] = runs else { return Vec::new() };
     let channels = &first.setup.channels;
     let of = |lane: usize| runs[lane.min(runs.len() - 1)];
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
-    let inputs = Inputs::new(runs, is_shared, T::LANES);
+    let inputs = LaneInputs::new(runs, is_shared, T::LANES);
     let filter = filter(&|lane| of(lane).setup);
-    let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
-    let in_units = InUnits::new(&first.setup.design.model.logarithms, &filter.belief);
-    let batch = Batch {
+    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let in_units = LanesInUnits::new(&first.setup.design.model.logarithms, &filter.belief);
+    let batch = LaneBatch {
         level,
         count: runs.len(),
         filter,
@@ -61,7 +61,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
         stopped: T::of(0.0),
         of_parts: LogProducts::new(),
         outcomes: vec![None; runs.len()],
-        looks: vec![Vec::new(); runs.len()],
+        sample_scores: vec![Vec::new(); runs.len()],
     };
     level.apart(
         #[inline(always)]
@@ -69,7 +69,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     )
 }
 
-struct Inputs<'a> {
+struct LaneInputs<'a> {
     /// The run whose record has readings at times of their own, which all lanes share.
     timed: Option<Run<'a>>,
     force: Column<'a>,
@@ -96,7 +96,7 @@ impl Column<'_> {
     }
 }
 
-impl<'a> Inputs<'a> {
+impl<'a> LaneInputs<'a> {
     fn new(runs: &[Run<'a>], is_shared: bool, lanes: usize) -> Self {
         let lanes = if is_shared { 1 } else { lanes };
         let column = |of: &dyn Fn(Run<'a>) -> Cow<'a, [f64]>| {
@@ -124,13 +124,13 @@ impl<'a> Inputs<'a> {
     }
 }
 
-struct InUnits<T> {
+struct LanesInUnits<T> {
     logarithms: Vec<usize>,
     unit: Vec<T>,
     belief: Belief<T>,
 }
 
-impl<T: Number> InUnits<T> {
+impl<T: Number> LanesInUnits<T> {
     fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
         let unit = vec![T::of(1.0); belief.mean.len()];
         let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
@@ -143,21 +143,21 @@ impl<T: Number> InUnits<T> {
     }
 }
 
-struct Batch<T: Number, L> {
+struct LaneBatch<T: Number, L> {
     level: L,
     count: usize,
     filter: Filter<T>,
-    in_units: Option<InUnits<T>>,
-    scores: Scores<T>,
+    in_units: Option<LanesInUnits<T>>,
+    scores: ScoreSums<T>,
     stopped: T,
     of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
-    looks: Vec<Vec<Look>>,
+    sample_scores: Vec<Vec<SampleScore>>,
 }
 
-impl<T: Number, L: Level> Batch<T, L> {
+impl<T: Number, L: Level> LaneBatch<T, L> {
     #[inline(always)]
-    fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
+    fn run(mut self, inputs: &LaneInputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
         let mut samples = samples.iter().copied().peekable();
         let mut measured = vec![T::of(0.0); inputs.measured.len()];
         let mut truth = vec![T::of(0.0); inputs.truth.len()];
@@ -189,19 +189,19 @@ impl<T: Number, L: Level> Batch<T, L> {
             let belief = in_units.as_ref().map_or(&filter.belief, |in_units| &in_units.belief);
             scores.take_belief(*level, [&belief.mean, &belief.cov], &truth);
             while samples.next_if_eq(&k).is_some() {
-                self.look();
+                self.score_sample();
             }
         }
         self.finish()
     }
 
     fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
-        let Some(told) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
+        let Some(update) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
         let Self { level, scores, filter, .. } = self;
         level.apart(
             #[inline(always)]
             || {
-                scores.take_update([told.nis, told.determinant], told.measured, |lane| {
+                scores.take_update([update.nis, update.determinant], update.measured, |lane| {
                     filter.update.ln_determinant(lane)
                 });
             },
@@ -214,8 +214,8 @@ impl<T: Number, L: Level> Batch<T, L> {
         let mut squares = [T::of(0.0); 2];
         for (part, readings) in parts.iter() {
             measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
-            let told = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
-            let Some(UpdateResult { nis, determinant, measured, .. }) = told else { return false };
+            let update = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
+            let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
             squares = [squares[0] + nis, squares[1] + measured];
@@ -224,11 +224,11 @@ impl<T: Number, L: Level> Batch<T, L> {
         true
     }
 
-    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
+    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if all filters have stopped.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
         let Self { level, filter, .. } = self;
-        let mut told = level.apart(
+        let mut update = level.apart(
             #[inline(always)]
             || {
                 filter.predict_share(*level, share, forces);
@@ -241,19 +241,19 @@ impl<T: Number, L: Level> Batch<T, L> {
             in_units.take(&self.filter.belief);
             [fits, _] = in_units.belief.check(self.level);
         }
-        if !((told.holds & fits) | has_stopped).all() {
-            self.stop(told.holds, fits, k);
+        if !((update.holds & fits) | has_stopped).all() {
+            self.stop(update.holds, fits, k);
             if self.outcomes.iter().all(Option::is_some) {
                 return None;
             }
         }
         let is_going = self.stopped.lt(T::of(0.5));
         if !is_going.all() {
-            told.nis = T::select(is_going, told.nis, T::of(0.0));
-            told.determinant = T::select(is_going, told.determinant, T::of(1.0));
+            update.nis = T::select(is_going, update.nis, T::of(0.0));
+            update.determinant = T::select(is_going, update.determinant, T::of(1.0));
             self.park();
         }
-        Some(told)
+        Some(update)
     }
 
     /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.
@@ -283,16 +283,16 @@ impl<T: Number, L: Level> Batch<T, L> {
 
     #[cold]
     #[inline(never)]
-    fn look(&mut self) {
-        for (lane, looks) in self.looks.iter_mut().enumerate() {
+    fn score_sample(&mut self) {
+        for (lane, sample_scores) in self.sample_scores.iter_mut().enumerate() {
             if self.stopped.lane(lane) == 0.0 {
-                looks.push(self.scores.look(lane));
+                sample_scores.push(self.scores.sample_score(lane));
             }
         }
     }
 
     fn outcome(&mut self, lane: usize, stop: Option<Stop>) -> Outcome {
-        Outcome { looks: std::mem::take(&mut self.looks[lane]), ..self.scores.outcome(lane, stop) }
+        Outcome { sample_scores: std::mem::take(&mut self.sample_scores[lane]), ..self.scores.outcome(lane, stop) }
     }
 
     fn finish(mut self) -> Vec<Outcome> {

@@ -3,7 +3,7 @@
 
 use super::likeliest::Climb;
 use super::response::{Response, free_response, is_within, order};
-use super::spectra::{Gaps, LONG, Spectra};
+use super::spectra::{GapTreatment, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::mathematics::lists::{numbers, sort_numbers};
@@ -25,7 +25,6 @@ impl Sizes {
     }
 }
 
-/// Whether a record has no input: one that does not change moves nothing.
 pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
@@ -56,7 +55,6 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    /// The sizes of the next trial: those of the climb, then its best with a force that is held.
     pub(super) fn next(&self) -> Option<Sizes> {
         if let Some(factors) = self.climb.next() {
             return Some(self.sizes.times(&factors));
@@ -177,7 +175,6 @@ impl Suggestion {
 #[derive(Clone, Copy, Debug)]
 struct AmbientFit {
     found: Response,
-    /// s, the standard deviation of the force over mass at a sample \[m/s²\].
     force: f64,
     noise: f64,
     /// The standard errors of ωₙ and ζ, relative to them.
@@ -215,7 +212,7 @@ const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096
 fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> Option<AmbientFit> {
     let measured = record.measured_quantity(quantity)?;
     let start = free_response(record, measured, band)?;
-    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let spectra = Spectra::new(record, measured, LONG, GapTreatment::Fill)?;
     let peak = start.natural_frequency;
     let last = (HIGHEST * spectra.len() as f64) as usize;
     let is_near = |place: &usize| {

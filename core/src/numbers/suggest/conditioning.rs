@@ -72,9 +72,9 @@ pub(super) const FILLING: f64 = 1e-3;
 const KNOWN: f64 = 0.5;
 
 #[derive(Clone, Debug)]
-pub(super) struct Lost(Vec<Vec<usize>>);
+pub(super) struct LostReadings(Vec<Vec<usize>>);
 
-impl Lost {
+impl LostReadings {
     /// The gaps of a record that can be filled. `None` if nothing is lost, or too much.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let columns = (0..record.sensors().len()).map(|sensor| record.measured(sensor));
@@ -250,13 +250,13 @@ impl Course {
 }
 
 /// The trials of the courses, each with some shares of process noise, and their log likelihoods of the same readings.
-pub(super) struct Between {
+pub(super) struct CourseTrials {
     place: usize,
     part: Option<Record>,
     readings: [Likeliest<u32>; 3],
 }
 
-impl Between {
+impl CourseTrials {
     /// The trials for a record that is taken for linear between samples. `None` without an input, or where its course is stated.
     pub(super) fn of(record: &Record, given: &Scenario) -> Option<Self> {
         let Scenario { hold, record: mapping, filters, .. } = given;
@@ -342,7 +342,7 @@ mod tests {
     fn the_likeliest_course_of_the_same_readings_is_taken_and_the_simpler_one_of_two_that_are_alike() {
         let chosen = |best: [Option<(u32, f64)>; 3]| {
             let readings = best.map(|best| Likeliest { best, trials: 0 });
-            Between { place: 0, part: None, readings }.chosen()
+            CourseTrials { place: 0, part: None, readings }.chosen()
         };
         let of = |likelihood: f64| Some((900, likelihood));
         for (best, expected, says) in [

@@ -1,5 +1,5 @@
 //! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
-//! all over their ranges, and goes on from the end of the likeliest run.
+//! all over their ranges, and continues from the end of the likeliest run.
 
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
 use super::response::{Decay, Response, order};
@@ -227,7 +227,6 @@ impl Search {
         kinds.map(of).into()
     }
 
-    /// The search of an equation. Parameters that the spectra give are searched around their values.
     fn of(suggestion: &Suggestion) -> Option<Self> {
         let (equation, channels) = suggestion.own_parameters()?;
         let filter = suggestion.scenario.filters.first()?;

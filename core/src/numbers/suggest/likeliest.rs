@@ -85,8 +85,8 @@ pub(super) fn likelihood(run: &Run) -> Option<f64> {
 /// The log likelihood of the readings at some samples, and their number, if the filter went through.
 pub(super) fn likelihood_over(run: &Run, samples: Range<usize>) -> Option<(f64, u32)> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let told = samples.map(|k| (estimates.log_likelihood(k), estimates.readings(k))).filter(|(l, _)| !l.is_nan());
-    let (sum, readings) = told.fold((0.0, 0), |(sum, all), (l, readings)| (sum + l, all + readings));
+    let counted = samples.map(|k| (estimates.log_likelihood(k), estimates.readings(k))).filter(|(l, _)| !l.is_nan());
+    let (sum, readings) = counted.fold((0.0, 0), |(sum, all), (l, readings)| (sum + l, all + readings));
     sum.is_finite().then_some((sum, readings))
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::moments;
-use super::spectra::{Gaps, LONG, Spectra, passed};
+use super::spectra::{GapTreatment, LONG, Spectra, passed};
 use crate::data::free_decay::{Fit, highest};
 use crate::data::import::Mapping;
 use crate::mathematics::fourier::powers;
@@ -22,7 +22,6 @@ pub(super) struct Response {
     pub(super) gain: Option<f64>,
 }
 
-/// Frequencies count up to this share of the Nyquist frequency.
 const HIGHEST: f64 = 0.8;
 const ROUNDS: usize = 8;
 /// The rounds in which the part of an acceleration that follows a held force at once is taken out.
@@ -75,7 +74,7 @@ fn power(h: (f64, f64)) -> f64 {
 /// complex polynomials.
 pub(super) fn response(record: &Record, quantity: Quantity, band: Option<[f64; 2]>, steps: usize) -> Option<Response> {
     let measured = relative(record, quantity)?;
-    let spectra = Spectra::new(record, &measured, LONG, Gaps::Fill)?;
+    let spectra = Spectra::new(record, &measured, LONG, GapTreatment::Fill)?;
     let dt = record.dt() / steps as f64;
     let points = points(&spectra, record, quantity, band, dt, 0.0);
     let peak = |of: fn(&Point) -> f64| Some(points.iter().max_by(|a, b| of(a).total_cmp(&of(b)))?.frequency);
@@ -190,7 +189,7 @@ fn fit(points: &[Point], peak: f64) -> Option<Response> {
 ///
 /// Source: Bendat and Piersol (2010), *Random Data*, section 5.2 (half-power bandwidth).
 pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<Response> {
-    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let spectra = Spectra::new(record, measured, LONG, GapTreatment::Fill)?;
     let power = |place: usize| spectra.output[place];
     let within = (2..spectra.len()).filter(|&place| is_within(band, spectra.frequency(place)));
     let peak = within.max_by(|&a, &b| power(a).total_cmp(&power(b)))?;
@@ -244,7 +243,7 @@ const LOUD: f64 = 6.0;
 ///
 /// Displacement, velocity and acceleration have this form alike. The descent begins at the highest frequency of the
 /// first 64, 128, … samples, since light damping shows in long parts and strong damping in short ones. `None` if no
-/// decay explains the readings, for example because an unknown force goes on.
+/// decay explains the readings, for example because an unknown force still acts.
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
 /// Testing*, section 4.4 (time domain).

@@ -23,7 +23,7 @@ const LINE: usize = 3;
 const THERE: f64 = 0.75;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Gaps {
+pub(super) enum GapTreatment {
     /// Take windows between the gaps, shorter ones where need be: the noise at high frequencies is that of the sensor alone.
     Avoid,
     /// Fill short gaps by a line and long ones by the mean, and scale up the rest: a resonance needs long windows.
@@ -50,24 +50,24 @@ impl Spectra {
     ///
     /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
     /// (2010), *Random Data*, chapter 6.
-    pub(super) fn new(record: &Record, measured: &[f64], longest: usize, gaps: Gaps) -> Option<Self> {
+    pub(super) fn new(record: &Record, measured: &[f64], longest: usize, gaps: GapTreatment) -> Option<Self> {
         let every = stride(measured);
         let input: Vec<f64> = (0..measured.len()).step_by(every).map(|k| record.force(k)).collect();
         let mut output: Vec<f64> = measured.iter().copied().step_by(every).collect();
-        if gaps == Gaps::Fill {
+        if gaps == GapTreatment::Fill {
             bridge(&mut output);
         }
         let lengths = (0..).map(|i| longest >> i).take_while(|length| *length >= SHORTEST);
         let spectra = lengths.filter(|length| length * (WINDOWS + 1) / 2 <= output.len()).find_map(|length| {
             let begins = match gaps {
-                Gaps::Avoid => between_gaps(&output, length),
-                Gaps::Fill => (0..=output.len() - length).step_by(length / 2).collect(),
+                GapTreatment::Avoid => between_gaps(&output, length),
+                GapTreatment::Fill => (0..=output.len() - length).step_by(length / 2).collect(),
             };
-            let is_covered = gaps == Gaps::Fill || begins.len() * length >= output.len();
+            let is_covered = gaps == GapTreatment::Fill || begins.len() * length >= output.len();
             is_covered.then(|| Self::over(&input, &output, &begins, length, record.dt() * every as f64))?
         });
-        if spectra.is_none() && gaps == Gaps::Avoid {
-            return Self::new(record, measured, longest, Gaps::Fill);
+        if spectra.is_none() && gaps == GapTreatment::Avoid {
+            return Self::new(record, measured, longest, GapTreatment::Fill);
         }
         let mut spectra = spectra?;
         if input.iter().all(|value| *value == input[0]) {
@@ -281,7 +281,7 @@ mod tests {
             let measured: Vec<f64> = values.iter().map(|u| 3.0 * u + std * normal.sample()).collect();
             let input = Input { kind: InputKind::Force, hold: Hold::Zero, values };
             let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
-            let spectra = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap();
+            let spectra = Spectra::new(&record, &measured, SHORT, GapTreatment::Avoid).unwrap();
             assert!(size > 0.0 || (0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
             let noise = spectra.noise(None).unwrap();
             assert!((noise / std - 1.0).abs() < 0.1, "{noise}");
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_told_from_motion_at_any_times() {
+    fn noise_is_separated_from_motion_at_any_times() {
         let mut normal = Normal::from_seed(3);
         let mut time = 0.0;
         let (mut times, mut values) = (Vec::new(), Vec::new());

@@ -1,7 +1,7 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
 use super::ambient::{Ambient, has_no_input};
-use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
+use super::conditioning::{Course, CourseTrials, FILLING, LostReadings, Plucked};
 use super::initial::Search;
 use super::likeliest::{Trial, first_alone, frequency_error, likelihood, sizes, surprise};
 use super::{Suggestion, first_for_trial};
@@ -39,11 +39,11 @@ pub struct Suggest {
     /// Of an oscillator that was plucked several times.
     plucked: Option<Plucked>,
     given: Option<(Record, Suggestion)>,
-    lost: Option<Lost>,
+    lost: Option<LostReadings>,
     stage: Stage,
     trial: Trial,
     searches: Vec<Search>,
-    between: Option<Between>,
+    between: Option<CourseTrials>,
     course: Option<(Course, Option<String>)>,
     likelihoods: Vec<(f64, f64, Vec<f64>)>,
     /// The suggestion before R was that of the innovations, with its share and log likelihood.
@@ -58,9 +58,9 @@ pub struct Suggest {
 enum Stage {
     Data,
     /// A filter with these fills the gaps, and they are read again.
-    Gaps,
+    GapTreatment,
     Search,
-    Between,
+    CourseTrials,
     Likelihood(usize),
     WhiteForce,
     FreeRun,
@@ -92,9 +92,7 @@ impl Suggest {
         }
     }
 
-    /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
-    /// Returns whether the motion is a decay.
-    fn begin(&mut self, lost: Option<&Lost>) -> bool {
+    fn begin(&mut self, lost: Option<&LostReadings>) -> bool {
         // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
         if self.suggestion.knows_zero() {
@@ -215,24 +213,24 @@ impl Suggest {
                 let (record, given) = (self.record.clone(), self.suggestion.clone());
                 let is_decay = self.begin(None);
                 if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
-                    // What goes on through the pauses is looked at as a whole.
+                    // A motion that continues through the pauses is one part.
                     (self.record, self.suggestion) = (whole, given);
                     return Some(Stage::Data);
                 }
                 if self.course.is_none() {
-                    self.between = Between::of(&record, &given.scenario);
+                    self.between = CourseTrials::of(&record, &given.scenario);
                 }
                 // Without a guess, no filter can know the motion in a gap.
                 let can_fill = self.suggestion.problem.is_none() && self.suggestion.has_frequency();
-                self.lost = Lost::of(&record).filter(|_| can_fill);
+                self.lost = LostReadings::of(&record).filter(|_| can_fill);
                 self.given = Some((record, given));
                 match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
                     (true, _) => Stage::Done,
                     (false, None) => self.begin_search(),
-                    (false, Some(_)) => Stage::Gaps,
+                    (false, Some(_)) => Stage::GapTreatment,
                 }
             }
-            Stage::Gaps => {
+            Stage::GapTreatment => {
                 let scenario = || self.suggestion.with_share(FILLING);
                 let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time)?;
                 self.fill(run.as_ref());
@@ -242,18 +240,18 @@ impl Suggest {
                 let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
                 let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
                     Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
-                    return Some(Stage::Between);
+                    return Some(Stage::CourseTrials);
                 };
                 let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time)?;
                 search.take(run.as_ref());
                 Stage::Search
             }
-            Stage::Between => {
+            Stage::CourseTrials => {
                 let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
                 if let Some((part, scenario)) = next {
                     let run = self.trial.follow(|| scenario, part, part.len(), while_time)?;
                     self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
-                    Stage::Between
+                    Stage::CourseTrials
                 } else {
                     self.choose_course()
                 }
@@ -315,10 +313,10 @@ impl Task for Suggest {
         let all = (SHARES.len() + 4) as f64;
         match self.stage {
             // The course of the input is known: start values are made again.
-            Stage::Data | Stage::Gaps | Stage::Search if self.course.is_some() => 2.0 / all,
-            Stage::Data | Stage::Gaps => 0.0,
+            Stage::Data | Stage::GapTreatment | Stage::Search if self.course.is_some() => 2.0 / all,
+            Stage::Data | Stage::GapTreatment => 0.0,
             Stage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
-            Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
+            Stage::CourseTrials => (1.0 + self.between.as_ref().map_or(1.0, CourseTrials::progress)) / all,
             Stage::Likelihood(place) => (2 + place) as f64 / all,
             Stage::WhiteForce => {
                 let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());

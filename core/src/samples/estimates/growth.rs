@@ -91,7 +91,6 @@ impl Estimates {
         self.monitor.forget_before(self.forgotten);
     }
 
-    /// Appends a sample. Inlined, so that a caller with fixed sizes needs no checks of lengths.
     #[inline(always)]
     pub(crate) fn append(&mut self, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;

@@ -17,10 +17,10 @@ use crate::{Channel, FilterError, FilterSettings};
 
 struct AtLevel<L> {
     level: L,
-    followed: Followed,
+    followed: FollowedEngine,
 }
 
-struct Followed {
+struct FollowedEngine {
     filter: Filter<f64>,
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
@@ -32,20 +32,19 @@ struct Followed {
     part: Update,
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
-    learnt: Learnt,
+    learnt: LearntNoise,
     plucks: Plucks,
     sample: usize,
 }
 
 /// The parts of a step, for what is in the program once for all levels.
-trait Steps {
+trait EngineSteps {
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
 
-    /// Updates by the readings of the model's sensors.
     fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
-impl<L: Level> Steps for L {
+impl<L: Level> EngineSteps for L {
     #[inline(always)]
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]) {
         filter.predict_share(*self, share, forces);
@@ -63,7 +62,7 @@ impl<L: Level> Steps for L {
 
 /// What a filter learns, for all sensors: one that the model lacks keeps its R. The memory of a report.
 #[derive(Clone)]
-struct Learnt {
+struct LearntNoise {
     process: Vec<f64>,
     sensors: Vec<f64>,
     uncertainty: Vec<f64>,
@@ -71,10 +70,10 @@ struct Learnt {
 }
 
 pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Estimator> {
-    fn boxed<L: Level + Send + 'static>(level: L, followed: Followed) -> Box<dyn Estimator> {
+    fn boxed<L: Level + Send + 'static>(level: L, followed: FollowedEngine) -> Box<dyn Estimator> {
         Box::new(AtLevel { level, followed })
     }
-    let followed = Followed::new(setup, settings);
+    let followed = FollowedEngine::new(setup, settings);
     let model = &setup.design.model;
     let is_linearised = matches!(setup.design.method, Method::Linearised(..));
     match (model.size, model.moving()) {
@@ -93,7 +92,7 @@ pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Est
     }
 }
 
-impl Followed {
+impl FollowedEngine {
     fn new(setup: &Setup, settings: &FilterSettings) -> Self {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
         let filter = filter(&|_| setup);
@@ -107,7 +106,7 @@ impl Followed {
             part: update.clone(),
             update,
             in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
-            learnt: Learnt {
+            learnt: LearntNoise {
                 process: Vec::new(),
                 uncertainty: mapped(&variances, &|r| settings.adaptation.initial_uncertainty(*r)),
                 sensors: variances,
@@ -126,7 +125,6 @@ impl Followed {
         }
     }
 
-    /// Widens the belief if the plant was plucked between two times \[s\].
     fn pluck(&mut self, between: [f64; 2]) {
         let Self { plucks, filter, .. } = self;
         if let Some(variances) = plucks.between(between) {
@@ -135,7 +133,12 @@ impl Followed {
     }
 
     #[inline(always)]
-    fn predict(&mut self, level: &(impl Steps + ?Sized), share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
+    fn predict(
+        &mut self,
+        level: &(impl EngineSteps + ?Sized),
+        share: f64,
+        forces: [f64; 2],
+    ) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
         if !self.filter.are_finite(forces) {
             return Err(FilterError::UndefinedForce);
@@ -152,14 +155,14 @@ impl Followed {
     }
 
     /// Conditions on readings of all sensors, and keeps the update.
-    fn condition(&mut self, level: &dyn Steps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn condition(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
         self.add(level, force, readings)
     }
 
     /// The same after earlier readings within the sample.
-    fn add(&mut self, level: &dyn Steps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn add(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         let Self { filter, places, measured, .. } = self;
         let [nis, determinant] = condition(level, filter, places, measured, force, readings)?;
         self.take_update([nis, determinant]);
@@ -200,7 +203,7 @@ impl Followed {
     }
 
     /// The belief before the update is that before the last reading.
-    fn step_through(&mut self, level: &dyn Steps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, level: &dyn EngineSteps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         if parts.times.is_none() {
             self.next_sample();
         }
@@ -258,7 +261,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
             pass(&mut followed.filter, sink)?;
             return followed.report(wants_prior, sink);
         }
-        let Followed { filter, places, measured: own, prior, update: all, in_units, .. } = followed;
+        let FollowedEngine { filter, places, measured: own, prior, update: all, in_units, .. } = followed;
         let [nis, determinant] = condition(level, filter, places, own, force, measured)?;
         pass(filter, sink)?;
         let m = all.innovation.len();
@@ -277,7 +280,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
     }
 
     fn set_belief(&mut self, mean: &[f64], cov: &[f64]) -> Result<(), FilterError> {
-        let Followed { filter, in_units, .. } = &mut self.followed;
+        let FollowedEngine { filter, in_units, .. } = &mut self.followed;
         let Some(in_units) = in_units else { return filter.set_belief(mean, cov) };
         let Belief { mean, cov } = in_units.back(mean, cov);
         filter.set_belief(mean, cov)
@@ -323,7 +326,7 @@ fn pass(filter: &mut Filter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError
 /// By the measurements of all sensors; `own` takes those that the model has. Returns NIS and det S, NaN without any.
 #[inline(always)]
 fn condition(
-    level: &(impl Steps + ?Sized),
+    level: &(impl EngineSteps + ?Sized),
     filter: &mut Filter<f64>,
     places: &[usize],
     own: &mut [f64],
@@ -354,7 +357,7 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
     Ok(())
 }
 
-impl Learnt {
+impl LearntNoise {
     fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Filter<f64>, places: &[usize]) -> Sample<'a> {
         let Some(learnt) = filter.learnt() else { return sample };
         let noise = filter.design.adaptation.is_on().then(|| {

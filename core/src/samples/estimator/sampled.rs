@@ -9,7 +9,7 @@ use crate::mathematics::random::{Normal, Purpose};
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterSettings, Model};
 
-struct Followed {
+struct FollowedBelief {
     filter: Filter,
     correction: Correction,
 }
@@ -27,10 +27,10 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, &context.sensors, settings.adaptation);
     let filter = filter.with_substeps(steps).with_white_force(white);
     let filter = if settings.jump { filter.with_jump() } else { filter };
-    Box::new(Followed { filter, correction: Correction::nothing(n, context.sensors.len()) })
+    Box::new(FollowedBelief { filter, correction: Correction::nothing(n, context.sensors.len()) })
 }
 
-impl Estimator for Followed {
+impl Estimator for FollowedBelief {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction } = self;
         let belief = filter.belief().gaussian();

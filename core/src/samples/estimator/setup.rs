@@ -5,7 +5,7 @@ use crate::mathematics::engine::design::{Course, Design};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
 use crate::mathematics::engine::{belief, model};
-use crate::mathematics::filter::{Gaussian, Noise, Way, White};
+use crate::mathematics::filter::{Algorithm, Gaussian, Noise, White};
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::lists::{mapped, numbers};
 use crate::samples::estimator::FilterContext;
@@ -89,7 +89,7 @@ impl Setup {
     }
 
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext, columns: Vec<usize>) -> Option<Self> {
-        let Way::Gaussian(method) = settings.kind.info().way else { return None };
+        let Algorithm::Gaussian(method) = settings.kind.info().algorithm else { return None };
         let Beginning { model: book, initial, noise, white, considered } = Beginning::of(settings, context);
         if !(initial.is_finite() && noise.is_finite()) {
             return None;
@@ -201,7 +201,6 @@ impl Beginning {
     }
 }
 
-/// Standard deviations of a model's components; zero for those that the filter knows.
 fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
     let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
     Vector::from_iterator(model.size(), model.channels().iter().map(of))

@@ -120,7 +120,6 @@ impl Update {
 /// Samples of a filter with logarithms in its state, in the channels' units.
 #[derive(Clone, Debug)]
 pub(crate) struct InUnits {
-    /// The places of logarithms.
     logarithms: Vec<usize>,
     /// The size of each component's unit in its channel's unit.
     unit: Vec<f64>,

@@ -7,7 +7,7 @@ use crate::samples::estimator::State;
 use crate::samples::smoother::Passage;
 
 #[derive(Clone, Debug)]
-pub(super) struct Event {
+pub(super) struct TimedEvent {
     /// \[s\]
     pub(super) time: f64,
     /// The force over mass from now on \[m/s²\], if it was known.
@@ -20,7 +20,7 @@ pub(super) struct Event {
     pub(super) passages: Vec<Passage>,
 }
 
-impl Event {
+impl TimedEvent {
     pub(super) fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
         Self { time, force, readings, state: None, passages: Vec::new() }
     }
@@ -29,7 +29,7 @@ impl Event {
 /// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
 #[derive(Debug)]
 pub(super) struct Timeline {
-    pub(super) events: VecDeque<Event>,
+    pub(super) events: VecDeque<TimedEvent>,
     hold: Hold,
     /// Events are kept for this time \[s\].
     kept: f64,
@@ -43,7 +43,6 @@ impl Timeline {
         Self { events: VecDeque::new(), hold, kept, before: None }
     }
 
-    /// The place of the last event that is not after a time \[s\].
     pub(super) fn last_at(&self, time: f64) -> usize {
         self.place_until(time).unwrap_or(0)
     }
@@ -54,24 +53,23 @@ impl Timeline {
     }
 
     /// Puts an event at its place. Returns the first place after which beliefs are no longer right.
-    pub(super) fn insert(&mut self, event: Event) -> usize {
+    pub(super) fn insert(&mut self, event: TimedEvent) -> usize {
         let place = self.events.partition_point(|other| other.time <= event.time);
-        let tells_force = event.force.is_some();
+        let has_force = event.force.is_some();
         self.events.insert(place, event);
         // On a line between inputs, an input changes the force back to the one before it.
-        match (self.hold, tells_force) {
-            (Hold::First, true) => self.input_before(place).map_or(place, |before| before + 1).min(place),
+        match (self.hold, has_force) {
+            (Hold::First, true) => {
+                let before = self.events.range(..place).rposition(|event| event.force.is_some());
+                before.map_or(place, |before| before + 1).min(place)
+            }
             _ => place,
         }
     }
 
-    fn input_before(&self, place: usize) -> Option<usize> {
-        self.events.range(..place).rposition(|event| event.force.is_some())
-    }
-
     /// The force over mass from the event before a place to that at the place, at the beginning and at the end \[m/s²\].
     pub(super) fn forces_to(&self, place: usize) -> [f64; 2] {
-        let known = |event: &Event| event.force.map(|force| (event.time, force));
+        let known = |event: &TimedEvent| event.force.map(|force| (event.time, force));
         let last = self.events.range(..place).rev().find_map(known).or(self.before);
         let Some((from, begin)) = last else { return [0.0; 2] };
         let next = || self.events.range(place..).find_map(known);
@@ -91,11 +89,10 @@ impl Timeline {
         self.events[place].force.unwrap_or_else(|| self.forces_to(place)[1])
     }
 
-    /// Forgets events that are no longer kept at a time \[s\], all before a place. Returns their number.
     pub(super) fn forget(&mut self, now: f64, place: usize) -> usize {
         let mut forgotten = 0;
         while forgotten < place && (self.events[1].time < now - self.kept || self.events.len() > MOST) {
-            let Some(Event { time, force, .. }) = self.events.pop_front() else { break };
+            let Some(TimedEvent { time, force, .. }) = self.events.pop_front() else { break };
             self.before = force.map(|force| (time, force)).or(self.before);
             forgotten += 1;
         }

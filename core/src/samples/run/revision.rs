@@ -27,7 +27,6 @@ pub(crate) struct Revision {
 }
 
 impl Revision {
-    /// To another scenario, and to another source if one is given.
     pub(crate) fn new(
         run: &Run,
         scenario: &Scenario,
@@ -82,7 +81,6 @@ impl Revision {
         self.bank.passes[place].done()
     }
 
-    /// Takes in the next samples of a filter that the caller computes. Returns false if they are not its own.
     pub(crate) fn take(&mut self, place: usize, tape: &Tape) -> bool {
         self.away.contains(&place) && self.bank.take(place, tape, self.samples)
     }

@@ -139,7 +139,6 @@ struct Motion<'a> {
     model: &'a Model,
     forces: [f64; 2],
     disturbance: f64,
-    /// The time between samples \[s\].
     dt: f64,
 }
 
