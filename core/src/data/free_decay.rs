@@ -35,13 +35,13 @@ pub struct Decay {
     pub acceleration: Vec<f64>,
     /// The axis in the device's directions, of length one.
     pub axis: [f64; 3],
-    /// What is constant along the axis and taken away: gravity's share, and what the sensor adds \[m/s²\].
+    /// The constant part along the axis, which is taken away: gravity's share, and the sensor's offset \[m/s²\].
     pub gravity: f64,
     /// The standard deviation of the noise along the axis \[m/s²\].
     pub noise: f64,
     /// The time of the first reading that is kept, in the clock of the readings \[s\].
     pub begin: f64,
-    /// Each reading at its own time: that after the beginning \[s\], and the acceleration \[m/s²\].
+    /// Time after the beginning \[s\], and acceleration \[m/s²\].
     readings: Vec<[f64; 2]>,
     /// Whether it has come to rest and rests at the end of the readings: there is nothing more to learn.
     pub rests: bool,
@@ -62,7 +62,7 @@ pub enum NoDecay {
     Short(f64, f64),
 }
 
-/// The readings that a decay has at least, and the seconds, or the swings if they take less.
+/// Limits a decay from below: readings, seconds, or swings if these take less.
 const MOST_FEW: usize = 60;
 const SHORTEST: f64 = 2.0;
 const SWINGS: f64 = 4.0;
@@ -70,29 +70,26 @@ const SWINGS: f64 = 4.0;
 /// Limits the swing \[s\] for which the lengths below hold; a faster one has shorter parts and rests, in proportion.
 const SLOW: f64 = 1.0 / 3.0;
 
-/// Readings that turn within fewer steps are noise.
 const FASTEST: f64 = 5.0;
 
-/// A swing's large readings, as a share of the largest.
 const LARGE: f64 = 1.0 / 3.0;
 
 /// Limits the parts in which decays are looked for: each takes all its readings.
 const MOST_PARTS: usize = 64;
 
-/// The largest reading of a swing over the noise, at least.
 const SWING: f64 = 8.0;
 
-/// A part of this length has a largest reading \[s\].
+/// \[s\]
 const PART: f64 = 0.5;
 
-/// Readings below this many standard deviations are noise; a part that grows by this factor, and by the noise, is no free decay.
+/// In standard deviations of the noise; a part that grows by the factor below, and by the noise, is no free decay.
 const QUIET: f64 = 4.0;
 const GROWTH: f64 = 1.4;
 
-/// A part that is smaller than the one before by this factor was stopped by a hand, if the one before is so much above noise.
+/// A part smaller than the one before by this factor was stopped by a hand, if the one before is as far above the noise.
 const STOPPED: f64 = 6.0;
 
-/// It is at rest after this time without a swing \[s\].
+/// Time without a swing \[s\].
 const REST: f64 = 2.0;
 
 impl Decay {
@@ -139,7 +136,7 @@ impl Decay {
 
     fn around_the_peak(readings: &[[f64; 4]]) -> (Result<Self, NoDecay>, [&[[f64; 4]]; 2]) {
         let Along { axis, times, gravity, along } = Along::of(readings);
-        // What a hand does elsewhere may be faster.
+        // The hand may move it faster elsewhere.
         let pace = Pace::along(&times, &along);
         let noise = noise_of(&times, &along, pace.share);
         let peak = (0..along.len()).max_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
@@ -179,7 +176,7 @@ impl Decay {
         self.axis[0] * x + self.axis[1] * y + self.axis[2] * z - self.gravity
     }
 
-    /// An empty record for a decay that goes on, with the same steps. It takes its readings from [`Self::begin`] on, along the
+    /// An empty record for a decay that continues, with the same steps. It takes its readings from [`Self::begin`] on, along the
     /// axis, and no input.
     pub fn live(&self) -> LiveRecord {
         let n = self.times.len();
@@ -188,8 +185,8 @@ impl Decay {
         LiveRecord::new(dt, InputKind::Force, Hold::First, vec![Quantity::ACCELERATION]).smoothing(side)
     }
 
-    /// The longest free decay in readings ([`Self::of`]), and all others along its axis that swing as fast, in the order of time. A hand that
-    /// takes the device away is none of them.
+    /// The longest free decay in readings ([`Self::of`]), and all others along its axis that swing as fast, in the order of time. A hand
+    /// that takes the device away is none of them.
     ///
     /// # Errors
     /// [`NoDecay`].
@@ -222,7 +219,6 @@ impl Decay {
         self.cos(longest).abs() >= SAME_AXIS && apart <= SAME_RATE * other / longest.seconds() + 1.0 / self.seconds()
     }
 
-    /// The number of its swings: half of its changes of sign that are more than noise.
     fn swings(&self) -> f64 {
         let (mut sign, mut changes) = (0.0, 0);
         for x in self.acceleration.iter().filter(|x| x.abs() > 2.0 * self.noise) {
@@ -233,12 +229,12 @@ impl Decay {
     }
 
     /// Decays of one oscillator as a CSV file that the importer reads: each reading with its own time after the beginning of the first one.
-    /// What the hand does in between is left out.
+    /// The motion by the hand in between is left out.
     pub fn file(decays: &[Self]) -> String {
         let mut text = "t [s],acceleration [m/s²]\n".to_owned();
         let Some(first) = decays.first() else { return text };
         for decay in decays {
-            // An axis has no sign of its own.
+            // An axis has no sign.
             let (sign, since) = (decay.cos(first).signum(), decay.begin - first.begin);
             for [time, acceleration] in &decay.readings {
                 // A text takes whatever is written.
@@ -249,7 +245,6 @@ impl Decay {
     }
 }
 
-/// The readings to either side of one that a cubic follows, for readings whose mean may be anything.
 pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
     let middle = mean(values);
     let around = mapped(values, &|value| value - middle);
@@ -260,7 +255,6 @@ fn seconds(readings: &[[f64; 4]]) -> f64 {
     readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
 }
 
-/// The readings without those that lack a number, in the order of their times, of each time the first.
 fn in_order(readings: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let is_whole = |reading: &[f64; 4]| reading.iter().all(|x| x.is_finite());
     let mut readings: Vec<[f64; 4]> = readings.iter().copied().filter(is_whole).collect();
@@ -288,7 +282,6 @@ impl Along {
 
 #[derive(Clone, Copy, Debug)]
 struct Pace {
-    /// Its swing over [`SLOW`], or 1 if that is longer.
     share: f64,
     shortest: f64,
 }
@@ -340,12 +333,11 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (us
     (times.len(), false)
 }
 
-/// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
+/// Share of half a swing, to either side, that a cubic follows; the fewest and the most readings there.
 const FOLLOWED: f64 = 1.0 / 3.0;
 const FEWEST: usize = 3;
 const MOST: usize = 12;
 
-/// A reading is on this side of the mean from this many standard deviations on.
 const CLEAR: f64 = 3.0;
 
 fn side(values: &[f64], noise: f64) -> usize {
@@ -365,13 +357,12 @@ fn half_swing(values: &[f64], noise: f64) -> f64 {
     apart.get(apart.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The end of the part of this many seconds that begins at a place. It has at least one reading: above 2⁵³ s, adding a second changes nothing.
+/// The part has at least one reading: above 2⁵³ s, adding a second changes nothing.
 fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
     (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
 }
 
-/// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has
-/// next to none; the smaller. Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
+/// A slow swing has next to no third differences. Source: Hamming (1973), *Numerical Methods*, chapter 10.
 fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
     let (mut least, mut differences) = (f64::INFINITY, Vec::new());
     let mut place = 0;
@@ -394,7 +385,7 @@ fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
     if least.is_finite() { least.sqrt() } else { 0.0 }
 }
 
-/// The first eigenvector of the covariance of three accelerations, by repeated products; its largest component is positive.
+/// The largest component of the axis is positive.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
         [of(0), of(1), of(2)]
@@ -419,7 +410,7 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     three(&|i| sign * axis[i])
 }
 
-/// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
+/// The mean under a Hann window: the part of a swing at either end counts little.
 fn middle(values: &[f64]) -> f64 {
     let turn = std::f64::consts::TAU / values.len().max(1) as f64;
     let weights = || (0..values.len()).map(|k| 1.0 - libm::cos(turn * (k as f64 + 0.5)));
@@ -430,10 +421,10 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The cosine between the axes of two decays of one device that was not turned, at least.
+/// Limits from below the cosine between the axes of two decays of one device.
 const SAME_AXIS: f64 = 0.95;
 
-/// Their swings in a second differ by this share at most, and by one swing over the length of the shorter.
+/// Limits the difference of their swings in a second, as a share, beside one swing over the length of the shorter.
 const SAME_RATE: f64 = 0.03;
 
 #[cfg(test)]

@@ -14,7 +14,6 @@ pub enum Length {
     Radian,
 }
 
-/// Units of the motion in metres, with volts and with radians in their place.
 const LENGTHS: [[&str; 3]; 6] = [
     ["m", "V", "rad"],
     ["m/s", "V/s", "rad/s"],

@@ -92,9 +92,9 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
-    /// The same record, with times of their own for its readings, and maybe for its input.
+    /// The same record, with times for its readings, and maybe for its input.
     ///
-    /// A reading counts in the step in which it falls, and its column should tell at the end of that step what it was: a filter
+    /// A reading counts in the step in which it falls, and its column should have its value at the end of that step: a filter
     /// reports the innovation there.
     ///
     /// # Errors
@@ -109,7 +109,6 @@ impl Record {
         self.clocks.as_deref()
     }
 
-    /// The same record with each reading at its sample, as filters take it that count in samples.
     pub(crate) fn at_samples(self) -> Self {
         Self { clocks: None, ..self }
     }
@@ -242,7 +241,7 @@ impl Record {
         self.force(place.min(self.len() - 1))
     }
 
-    /// Of the sensors in these columns, where input and sensors are late. False if readings and input have the samples' times.
+    /// False if readings and input have the samples' times.
     pub(crate) fn parts_to(&self, k: usize, delays: &Delays, columns: &[usize], into: &mut Parts) -> bool {
         let clocks = self.clocks.as_deref();
         if clocks.is_none() && !delays.is_of_sensors() {
@@ -261,7 +260,7 @@ impl Record {
         true
     }
 
-    /// The reading of sample `k` where the sensor is late by these steps, to the nearest sample; NaN where there is none.
+    /// Late by steps, to the nearest sample; NaN where there is none.
     #[inline]
     pub(crate) fn late_reading(&self, column: usize, k: usize, late: f64) -> f64 {
         let place = if late == 0.0 { Some(k) } else { k.checked_add_signed(libm::round(late) as isize) };
@@ -289,7 +288,6 @@ impl Record {
     }
 }
 
-/// Fails where a key is repeated, a column has the wrong length, or a value is not allowed.
 fn complete<T: Copy + PartialEq>(
     columns: Vec<(T, Vec<f64>)>,
     expected: usize,

@@ -7,14 +7,13 @@ use crate::data::record::Input;
 use crate::mathematics::least_squares::NormalEquations;
 use crate::{Hold, Record};
 
-/// The samples on each side from which a value between two samples is made.
 const REACH: isize = 32;
-/// The shape of the window: side lobes below -80 dB.
+/// Side lobes below -80 dB.
 const KAISER: f64 = 8.0;
-/// The low-pass before a decimation, as a share of the new Nyquist frequency.
+/// As a share of the new Nyquist frequency.
 pub(crate) const GUARD: f64 = 0.8;
 
-/// The low-pass before every `every`-th value is kept. All values must be finite.
+/// All values must be finite.
 pub(crate) fn anti_alias(values: &mut Vec<f64>, every: usize) {
     if every > 1 {
         band_pass(values, 0.0, GUARD * 0.5 / every as f64);
@@ -29,15 +28,15 @@ pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
     });
 }
 
-/// Puts `steps` steps in place of one, by a band-limited interpolation: a sinc under a Kaiser window. The original values stay
-/// unchanged. All values must be finite. Source: Smith and Gossett (1984), A flexible sampling-rate conversion method.
+/// A sinc under a Kaiser window; the original values stay. All values must be finite. Source: Smith and Gossett (1984), A flexible
+/// sampling-rate conversion method.
 pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     let n = values.len() as isize;
     if steps <= 1 || n < 2 {
         return values.to_vec();
     }
     let (first, last) = (values[0], values[values.len() - 1]);
-    // Turned about the ends, so that value and slope go on.
+    // Turned about the ends, so that value and slope continue.
     let at = |place: isize| match place {
         place if place < 0 => 2.0 * first - values[place.unsigned_abs().min(values.len() - 1)],
         place if place >= n => 2.0 * last - values[(2 * (n - 1) - place).max(0) as usize],
@@ -56,11 +55,8 @@ pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     finer
 }
 
-/// Puts `steps` steps in place of one of an input that has this course between its values.
-///
-/// Lines through the values of a curve lie inside of its bends: of a swing they have the share
-/// `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values between those of the file move outwards by as much; those of the file stay, since an accelerometer
-/// feels them.
+/// Lines through the values of a curve lie inside of its bends: of a swing they have the share `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values
+/// between those of the file move outwards by as much; those of the file stay, since an accelerometer feels them.
 pub(crate) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
     let curve = interpolate(values, steps);
     if steps <= 1 || hold == Hold::Zero {
@@ -80,7 +76,7 @@ pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
     finer
 }
 
-/// `None` if it would be too long, or its readings have times of their own.
+/// `None` if it would be too long, or its readings have their own times.
 pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
     if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
         return None;
@@ -92,7 +88,6 @@ pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
     Some(Record::new(record.dt() / steps as f64, input, columns).ok()?.starting_at(record.time(0)))
 }
 
-/// The weights of the samples from `1 - REACH` to `REACH` for the value at `share` of the way from sample 0 to sample 1.
 fn kernel(share: f64) -> Vec<f64> {
     let weight = |place: isize| {
         let distance = share - place as f64;
@@ -105,7 +100,7 @@ fn kernel(share: f64) -> Vec<f64> {
     weights.into_iter().map(|weight| weight / sum).collect()
 }
 
-/// I₀, the modified Bessel function of the first kind, by its series.
+/// I₀, the modified Bessel function of the first kind.
 fn bessel(x: f64) -> f64 {
     let (mut term, mut sum, mut k) = (1.0, 1.0, 0.0);
     while term > 1e-17 * sum {
@@ -118,15 +113,14 @@ fn bessel(x: f64) -> f64 {
 
 const ORDER: usize = 4;
 
-/// A second-order section, in direct form II transposed.
 #[derive(Clone, Copy, Debug)]
 struct Section {
     b: [f64; 3],
     a: [f64; 2],
 }
 
-/// The sections of a low-pass or a high-pass with the cut-off frequency `cut`, a share of the sample rate below ½. Source:
-/// Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2 (bilinear transform).
+/// `cut` is a share of the sample rate below ½. Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2
+/// (bilinear transform).
 fn sections(is_low: bool, cut: f64) -> [Section; ORDER / 2] {
     let warped = libm::tan(PI * cut);
     std::array::from_fn(|k| {
@@ -155,8 +149,8 @@ impl Section {
     }
 }
 
-/// Filters in place: passes frequencies between `low` and `high`, both as shares of the sample rate. A `low` of 0 makes
-/// a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted in time. All values must be finite.
+/// Passes `low` to `high`, shares of the sample rate: a `low` of 0 makes a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted
+/// in time. All values must be finite.
 pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {
@@ -183,7 +177,7 @@ pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     values.extend_from_slice(&extended[margin..extended.len() - margin]);
 }
 
-/// Equal steps of time: the first one \[s\], the time between them \[s\] and their number.
+/// Start and step in \[s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Steps {
     pub(crate) start: f64,
@@ -192,15 +186,12 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// The time from the first step to the last one \[s\].
     pub(crate) fn seconds(self) -> f64 {
         self.count.saturating_sub(1) as f64 * self.dt
     }
 
-    /// The values at the steps; NaN at a step to which no reading goes.
-    ///
-    /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic
-    /// through `side` readings to either side changes meanwhile.
+    /// NaN at a step without a reading. `place` rounds the time of a reading, in steps; of several the nearest counts, shifted by the
+    /// change of the cubic through `side` readings to either side.
     pub(crate) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
         let Self { start, dt, count } = self;
         let n = times.len();
@@ -230,11 +221,9 @@ impl Steps {
     }
 }
 
-/// What the least-squares cubic through some values changes from a time to one that is `shift` later \[s\]; 0 if they do not
-/// determine one. `size` is the time over which they lie, about \[s\].
-///
-/// A reading that is shifted so keeps its noise as white as it is, which it would not on a curve through the readings. Source:
-/// Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+/// Change of the least-squares cubic through some values until `shift` later \[s\]; 0 if they do not determine one. `size` is about
+/// the time over which they lie \[s\]. A reading that is shifted so keeps its noise white, which it would not on a curve through the
+/// readings. Source: Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
 pub(crate) fn change<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, from: f64, shift: f64, size: f64) -> f64 {
     let mut equations = NormalEquations::<4>::new();
     for (time, value) in readings {

@@ -1,6 +1,6 @@
-//! Long work that goes on while there is time.
+//! Long work that continues while there is time.
 
-/// Long work that goes on while there is time, and then has an outcome. The core has no clock: the caller decides when
+/// Long work that continues while there is time, and then has an outcome. The core has no clock: the caller decides when
 /// the time is up. The outcome has the same bits however the work is divided.
 pub trait Task {
     /// The result of the work.
@@ -9,7 +9,7 @@ pub trait Task {
     /// The share that is done, from 0 to 1.
     fn progress(&self) -> f64;
 
-    /// Goes on until `while_time` returns false, which is called about every millisecond. Returns whether all is done.
+    /// Continues until `while_time` returns false, which is called about every millisecond. Returns whether all is done.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool;
 
     /// The outcome, once all is done.

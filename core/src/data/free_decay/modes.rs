@@ -22,16 +22,15 @@ pub struct Mode {
 
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number: a stricter
+/// Limits from below the log likelihood that another mode gains for each number, over the logarithm of the readings' number: a stricter
 /// limit leaves out modes that move the others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
 const GAIN: f64 = 0.5;
-/// A first half swing that leaves this many times the mean square of the rest is forced; and the most that are left out.
+/// Limits a first half swing, in mean squares of the rest: a larger one is forced; and the number of those that are left out.
 const FORCED: f64 = 2.0;
 const MOST: usize = 8;
-/// Limits the mean square of the residuals of a fit, in mean squares of the noise: larger ones are no noise.
+/// In mean squares of the noise: larger residuals are no noise.
 const NOISY: f64 = 4.0;
 const SAME: f64 = 0.1;
-/// Limits from below the number of readings for each unknown.
 const FEWEST: usize = 3;
 
 impl Decay {
@@ -98,7 +97,7 @@ impl Decay {
     }
 }
 
-/// The modes in readings of time and value, what they leave of each, and what the modes but the first one give there.
+/// Returns the residuals too, and the values of the modes but the first one.
 fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     let values = numbers(readings.len(), &|k| readings[k][1]);
     let one = best::<5>(readings, &values, &[])?;
@@ -122,13 +121,12 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     Some((modes, two.rests(readings), others))
 }
 
-/// Decays beside a constant, as numbers: the constant, then ω, σ, a and b of each.
+/// A constant, then ω, σ, a and b of each decay.
 pub(crate) struct Fit<const N: usize> {
     pub(crate) cost: f64,
     pub(crate) numbers: [f64; N],
 }
 
-/// The likeliest fit with the decays so far and one more, which begins at the highest frequency of what is left.
 fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> Option<Fit<N>> {
     if readings.len() < FEWEST * N {
         return None;
@@ -143,7 +141,7 @@ fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> 
     fits.into_iter().filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The frequency \[rad/s\] at which values have most power, of those that are allowed.
+/// \[rad/s\]
 pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
     let (first, last) = (readings.first()?[0], readings.last()?[0]);
     let dt = (last - first) / (readings.len() - 1) as f64;
@@ -161,7 +159,6 @@ pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn
 }
 
 impl<const N: usize> Fit<N> {
-    /// The fitted reading at a time after the first one, and its derivatives by the numbers.
     fn at(numbers: &[f64; N], time: f64) -> (f64, [f64; N]) {
         let (mut value, mut by) = (numbers[0], [1.0; N]);
         for (of, by) in numbers[1..].chunks_exact(4).zip(by[1..].chunks_exact_mut(4)) {

@@ -34,22 +34,19 @@ const SWINGS: f64 = 8.0;
 
 const SPECTRUM: usize = 1 << 16;
 
-/// The pitch stands above its surroundings by this factor in power. A line beside it does so more clearly, and has this share
-/// of its power.
+/// In power over the surroundings; a line beside the pitch stands out more clearly, and has this share of its power.
 const ABOVE: f64 = 8.0;
 const CLEAR: f64 = 40.0;
 const BESIDE: f64 = 1e-4;
 
-/// The limits of the band, as shares of the pitch, where no other line is nearer; and the nearest one that is a mode of its own.
+/// In shares of the pitch, where no other line is nearer; and the nearest line that is another mode.
 const BAND: [f64; 2] = [0.3, 2.2];
 const OWN: f64 = 1.05;
 
-/// The samples in a swing, and the most samples of a ring.
 const FINENESS: f64 = 5.5;
 const MOST_SAMPLES: usize = 20_000;
 
-/// The ring ends where its line is this often the noise, and begins with this often; or it ends where the line grows by this factor.
-/// It has this many swings at least.
+/// The ring ends and begins at these multiples of the noise, or ends where it grows by this factor; its fewest swings.
 const QUIET: f64 = 2.5;
 const LOUD: f64 = 6.0;
 const GROWTH: f64 = 1.5;
@@ -115,7 +112,6 @@ fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     (end > begin).then_some([begin, end])
 }
 
-/// The sizes of a line of some frequency, in turns a sample, in blocks of some length, each under a Hann window.
 fn sizes_of_line(values: &[f64], length: usize, frequency: f64) -> Vec<f64> {
     let turn = std::f64::consts::TAU;
     let waves: Vec<(f64, f64)> = (0..length)
@@ -137,20 +133,19 @@ struct Line {
     /// \[Hz\]
     frequency: f64,
     power: f64,
-    /// Its power over that of its surroundings.
     above: f64,
 }
 
-/// The power of a sound at its frequencies, a line of amplitude a as a² / 4.
+/// A line of amplitude a has the power a² / 4.
 struct Spectrum {
-    /// The distance of two frequencies \[Hz\].
+    /// \[Hz\]
     step: f64,
     rate: f64,
     powers: Vec<f64>,
 }
 
 impl Spectrum {
-    /// The spectrum of samples, of the first 65,536 at most. `None` if there are fewer than 256.
+    /// Of the first 65,536 samples at most. `None` if there are fewer than 256.
     fn of(rate: f64, values: &[f64]) -> Option<Self> {
         let values = &values[..values.len().min(SPECTRUM)];
         if values.len() < 256 {
@@ -173,7 +168,6 @@ impl Spectrum {
         self.powers[range].iter().fold(0.0, |a: f64, b| a.max(*b))
     }
 
-    /// The lines with their powers, that is the maxima above their surroundings, less what was there before.
     fn lines(&self, before: Option<&Self>) -> Vec<Line> {
         let mut found = Vec::new();
         let (low, high) = (self.at(LOWEST).max(2), self.at(HIGHEST * self.rate));

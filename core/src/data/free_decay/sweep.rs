@@ -30,21 +30,20 @@ pub struct Sweep {
     pub part: [f64; 2],
     /// f₀, r and κ.
     law: [f64; 3],
-    /// The motion at the frequency of the sweep, in windows [`HOP`] apart.
     windows: Vec<Complex>,
 }
 
-/// The length of a window, the time between two, and between the values of a model \[s\].
+/// \[s\]
 const WINDOW: f64 = 0.5;
 const HOP: f64 = 0.25;
 const STEP: f64 = 0.025;
-/// Steps have this many parts where the pole is nearer than this many radians a step.
+/// Parts of a step where the pole is nearer than this many radians a step.
 const PARTS: usize = 4;
 const CLOSE: f64 = 2.0;
-/// A window is in the sweep up to this distance from its line \[Hz\]; of those in its part, at least this share.
+/// Distance of a window in the sweep from its line \[Hz\]; the least share of such windows in its part.
 const NEAR: f64 = 1.5;
 const LINED: f64 = 0.6;
-/// Limits the windows, all of which are compared, and from below the last frequency over the first one.
+/// Limits the windows, because all are compared, and from below the last frequency over the first one.
 const FEWEST: usize = 40;
 const MOST: usize = 1200;
 const RISE: f64 = 2.0;
@@ -55,7 +54,6 @@ const ROUNDS: usize = 3;
 const LOWEST: f64 = 10.0;
 const GRID: usize = 48;
 const WIDER: f64 = 1.5;
-/// Windows that are closer than this number may have residuals that resemble each other.
 const LAGS: usize = 12;
 /// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
 const OF_DRIVE: [f64; 2] = [1.2, 1.5];
@@ -63,9 +61,7 @@ const FIRST: usize = 6;
 
 /// The numbers of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
 type Numbers = [f64; FIRST + 8];
-/// ωₙ and ζ with the motion of this mode.
 type Start = ([f64; 2], Vec<Complex>);
-/// The share of a number by which it is moved for a difference.
 const SMALL: f64 = 1e-6;
 
 impl Sweep {
@@ -137,7 +133,6 @@ impl Sweep {
         }
     }
 
-    /// Fits a parabola to the phases of the windows, and corrects the law by it.
     fn straighten(&mut self) -> Option<()> {
         let (mut equations, mut before, mut phase) = (NormalEquations::<3>::new(), Complex::ONE, 0.0);
         for (time, seen) in self.times().zip(&self.windows) {
@@ -203,7 +198,6 @@ impl Sweep {
         self.windows.iter().zip(self.rests(&one)).map(|(seen, rest)| seen - rest).collect()
     }
 
-    /// The c of up to three columns that leave least, and what they leave.
     fn shares(&self, columns: [&[Complex]; 3]) -> Option<([f64; 6], f64)> {
         let at = |column: &[Complex], k: usize| column.get(k).copied().unwrap_or_default();
         let at = |k: usize| [at(columns[0], k), at(columns[1], k), at(columns[2], k)];
@@ -241,7 +235,7 @@ impl Sweep {
         self.tuned(modes, numbers)
     }
 
-    /// Numbers with the c that leave least: steps that move both are stuck in narrow valleys.
+    /// With the c that leave least: steps that move numbers and c together are stuck in narrow valleys.
     fn tuned(&self, modes: usize, mut at: Numbers) -> Option<Numbers> {
         let places = || (FIRST - 2..FIRST + 4 * modes).step_by(4);
         places().for_each(|place| at[place..place + 2].fill(0.0));
@@ -351,8 +345,7 @@ impl Sweep {
     }
 }
 
-/// The response of `q' = p q + u` beside φ at each step, from where it is steady: it follows the steady one, exactly where that
-/// is linear over a step.
+/// The response of `q' = p q + u` beside φ, from where it is steady; exact where the steady one is linear over a step.
 fn respond(law: &[f64], pole: Complex, mut each: impl FnMut(usize, Complex)) {
     let steady = |f: f64| Complex::from(f) / Complex::new(-pole.re, TAU * f - pole.im);
     let (mut off, mut before) = (Complex::ZERO, steady(law[0]));
@@ -376,7 +369,7 @@ fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
     &readings[place(from)..place(from + WINDOW)]
 }
 
-/// A mean of values in a window under cos⁴: harmonics, and what turns backward, leave next to nothing in it.
+/// A mean under cos⁴: harmonics, and motion that turns backward, leave next to nothing in it.
 #[derive(Default)]
 struct WindowMean {
     sum: Complex,
@@ -404,7 +397,6 @@ fn turn(phase: f64) -> Complex {
 mod tests {
     use super::*;
 
-    /// A wave whose frequency rises by 1 Hz/s from 5 Hz, read 200 times a second, in another order where asked.
     fn rising(seconds: f64, is_turned: bool) -> Vec<[f64; 4]> {
         let wave = |t: f64| (5.0 + t) * libm::sin(TAU * t * (5.0 + 0.5 * t));
         let all = (0..(200.0 * seconds) as usize).map(|k| k as f64 / 200.0).map(|t| [t, wave(t), 0.1 * wave(t), 9.81]);

@@ -33,7 +33,6 @@ pub struct Builder<'a> {
     timing: Timing,
     input: Option<Vec<f64>>,
     sensors: Vec<(Quantity, Vec<f64>)>,
-    /// Readings at times of their own, and whether the record keeps these.
     own: Option<OwnTimes>,
     is_kept: bool,
     remarks: Vec<String>,
@@ -205,7 +204,7 @@ impl<'a> Builder<'a> {
         Ok(self.conditioning().input(values, self.hold))
     }
 
-    /// A column at even times, with unit, gain, offset and delay, or nothing where readings keep their times; and remarks on its cells.
+    /// The values are at even times, or empty where readings keep their times; then come remarks on the cells.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;
@@ -263,7 +262,6 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The rows of the part of a record that a mapping chooses, where the times of all rows do not rise.
 fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
     let ends = [mapping.from.unwrap_or(f64::NEG_INFINITY), mapping.to.unwrap_or(f64::INFINITY)];
     let column = &table.columns[table.place(mapping.time.column.as_ref()?)?];

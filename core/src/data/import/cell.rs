@@ -78,15 +78,14 @@ pub enum Decimal {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Content {
     Number(f64),
-    /// A number with thousands separators that has one reading only, such as `1.234,5`.
+    /// Has one reading only, such as `1.234,5`.
     Grouped(f64),
-    /// A time \[s\]: since midnight, or with a date since 1970.
+    /// \[s\]: since midnight, or with a date since 1970.
     Clock {
         seconds: f64,
         is_dated: bool,
     },
     Missing,
-    /// A word by which an instrument says that it has no reading, such as `OVLD`.
     Word,
     Text,
 }
@@ -109,7 +108,7 @@ impl Decimal {
         (found != Content::Text).then(|| found.value())
     }
 
-    /// The content of a cell. With `thousands` a separator such as that in `1.234` is one of thousands.
+    /// With `thousands` the separator in `1.234` is one of thousands.
     pub(super) fn read(self, cell: &str, thousands: bool) -> Content {
         if cell.is_empty() {
             return Content::Missing;
@@ -152,7 +151,7 @@ impl Decimal {
         }
     }
 
-    /// A number with thousands separators, as Rust writes it; and whether this is its only reading.
+    /// Returns the number as Rust writes it, and whether this is its only reading.
     fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
         let (point, other) = match self {
             Self::Point => ('.', ','),
@@ -180,7 +179,6 @@ impl Decimal {
         Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
     }
 
-    /// The seconds of a number with a unit of time behind it, such as `0.01 sec`, `20ms` and `PT0.01S`.
     fn duration(self, cell: &str) -> Option<f64> {
         if let Some(cell) = cell.strip_prefix("PT").and_then(|rest| rest.strip_suffix('S')) {
             let (minutes, seconds) = cell.split_once('M').unwrap_or(("0", cell));
@@ -204,7 +202,6 @@ fn is_missing(cell: &str) -> bool {
     "na n/a null none nil missing - -- #n/a #nv ?".split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
 
-/// Words of instruments and programs for a reading that failed: overload, an error, a number that does not fit its place.
 fn is_word(cell: &str) -> bool {
     const WORDS: &str =
         "∞ ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
@@ -219,9 +216,8 @@ fn is_word(cell: &str) -> bool {
         || (cell.len() > 2 && (is_line('-') || is_line('*')))
 }
 
-/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, or `mm:ss.f`, `AM` or `PM`
-/// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`, `20240501T080000`), the day first (`01.05.2024`,
-/// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
+/// Seconds, and whether there is a date: `hh:mm:ss.f`, `mm:ss.f`, `AM`, `PM`, `+01:00`, `Z`; `2024-05-01`, `20240501T080000`,
+/// `01.05.2024`, `01-May-2024`; with slashes the month comes first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     // Of pandas: `0 days 00:00:01.5`.
     if let Some((days, (time, false))) = cell.split_once(" days ").and_then(|(days, rest)| Some((days, clock(rest)?))) {
@@ -273,9 +269,7 @@ fn zone(time: &str) -> Option<(&str, f64)> {
     Some((rest, if zone.starts_with('-') { -ahead } else { ahead }))
 }
 
-/// Days since 1 January 1970.
-///
-/// Source: Hinnant (2013), chrono-Compatible Low-Level Date Algorithms.
+/// Days since 1 January 1970. Source: Hinnant (2013), chrono-Compatible Low-Level Date Algorithms.
 fn days(date: &str) -> Option<f64> {
     const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
     let [first, second, third] = match *date.split(['-', '/', '.']).collect::<Vec<&str>>() {

@@ -82,7 +82,7 @@ pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Opti
     )))
 }
 
-/// Interpolates missing values linearly, or repeats the nearest at the ends. Returns the first one's place, and how many there are.
+/// At the ends the nearest value is repeated. Returns the first missing place and the number of missing values.
 pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
     let missing = places(values.len(), &|place| values[place].is_nan());
     for gap in missing.chunk_by(|one, next| one + 1 == *next) {
@@ -99,7 +99,7 @@ pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
     Some((*missing.first()?, missing.len()))
 }
 
-/// Moves values to earlier samples by `delay`, or to later ones where it is negative; the ends become missing.
+/// Negative `delay` moves values to later samples; the ends become missing.
 pub(super) fn shift(values: &mut [f64], delay: i32) {
     let n = values.len();
     let by = (delay.unsigned_abs() as usize).min(n);
@@ -130,7 +130,7 @@ pub struct Sentinel {
     pub is_usual: bool,
 }
 
-/// The least distance of a sentinel from all other numbers, over their range: of a usual one and of any other number.
+/// Limits from below the distance of a sentinel from all numbers, over their range: of a usual one, of any other number.
 const FAR: [f64; 2] = [3.0, 30.0];
 
 const FEWEST: usize = 3;
@@ -200,7 +200,6 @@ fn is_usual(value: f64) -> bool {
     nines.contains(&size) || ends.contains(&size) || size >= 1e30
 }
 
-/// Sentences about the cells of a column that have no reading, or seem to have none.
 pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &MappedColumn) -> Vec<String> {
     let column = &table.columns[place];
     let name = &column.name;

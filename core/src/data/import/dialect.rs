@@ -120,7 +120,7 @@ impl Encoding {
         }
     }
 
-    /// The number of bytes of the first line with its end; `None` if no line ends here.
+    /// In bytes, with its end; `None` if no line ends here.
     pub(super) fn line_length(self, bytes: &[u8]) -> Option<usize> {
         match self {
             Self::Utf8 | Self::Latin1 => bytes.iter().position(|&byte| byte == b'\n').map(|place| place + 1),
@@ -134,7 +134,6 @@ impl Encoding {
 
 const MOST_LINES: usize = 300;
 
-/// Lines that begin with one of these are remarks.
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
@@ -167,7 +166,7 @@ impl Dialect {
     }
 }
 
-/// The cells of a header. In a file with blanks between cells, a unit in brackets belongs to the name before it.
+/// With blanks between cells, a unit in brackets belongs to the name before it.
 fn header_cells(delimiter: Delimiter, line: &str, columns: usize) -> Vec<String> {
     let line = line.trim_start_matches(['\u{FEFF}', ' ']).trim_start_matches(REMARKS);
     let mut cells: Vec<String> = delimiter.cells(line).map(str::to_owned).collect();
@@ -250,7 +249,6 @@ impl Form {
         data.map(|line| line.numbers as i64 - line.texts as i64).sum()
     }
 
-    /// The place of the first line of numbers: most of the lines after it are such lines too.
     fn data(&self) -> Option<usize> {
         const NEXT: usize = 6;
         let rows = || self.lines.iter().filter(|line| line.is_data(self.columns));

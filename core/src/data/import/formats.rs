@@ -1,7 +1,7 @@
-//! Formats with a header that says what their numbers are. They are tried before a dialect is looked for.
+//! Formats with a header that describes their numbers. They are tried before a dialect is looked for.
 //!
-//! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and says how its lines are laid out. Either they are
-//! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
+//! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and lays out its lines: rows of a table with known
+//! columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
 mod arrays;
 mod kinds;
@@ -21,7 +21,6 @@ use unpack::Form;
 #[derive(Debug)]
 pub(super) enum Layout {
     Rows(Rows),
-    /// Series of numbers; the function reads their headers.
     Series(Next),
 }
 
@@ -49,7 +48,6 @@ fn text_after<'a>(line: &'a str, word: &str, ends: &[char]) -> Option<&'a str> {
     (!text.is_empty()).then_some(text)
 }
 
-/// The width of the fields of a Fortran format such as `(8f10.5)`.
 fn field_width(line: &str) -> Option<usize> {
     let inner = line.rsplit_once('(')?.1.trim_start_matches(|c: char| c.is_ascii_digit());
     let width = inner.strip_prefix(|c: char| "fFeEgGiI".contains(c))?;
@@ -57,20 +55,18 @@ fn field_width(line: &str) -> Option<usize> {
     width[..end].parse().ok().filter(|width| (1..=80).contains(width))
 }
 
-/// Reads the header of the next series: from all lines so far that are no numbers. The last line may end it.
+/// From all lines so far that are no numbers. The last line may end the header.
 pub(super) type Next = fn(&[String]) -> Option<Series>;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) unit: Option<String>,
-    /// The time of the first value \[s\].
+    /// \[s\]
     pub(super) start: f64,
     pub(super) dt: f64,
     pub(super) count: Option<usize>,
-    /// The width of a number's field, if numbers may abut.
     pub(super) width: Option<usize>,
-    /// Whether a time comes before each value.
     pub(super) has_times: bool,
     pub(super) no_record: Option<&'static str>,
 }
@@ -85,7 +81,6 @@ pub(super) struct SeriesReader {
     is_reading: bool,
     rows: usize,
     lines: Lines,
-    /// The lines of numbers that belong to no series since the last one.
     loose: usize,
 }
 
@@ -141,7 +136,7 @@ impl SeriesReader {
         Ok(())
     }
 
-    /// Reads the numbers of a series, of which there should be `size` bytes, in the form 2 if they are of IEEE.
+    /// `size` is that of all bytes; the form 2 is that of IEEE.
     fn bytes(&mut self, bytes: &[u8], size: usize, is_big: bool, form: usize) {
         let Some((series, values)) = self.all.last_mut().filter(|_| self.is_reading) else { return };
         self.is_reading = false;
@@ -177,7 +172,7 @@ impl SeriesReader {
 
     pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
         let Self { all, loose, rows: read, lines: mut known, .. } = self;
-        // Series that go on with each other have more rows than lines.
+        // Series that continue each other have more rows than lines.
         known.end(read);
         let mut remarks = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
@@ -246,7 +241,7 @@ impl SeriesReader {
     }
 }
 
-/// The numbers of a line, or `None` if it has other text. Numbers of a known width may abut.
+/// `None` if the line has other text. Numbers of a known width may abut.
 pub(super) fn numbers(line: &str, width: Option<usize>) -> Option<Vec<f64>> {
     let number = |text: &str| match Decimal::Point.read(text.trim(), false) {
         Content::Number(value) => Some(value),

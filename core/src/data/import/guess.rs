@@ -10,7 +10,6 @@ use crate::data::record::input_name;
 use crate::mathematics::lists::{mapped, places, sort_items};
 use crate::{InputKind, Quantity};
 
-/// Words in names of columns that are neither input nor motion of the oscillator.
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
                       magnet compass current id uid tgf level accuracy gps altitude rssi snr";
@@ -53,7 +52,6 @@ const UNIT: &str = "its unit is neither one of a motion nor of a force";
 const CLOCK: &str = "it has the times of other columns";
 const LONG: &str = "another column names the channel of each row: give each channel a column of its own";
 
-/// The reason why a column, by its name or unit, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
     let name = &column.name;
     let is_named = name.trim() == "#" || COUNTERS.split(' ').any(|word| is_word(&parts(name), word));
@@ -80,7 +78,6 @@ const CHANNELS: [&str; 2] =
 
 const STEADY: f64 = 20.0;
 
-/// The error of a file without times, with the reason why a column that is named so has none.
 pub(super) fn no_time(table: &Table) -> ImportError {
     let named = table.columns.iter().find(|column| has_word(&column.name, TIMES));
     let why = named.map(|column| match &column.text {
@@ -96,7 +93,6 @@ fn is_like_time(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 100.0 * mean)
 }
 
-/// Whether few numbers are smaller than the one before, as those of a column of times with wrong lines are.
 pub(super) fn seldom_falls(values: &[f64]) -> bool {
     let values: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
     let count = |is: fn(&[f64]) -> bool| values.windows(2).filter(|pair| is(pair)).count();
@@ -104,7 +100,7 @@ pub(super) fn seldom_falls(values: &[f64]) -> bool {
     (rises > 0 || values.len() < 2) && 5 * falls <= rises
 }
 
-/// Whether time and input have the names that [`crate::Record::write_csv`] gives them: then sensors are what they are called.
+/// With the names of [`crate::Record::write_csv`], sensors are what they are called.
 fn is_own(table: &Table) -> bool {
     let input = input_name(InputKind::GroundAcceleration);
     matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
@@ -114,7 +110,7 @@ struct Candidate {
     place: usize,
     role: Option<Role>,
     why: &'static str,
-    /// Whether the column may still get a meaning. A column with a meaning that an earlier one has is left out.
+    /// A column with a meaning that an earlier one has is left out.
     is_free: bool,
 }
 
@@ -227,7 +223,7 @@ impl Mapping {
     }
 }
 
-/// Gives a meaning of several axes to the one that moves most. Beside a sensor along a line, one that turns has none.
+/// The axis that moves most has the meaning. Beside a sensor along a line, one that turns has none.
 fn choose_axes(table: &Table, all: &mut [Candidate]) {
     let column = |one: &Candidate| &table.columns[one.place];
     let is_phone = table.columns.iter().any(|column| plain(&column.name) == "secondselapsed");
@@ -273,7 +269,6 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
     }
 }
 
-/// The columns of numbers with the meaning that their names and units give them; the first column of each meaning has it.
 fn candidates(table: &Table) -> Vec<Candidate> {
     let columns = &table.columns;
     let numeric = |place: &usize| !table.is_without_numbers(*place) && !columns[*place].name.starts_with("true_");
@@ -332,7 +327,7 @@ enum Role {
 
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
-/// Words in names, in the order in which they are looked for. Words of one or two letters, and those behind `=`, must be whole.
+/// In the order in which they are looked for. Words of one or two letters, and those behind `=`, must be whole.
 const WORDS: [(&str, Role); 8] = [
     ("ground_acceleration ground base boden suelo =sol =table", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
@@ -383,9 +378,7 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
-/// The quantity of a seismograph's channel: the second letter of a code such as `HHZ` names the instrument.
-///
-/// Source: FDSN, SEED reference manual 2.4, appendix A.
+/// Source: FDSN, SEED reference manual 2.4, appendix A: the second letter of a code such as `HHZ` names the instrument.
 pub(super) fn channel_code(name: &str) -> Option<Quantity> {
     match name.rsplit([' ', '.', '_']).next()?.as_bytes() {
         [b'B' | b'E' | b'H' | b'S', kind, b'Z' | b'N' | b'E' | b'1'..=b'3'] => match kind {
@@ -401,7 +394,6 @@ pub(super) fn is_named_time(column: &Column) -> bool {
     matches!(role_of(column), Some((Role::Time, _)))
 }
 
-/// Whether a name has one of some words; those of one or two letters must be whole.
 fn has_word(name: &str, words: &str) -> bool {
     let lower = name.to_lowercase();
     // The A of `Channel A` is its label.
@@ -419,7 +411,6 @@ fn has_word(name: &str, words: &str) -> bool {
     })
 }
 
-/// A name with blanks between its words: `loopIteration`, `SampleC`.
 fn parts(name: &str) -> String {
     let begins =
         |(place, c): (usize, char)| place > 0 && c.is_uppercase() && name[..place].ends_with(char::is_lowercase);
@@ -437,8 +428,8 @@ fn is_word(name: &str, word: &str) -> bool {
     name.split(|c: char| !c.is_alphanumeric()).any(|part| part.to_lowercase() == word)
 }
 
-/// Each column of numbers with its clock, where a file has several: the one that is named after it, else the last one before it, or, in a
-/// file that begins with a column and ends with a clock, the next one behind it.
+/// The clock of a column is named after it, else the last one before it, or the next one behind it if the file begins with a column
+/// and ends with a clock.
 pub(super) fn clocks(table: &Table) -> Vec<(usize, usize)> {
     let columns = &table.columns;
     let is_clock = |place: usize| is_named_time(&columns[place]) && rises(table, place).is_some();

@@ -25,7 +25,7 @@ pub enum Dimension {
     Other,
 }
 
-/// Spellings, dimension and size in SI units. Spellings of two letters or more are compared without case.
+/// With the size in SI units. Spellings of two letters or more are compared without case.
 const UNITS: [(&str, Dimension, f64); 35] = [
     ("s, sec, secs, second, seconds, sek", Dimension::Time, 1.0),
     ("ms, msec, msecs, millis, milliseconds", Dimension::Time, 1e-3),
@@ -85,7 +85,7 @@ pub fn unit(text: &str) -> Option<(Dimension, f64)> {
     found.map(|&(_, dimension, size)| (dimension, size))
 }
 
-/// The unit in a cell of a line of units, such as `mm` in `[mm]` and `Voltage` in `Voltage (unscaled)`.
+/// `mm` in `[mm]`, `Voltage` in `Voltage (unscaled)`
 pub(super) fn in_words(cell: &str) -> &str {
     let bare = cell.trim().trim_matches(['(', ')', '[', ']', '<', '>']).trim();
     match cell.trim().split_once([' ', '(', '[']) {
@@ -94,7 +94,7 @@ pub(super) fn in_words(cell: &str) -> &str {
     }
 }
 
-/// Whether a word behind a name, without brackets, is a unit: the A of `Channel A` is none, nor the G of the seventh.
+/// The A of `Channel A` is no unit, nor the G of the seventh.
 fn is_behind_a_name(word: &str) -> bool {
     match unit(word) {
         Some((Dimension::Other, _)) => word.chars().count() > 2 && word.contains(char::is_uppercase),
@@ -102,7 +102,7 @@ fn is_behind_a_name(word: &str) -> bool {
     }
 }
 
-/// A column's name and unit from its header, such as `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`, `accel_m_s2[0]`, `gFx`.
+/// Of `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`, `accel_m_s2[0]`, `gFx`.
 pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
     let header = header.trim();
     let is_index = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
@@ -129,7 +129,7 @@ pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
     (header.to_owned(), is_in_g.then(|| "g".to_owned()))
 }
 
-/// The first number behind a word, without regard to case: 0.005 in `DT= .0050 SEC` behind `DT=`.
+/// 0.005 in `DT= .0050 SEC` behind `DT=`; without regard to case.
 pub(super) fn number_after(line: &str, word: &str) -> Option<f64> {
     let place = line.to_ascii_lowercase().find(&word.to_ascii_lowercase())? + word.len();
     let rest = line.get(place..)?.trim_start();
@@ -137,7 +137,6 @@ pub(super) fn number_after(line: &str, word: &str) -> Option<f64> {
     rest[..end].trim_end_matches(['e', 'E', '.']).parse().ok()
 }
 
-/// Step, unit and scale of the numbers below a header, as far as it states them.
 #[derive(Default)]
 pub(super) struct Facts {
     /// \[s\]
@@ -146,7 +145,6 @@ pub(super) struct Facts {
     pub(super) scale: Option<f64>,
 }
 
-/// Words before the samples in a second, and before the time between samples.
 pub(super) const RATES: &str = "sampling freq, sampling rate, sample rate, samplerate, sample freq, abtastrate, samprate, \
                                 samples per second, fs";
 pub(super) const STEPS: &str = "sampling interval, sample interval, sampling period, sampling time, sample time, sampling step, \
@@ -213,7 +211,6 @@ impl Facts {
     }
 }
 
-/// The first number close behind one of some words, and the line from the word on without it.
 fn number_behind(line: &str, words: &str) -> Option<(f64, String)> {
     const BETWEEN: usize = 24;
     words.split(", ").find_map(|word| {
@@ -230,7 +227,7 @@ fn number_behind(line: &str, words: &str) -> Option<(f64, String)> {
     })
 }
 
-/// The number in `100 sps` and `50 samples/s`, and that in the header of a GSE file behind form and number of the samples.
+/// `100 sps`, `50 samples/s`, and in the header of a GSE file behind form and number of the samples.
 fn number_before_rate(line: &str) -> Option<(f64, String)> {
     if line.starts_with("wid2 ") {
         return Some((line.split_whitespace().skip_while(|word| *word != "int").nth(2)?.parse().ok()?, String::new()));

@@ -76,7 +76,7 @@ pub struct Time {
     #[serde(skip_serializing_if = "is_default")]
     pub even: bool,
     /// Time between samples \[s\] of a record whose readings keep their times; without it, that of the fastest clock. Filters go
-    /// from reading to reading all the same: it sets where they tell what they know, and the time that Q is for.
+    /// from reading to reading all the same: it sets the times of their estimates, and the time that Q is for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dt: Option<f64>,
 }
@@ -144,7 +144,7 @@ impl Mapping {
         self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
 
-    /// The frequencies that a record with steps of `dt` \[s\] has, as shares of its Nyquist frequency.
+    /// As shares of the Nyquist frequency; `dt` \[s\].
     pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
         let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
         let high = high.min(if self.every > 1 { GUARD } else { 1.0 });

@@ -9,19 +9,18 @@ use super::header::{Dimension, unit};
 use super::times::{DAY, EPOCHS, median_step};
 use super::{Column, Table};
 
-/// Rows in another order are at most this far from their places.
 const NEAR: usize = 64;
 
-/// First rows are apart from the others by more than this many times what the others take.
+/// Limits from below the distance of first rows from the others, over the time of these.
 const APART: f64 = 1e3;
 
-/// A clock is set back so often at most; times that go back more often are none.
+/// Limits how often a clock is set back; times that go back more often are none.
 const SET_BACK: usize = 3;
 
-/// The share of times with several rows up to which these are events, and the rows at an event.
+/// Limits the share of times with several rows up to which these are events, and the rows at an event.
 const EVENTS: (f64, usize) = (0.1, 4);
 
-/// A table whose column of times rises, where a fault of it has one cure. Each cure is a remark of the table.
+/// Mends only faults with one cure; each cure is a remark of the table.
 pub(super) fn mend(mut table: Table) -> Table {
     with_fractions(&mut table);
     let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
@@ -64,7 +63,6 @@ pub(super) fn mend(mut table: Table) -> Table {
     }
 }
 
-/// Adds the fractions of seconds of the column behind one of whole seconds to that: `secs`, `nsecs`.
 fn with_fractions(table: &mut Table) {
     let size = |column: &Column| {
         let word = column.unit.as_deref().or(column.name.rsplit(|c: char| !c.is_alphanumeric()).next())?;
@@ -87,7 +85,7 @@ fn with_fractions(table: &mut Table) {
         .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
 }
 
-/// A table without times, less first rows far from all others: wristbands write the time of the start there, and the samples a second.
+/// Wristbands write the time of the start there, and the samples a second.
 fn without_first_rows(table: Table) -> Table {
     let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
     let columns: Vec<&[f64]> = numbers.map(|place| table.columns[place].values.as_slice()).collect();
@@ -109,7 +107,7 @@ fn without_first_rows(table: Table) -> Table {
     kept
 }
 
-/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
+/// Of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
 fn ranges() -> impl Iterator<Item = f64> {
     let bits = [65_536.0, 4_294_967_296.0].into_iter();
     bits.flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit)).chain([604_800.0, 6.048e8])
@@ -124,7 +122,6 @@ pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
     if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
 }
 
-/// Makes times go on where they turn over, by the range of that. Returns the first row after it, and its range.
 fn with_turns(times: &mut [f64], turn: impl Fn(f64, f64) -> Option<f64>) -> Option<(usize, f64)> {
     let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
     for (row, time) in times.iter_mut().enumerate() {
@@ -207,7 +204,6 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
     table.of_rows(groups)
 }
 
-/// The number of first rows, up to three, whose times are far from all others.
 fn first_rows_apart(times: &[f64]) -> Option<usize> {
     (1..=3.min(times.len() - 3)).find(|&first| {
         let rest = &times[first..];
@@ -218,7 +214,7 @@ fn first_rows_apart(times: &[f64]) -> Option<usize> {
     })
 }
 
-/// The rows sorted by their times, if each is near its place and the sorted times have usual steps.
+/// `None` unless each row is near its place and the sorted times have usual steps.
 fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
     let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
     let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
@@ -228,7 +224,7 @@ fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
     (is_near && has_steps).then_some(sorted)
 }
 
-/// The rows of each time. `None` where many times have several rows with unlike readings: then they are rounded.
+/// `None` where many times have several rows with unlike readings: then they are rounded.
 fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Option<Vec<Vec<usize>>> {
     let mut groups: Vec<Vec<usize>> = Vec::with_capacity(rows.len());
     for &row in rows {

@@ -13,11 +13,10 @@ use crate::data::free_decay::side_of;
 use crate::data::record::{Clocks, Timed};
 use crate::data::resample::Steps;
 
-/// The cells of some columns that have a number, with their times \[s\].
+/// Without cells that have no number; times in \[s\].
 #[derive(Debug, Default)]
 pub(super) struct OwnTimes {
     columns: Vec<OwnColumn>,
-    /// Those of the record whose columns were asked for.
     pub(super) clocks: Clocks,
 }
 
@@ -37,7 +36,6 @@ impl OwnTimes {
         Some(&self.column(name)?.cells)
     }
 
-    /// The columns of a table that a mapping names, and those with a truth, at the times of the rows \[s\].
     pub(super) fn of_rows(table: &Table, mapping: &Mapping, times: &[f64]) -> Self {
         let mut own = Self::default();
         for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
@@ -60,7 +58,7 @@ impl OwnTimes {
         self.columns.push(OwnColumn { name: name.to_owned(), cells: Timed { times: own, values }, empty });
     }
 
-    /// A column in the meaning that a mapping gives it, less its delay, with times in steps after the first one.
+    /// Less its delay; times are in steps after the first one.
     fn scaled(&self, mapped: &MappedColumn, Steps { start, dt, count }: Steps) -> Timed {
         let Some(Timed { times, values }) = self.cells(&mapped.column) else { return Timed::default() };
         let between = |from: f64, to: f64| {
@@ -77,7 +75,6 @@ impl OwnTimes {
         Timed { times, values: lists::mapped(values, &|value| factor * (value - offset)) }
     }
 
-    /// The input of a column at the steps; a sensor's comes with [`Self::sensor`].
     pub(super) fn input(&mut self, mapped: &MappedColumn, hold: Hold, steps: Steps) -> Option<Vec<f64>> {
         let timed = self.scaled(mapped, steps);
         if timed.times.is_empty() {
@@ -92,14 +89,14 @@ impl OwnTimes {
         self.column(name).map_or(0, |column| column.empty)
     }
 
-    /// The readings of a column at the ends of the steps in which they fall; NaN at a step without one.
+    /// At the ends of the steps in which the readings fall; NaN at a step without one.
     pub(super) fn sensor(&mut self, mapped: &MappedColumn, steps: Steps) -> Vec<f64> {
         let Timed { mut times, mut values } = self.scaled(mapped, steps);
         let in_steps = Steps { start: 0.0, dt: 1.0, count: steps.count };
         // Clocks have some decimals only.
         let end = |steps: f64| libm::ceil(steps - 1e-6);
         let at_ends = in_steps.of(&times, &values, side_of(&times, &values), end);
-        // What is before the first step does not count, and what is after the last one is not part of the record.
+        // The record begins with the first step and ends with the last one.
         let from = times.partition_point(|time| *time <= -1.0);
         let to = times.partition_point(|time| *time <= steps.count as f64 - 1.0);
         (times, values) = (times[from..to.max(from)].to_vec(), values[from..to.max(from)].to_vec());
@@ -107,7 +104,7 @@ impl OwnTimes {
         at_ends
     }
 
-    /// The truth of a column at the steps, linear between its cells. `None` where its cells are not among these.
+    /// Linear between the cells. `None` without such a column.
     pub(super) fn truth(&self, name: &str, steps: Steps) -> Option<Vec<f64>> {
         self.cells(name)?;
         let timed = self.scaled(&MappedColumn::new(name), steps);
@@ -117,7 +114,7 @@ impl OwnTimes {
         Some(numbers(steps.count, &|k| timed.at(k as f64, Hold::First)))
     }
 
-    /// The cells of a column at the nearest steps, shifted along the cubic through their neighbours; NaN at a step without one.
+    /// Shifted along the cubic through the neighbours; NaN at a step without a cell.
     pub(super) fn at_steps(&self, name: &str, steps: Steps) -> Vec<f64> {
         let of = |Timed { times, values }: &Timed| steps.of(times, values, side_of(times, values), libm::round);
         self.cells(name).map_or_else(|| vec![f64::NAN; steps.count], of)
@@ -134,7 +131,7 @@ pub(super) struct OneClock {
     pub(super) is_even: bool,
 }
 
-/// The columns of a mapping at their own times, where they have clocks of their own with some time in common.
+/// `None` where the columns of a mapping have one clock only.
 pub(super) fn on_one_clock(
     table: &Table,
     mapping: &Mapping,
@@ -225,7 +222,7 @@ fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>
     Clock::of(table, place, &time.unit, remarks)
 }
 
-/// The steps of the fastest clock in the time that all have in common, and its place. Seconds are added to the times of each.
+/// Returns the steps of the fastest clock, and its place. Each clock has seconds that are added to its times.
 fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
     let all = clocks.iter().enumerate();
     let (fast, (clock, added)) = all.min_by(|(_, (a, _)), (_, (b, _))| a.timing.dt.total_cmp(&b.timing.dt))?;

@@ -25,12 +25,10 @@ pub(super) struct Reader {
 enum Body {
     Rows(Box<RowsReader>),
     Series(SeriesReader),
-    /// A binary file, which is read at once.
     Whole(Box<Table>),
 }
 
 impl Reader {
-    /// A file's bytes, to be read in the dialect given, or else in the one that is found.
     pub(super) fn new(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Self, ImportError> {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(ImportError::Empty);
@@ -79,7 +77,7 @@ impl Reader {
         Ok(Self { bytes, place: start, line: 0, dialect, format, body, text })
     }
 
-    /// Reads on until `while_time`, called every hundred microseconds, returns false. Returns whether this was the end of the file.
+    /// `while_time` is called every hundred microseconds. Returns whether this was the end of the file.
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
         while self.place < self.bytes.len() {
             for _ in 0..SLICE {
@@ -173,7 +171,6 @@ pub struct Loaded {
 /// ```
 #[derive(Debug)]
 pub struct Loading {
-    /// The bytes before the first of them is read.
     bytes: Option<Vec<u8>>,
     reader: Result<Reader, ImportError>,
     hash: Hash,

@@ -12,7 +12,7 @@ pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)
 }
 
-/// Whether whole numbers mostly rise by one, but for lost rows; with a counter's name also by another step, or not within a packet.
+/// Steps are one, but for lost rows; with a counter's name also others, or none within a packet.
 pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan()).collect();
     let Some(step) = median(steps.clone()) else { return false };
@@ -22,11 +22,10 @@ pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
     is_whole && (rises || (is_named && share(&|one| one >= 0.0) >= 9))
 }
 
-/// The ends of counters of 8 to 32 bits, and of two to six digits.
 const ENDS: [f64; 11] =
     [100.0, 256.0, 1000.0, 1024.0, 4096.0, 10_000.0, 65_536.0, 1e5, 1e6, 16_777_216.0, 4_294_967_296.0];
 
-/// A column without a meaning that counts samples, `rate` a second, some of which have no row: its name, and the times of the rows \[s\].
+/// A counter of samples without a meaning, at `rate` a second, with lost rows: its name, and the times of the rows \[s\].
 pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(String, Vec<f64>)> {
     let has_meaning = |name: &str| mapping.input.iter().chain(mapping.sensors.values()).any(|of| of.column == name);
     table.columns.iter().filter(|column| !has_meaning(&column.name)).find_map(|column| {
@@ -54,7 +53,6 @@ pub(super) fn liveliness(values: &[f64]) -> f64 {
     one.max(two.abs())
 }
 
-/// Whether a column differs from row to row without a rule.
 pub(super) fn is_noise(values: &[f64]) -> bool {
     let [own, one, two] = covariances(values);
     one.max(two.abs()) < 0.3 * own
@@ -68,7 +66,7 @@ fn covariances(values: &[f64]) -> [f64; 3] {
     [lag(0), lag(1), lag(2)]
 }
 
-/// Whether two names differ only by their axis: `Acceleration x`, `accelY`, `az`, `z`, `acc[0]`, `acc 0`.
+/// `Acceleration x`, `accelY`, `az`, `z`, `acc[0]`, `acc 0`
 pub(super) fn are_axes(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(|name| name.to_lowercase().chars().collect::<Vec<char>>());
     let mut differ = (0..one.len()).filter(|&place| other.get(place) != Some(&one[place]));
@@ -83,19 +81,19 @@ pub(super) fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// The unit \[m/s²\], one of two, in which the mean of three accelerations has the length of gravity.
+/// The unit \[m/s²\] in which the mean has the length of gravity.
 pub(super) fn gravity(columns: &[Column], axes: [usize; 3], units: [f64; 2]) -> Option<f64> {
     let length = axes.map(|axis| mean(&columns[axis].values)).iter().map(|mean| mean * mean).sum::<f64>().sqrt();
     units.into_iter().find(|unit| (0.85..1.15).contains(&(unit * length / STANDARD_GRAVITY)))
 }
 
-/// Ranges of angles that begin again: turns in degrees, radians, gon and their parts, and counts of encoders.
+/// Turns in degrees, radians, gon and their parts, and counts of encoders.
 const RANGES: [f64; 16] = [
     TAU, 360.0, 180.0, PI, 1.0, 400.0, 3600.0, 36_000.0, 500.0, 1000.0, 2000.0, 2400.0, 2500.0, 4000.0, 5000.0,
     10_000.0,
 ];
 
-/// The table with the sensors' angles that wrap run on, and a remark on each; `None` where none does.
+/// `None` where no angle wraps.
 pub(super) fn unwrapped(table: &Table, mapping: &Mapping, remarks: &mut Vec<String>) -> Option<Table> {
     let mut changed: Option<Table> = None;
     for mapped in mapping.sensors.values() {
@@ -123,7 +121,7 @@ pub(super) fn unwrapped(table: &Table, mapping: &Mapping, remarks: &mut Vec<Stri
     changed
 }
 
-/// Numbers that wrap at a range, without their jumps; the places of the jumps, and the largest change of the step at one.
+/// Returns also the places of the jumps, and the largest change of the step at one.
 fn run_on(values: &[f64], range: f64) -> Option<(Vec<f64>, Vec<usize>, f64)> {
     let ends = |values: &[f64]| values.iter().fold([f64::INFINITY, -f64::INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
     let [low, high] = ends(values);
@@ -200,7 +198,6 @@ impl ThreeAxes {
     }
 }
 
-/// The columns whose names are one name with x, y and z behind it, or the numbers of the axes.
 fn named(columns: &[Column]) -> Option<[usize; 3]> {
     let names: Vec<String> = mapped(columns, &|column| plain(&column.name));
     let mut all = ACCELERATIONS.iter().flat_map(|of| ["xyz", "012"].map(|axes| (of, axes)));
@@ -210,7 +207,7 @@ fn named(columns: &[Column]) -> Option<[usize; 3]> {
     })
 }
 
-/// Three of four columns without names: gravity is in them.
+/// Of four columns without names, three that have gravity.
 fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
     let nameless = columns.len() == 4 && columns.iter().all(|column| column.name.starts_with("column "));
     let time = (0..4).find(|&place| nameless && seldom_falls(&columns[place].values))?;

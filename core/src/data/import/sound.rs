@@ -60,7 +60,7 @@ pub fn wav(rate: u32, samples: &[f32]) -> Result<Vec<u8>, ImportError> {
     Ok(bytes.into_inner())
 }
 
-/// The samples a second and the first channel of a sound. `None` for any other table.
+/// Returns the samples a second too. `None` for any other table.
 pub(super) fn first_channel(table: &Table) -> Option<(f64, &[f64])> {
     let [time, sound, ..] = table.columns.as_slice() else { return None };
     let rest = table.form.strip_prefix(FORM)?.strip_prefix(": ")?;

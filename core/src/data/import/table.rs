@@ -75,7 +75,7 @@ impl Column {
         self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
     }
 
-    /// Takes the number in a cell. Returns whether it has thousands separators.
+    /// Returns whether the number has thousands separators.
     fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
         let found = dialect.decimal.read(cell, dialect.thousands);
         let quoted = || {
@@ -149,7 +149,7 @@ impl Table {
         text
     }
 
-    /// Some of its rows; of several that become one the last reading of each column counts.
+    /// Of several rows that become one the last reading of each column counts.
     pub(super) fn of_rows(&self, groups: impl Iterator<Item = Vec<usize>>) -> Self {
         let (groups, mut lines): (Vec<Vec<usize>>, _) = (groups.collect(), Lines::default());
         groups.iter().enumerate().for_each(|(row, group)| lines.push(row, self.line(group[0])));
@@ -179,10 +179,8 @@ pub(super) fn number_names(columns: &mut [Column]) {
     }
 }
 
-/// The lines of rows: blocks of rows without a line between them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Lines {
-    /// The first row of each block, and its line.
     blocks: Vec<(usize, usize)>,
     /// The line of all rows behind the last one that has a line, if there are any.
     last: Option<usize>,
@@ -195,7 +193,6 @@ impl Lines {
         }
     }
 
-    /// Gives all rows from the one at `rows` on the line of the row before it.
     pub(super) fn end(&mut self, rows: usize) {
         self.last = rows.checked_sub(1).map(|row| self.of(row));
     }
@@ -210,13 +207,12 @@ impl Lines {
 #[derive(Debug)]
 pub(super) struct Rows {
     pub(super) dialect: Dialect,
-    /// The name and unit of each cell of a row, `None` if it belongs to no column; empty if lines of the dialect have them.
+    /// `None` if the cell belongs to no column; empty if lines of the dialect have the names.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
-    /// The clocks of columns without times: the place of the first column, its first time and the step \[s\].
+    /// The place of the first column, its first time and the step \[s\].
     pub(super) even: Vec<(usize, f64, f64)>,
-    /// Whether a line begins another table, which is not read.
     pub(super) ends: fn(&str) -> bool,
-    /// The number of columns in which the numbers of all rows run on, and of the first cells of a row that do not belong to them.
+    /// The number of columns, and of the first cells of a row that do not belong to them.
     pub(super) run_on: Option<(usize, usize)>,
     pub(super) rate: Option<f64>,
     pub(super) scale: f64,
@@ -241,7 +237,6 @@ pub(super) struct RowsReader {
     short: Odd,
     long: Odd,
     words: Odd,
-    /// Numbers with thousands separators, and numbers that may have them, in a file without any in its first lines.
     grouped: Odd,
     doubtful: Odd,
 }
@@ -269,11 +264,10 @@ impl Odd {
     }
 }
 
-/// The fewest rows of numbers above a line that may be their summary.
+/// Limits from below the rows above a line that may be their summary.
 const SUMMED: usize = 20;
 
 impl RowsReader {
-    /// The columns of some rows in a file of some length that begins with some lines.
     pub(super) fn new(mut form: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
         let (dialect, cells) = (form.dialect, std::mem::take(&mut form.cells));
         let (belongs, header) = if cells.is_empty() {
@@ -395,7 +389,6 @@ impl RowsReader {
     }
 }
 
-/// Keeps as many rows as the header says, where times begin again behind them or there are none; a sentence if there are more or fewer.
 fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<String> {
     let rows = columns.first()?.values.len();
     let begins_again = || count > 0 && rows > count && columns[0].values[count] <= columns[0].values[count - 1];

@@ -9,13 +9,12 @@ use crate::data::resample::Steps;
 
 pub(super) const DAY: f64 = 86_400.0;
 
-/// The units that a column of times may have without a word, and the seconds of each.
 const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
 
 /// The years 2000 to 2100 in seconds since 1970.
 pub(super) const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
 
-/// Clocks that count from a date: the seconds of their unit, and those from that date to 1970.
+/// The seconds of the unit, and those from the date to 1970.
 const CLOCKS: [(&str, f64, f64); 9] = [
     ("s since 1970", 1.0, 0.0),
     ("ms since 1970", 1e-3, 0.0),
@@ -30,7 +29,7 @@ const CLOCKS: [(&str, f64, f64); 9] = [
 
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
 
-/// Steps without a unit are seconds up to here, and up to there the user is asked about them; longer ones have a smaller unit \[s\].
+/// \[s\]: up to the first one seconds, up to the second one a question for the user; longer steps have a smaller unit.
 const SLOW: [f64; 2] = [1.0, 10.0];
 
 pub(super) struct Clock<'a> {
@@ -41,7 +40,6 @@ pub(super) struct Clock<'a> {
 }
 
 impl<'a> Clock<'a> {
-    /// The clock in the column at a place, whose cells have this unit. What was not as expected is added to the remarks.
     pub(super) fn of(
         table: &'a Table,
         place: usize,
@@ -59,7 +57,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// The times of a column in seconds, up to the last row that has one; what is changed is added to the remarks.
+/// \[s\], up to the last row that has a time.
 pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mut Vec<String>) -> Cow<'a, [f64]> {
     let values = &column.values;
     let rows = values.iter().rposition(|time| !time.is_nan()).map_or(0, |last| last + 1);
@@ -88,7 +86,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     times
 }
 
-/// The seconds of the unit of a column without one, by name, year or steps; and a sentence where it is another, or may be.
+/// By name, year or steps; with a sentence where the unit is another, or may be.
 pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     let name = column.name.to_lowercase();
     let words = [("millis", 1e-3), ("micros", 1e-6), ("nanos", 1e-9)];
@@ -152,7 +150,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
 
 /// Limits the error of times without a remark, as a share of the step.
 const EXACT: f64 = 0.01;
-/// Times belong to a sample if they are off by at most this share of the step.
+/// Limits the error of a time that belongs to a sample, as a share of the step.
 const CLOSE: f64 = 0.5;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +159,7 @@ pub(super) struct Timing {
     pub(super) dt: f64,
     pub(super) samples: usize,
     pub(super) places: Places,
-    /// The largest error of a time, as a share of the step.
+    /// As a share of the step.
     worst: f64,
     is_rounded: bool,
     pub(super) remark: Option<String>,
@@ -171,9 +169,8 @@ pub(super) struct Timing {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Places {
     Rows,
-    /// The sample of each row; samples between have none.
     Gaps(Vec<usize>),
-    /// The times of the rows in steps after the first; values are interpolated linearly.
+    /// In steps after the first; values are interpolated linearly.
     Times(Vec<f64>),
 }
 
@@ -190,7 +187,6 @@ impl Timing {
         Self { start, dt, samples, places, worst: 0.0, is_rounded: true, remark, gaps }
     }
 
-    /// The timing of rows with these times \[s\]; `line` is the line of a row.
     pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self, ImportError> {
         if times.len() < FEWEST {
             return Err(ImportError::TooShort(times.len()));
@@ -260,7 +256,6 @@ impl Timing {
         matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
     }
 
-    /// The same time at other steps \[s\], for columns that do not need the rows at even ones.
     pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
         let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
         Ok(Self { dt, samples, ..self })
@@ -283,7 +278,7 @@ impl Timing {
         }
     }
 
-    /// The values of the samples from those of the rows; NaN where there is none.
+    /// NaN at samples without a row.
     pub(super) fn spread(&self, rows: &[f64]) -> Vec<f64> {
         match &self.places {
             // Rows without a time at the end have no sample.
@@ -340,13 +335,12 @@ fn count(samples: f64) -> Result<usize, ImportError> {
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
 }
 
-/// Values further apart than this many steps are not interpolated.
 const MOST_APART: f64 = 3.0;
 
-/// Rounding moves a time from its even step by at most this many units of its last decimal.
+/// Limits the shift by rounding, in units of the last decimal.
 const ROUNDED: f64 = 1.01;
 
-/// The unit of the last decimal that any of some times has \[s\]; zero if it is below a nanosecond.
+/// \[s\]; zero below a nanosecond.
 fn resolution(times: &[f64]) -> f64 {
     let is_resolved = |unit: &f64| {
         let is_whole = |time: &f64| {

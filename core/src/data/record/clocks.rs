@@ -53,7 +53,7 @@ impl Timed {
         (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
     }
 
-    /// Clocks have some decimals only: a time next to a step is that of the step.
+    /// Clocks have few decimals: a time next to a step is that of the step.
     fn snap(&mut self) {
         for time in &mut self.times {
             let whole = libm::round(*time);
@@ -63,7 +63,7 @@ impl Timed {
         }
     }
 
-    /// The value at a time; before the first one it is the first, after the last one the last.
+    /// Before the first value it is that one; after the last one the last.
     pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
         let next = times.partition_point(|other| *other <= time + SAME);
@@ -82,30 +82,29 @@ impl Timed {
     }
 }
 
-/// Times that differ by less than this share of a step are the same, and so are delays, which users write in decimals, and whole steps.
+/// Limits the difference of times that are the same, in steps; also of delays, which users write in decimals, and whole steps.
 const SAME: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Part {
     pub(crate) share: f64,
-    /// The forces over mass at its beginning and just before its end \[m/s²\].
+    /// At the beginning and just before the end \[m/s²\].
     pub(crate) forces: [f64; 2],
-    /// The force over mass at its end \[m/s²\].
+    /// At the end \[m/s²\].
     pub(crate) force: f64,
 }
 
-/// What happens from one sample to the next: at least one part, with the readings at the end of each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Parts {
     parts: Vec<Part>,
-    /// m readings at the end of each part; NaN where there is none.
+    /// m at the end of each part; NaN where there is none.
     readings: Vec<f64>,
     pub(crate) times: Option<[f64; 2]>,
     cuts: Vec<f64>,
 }
 
 pub(super) struct Readings<'a> {
-    /// The times, in steps; or the sample from which those of the samples are counted.
+    /// In steps; or the sample from which those of the samples are counted.
     pub(super) times: Result<&'a [f64], usize>,
     /// NaN where one is missing.
     pub(super) values: &'a [f64],
@@ -125,7 +124,6 @@ impl Readings<'_> {
         }
     }
 
-    /// The time of the motion that a reading shows, in steps.
     fn time(&self, place: usize) -> f64 {
         match self.times {
             Ok(times) => times[place] - self.late,
@@ -145,7 +143,7 @@ impl Parts {
         self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
     }
 
-    /// Equal parts of some `steps`, each of one step at most, of a force that is linear in time, with readings at their end.
+    /// Parts of one step at most, of a force that is linear in time, with readings at the end.
     pub(crate) fn evenly(steps: f64, times: [f64; 2], [begin, end]: [f64; 2], force: f64, readings: &[f64]) -> Self {
         let count = (steps - SAME).ceil().max(1.0);
         let is_whole = (steps / count - 1.0).abs() <= SAME;
@@ -158,13 +156,12 @@ impl Parts {
         Self { parts: (0..count).map(part).collect(), readings: all, times: Some(times), cuts: Vec::new() }
     }
 
-    /// The beginning and the end of one of equal parts \[s\].
+    /// \[s\]
     pub(crate) fn between(&self, place: usize) -> Option<[f64; 2]> {
         let [from, to] = self.times?;
         Some([place, place + 1].map(|end| from + (to - from) * (end as f64 / self.parts.len() as f64)))
     }
 
-    /// Divides the step that ends at `end`, in steps, at the readings of this many sensors, and at the input's values if those have times.
     pub(super) fn take<'a>(
         &mut self,
         end: f64,
@@ -223,7 +220,6 @@ impl Clocks {
         Ok(self)
     }
 
-    /// Changes the readings: `change` gets the place of a sensor, the sample that has it and the reading.
     pub(super) fn change(&mut self, change: impl Fn(usize, usize, f64) -> f64) {
         for (sensor, Timed { times, values }) in self.readings.iter_mut().enumerate() {
             for (time, value) in times.iter().zip(&mut *values) {
@@ -263,14 +259,13 @@ impl Clocks {
 pub(super) struct Course {
     pub(super) kind: InputKind,
     pub(super) hold: Hold,
-    /// The samples after which the plant feels the input.
     pub(super) delay: f64,
-    /// The forces over mass at both samples \[m/s²\], for an input at the samples' times.
+    /// At both samples \[m/s²\], for an input at the samples' times.
     pub(super) of_samples: [f64; 2],
 }
 
 impl Course {
-    /// The force over mass at a time between two samples \[m/s²\].
+    /// \[m/s²\]
     fn at(&self, time: f64, input: Option<&Timed>, [begin, end]: [f64; 2]) -> f64 {
         let Some(input) = input else {
             let [before, after] = self.of_samples;
@@ -284,7 +279,7 @@ impl Course {
     }
 }
 
-/// The steps of dt by which the input and the readings of a filter's sensors tell of another time than that of their sample.
+/// The delays of the input and of the readings of a filter's sensors, in steps of dt.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Delays {
     /// The number of samples after which the plant feels the recorded input.
@@ -297,7 +292,7 @@ impl Delays {
     /// Limits the steps by which a sensor is late or early.
     pub const MOST: f64 = 100_000.0;
 
-    /// Those of an input and of sensors, which may be none, in steps; none of these are beyond [`Self::MOST`].
+    /// In steps, of which none are beyond [`Self::MOST`].
     pub(crate) fn new(input: i32, sensors: impl Iterator<Item = f64>) -> Self {
         let snapped = |steps: f64| if (steps - libm::round(steps)).abs() <= SAME { libm::round(steps) } else { steps };
         let mut sensors: Vec<f64> = sensors.map(|steps| snapped(steps.clamp(-Self::MOST, Self::MOST))).collect();
@@ -307,7 +302,6 @@ impl Delays {
         Self { input, sensors }
     }
 
-    /// The steps by which a sensor is late, by its place.
     pub(crate) fn of(&self, place: usize) -> f64 {
         self.sensors.get(place).copied().unwrap_or(0.0)
     }

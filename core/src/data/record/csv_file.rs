@@ -59,8 +59,8 @@ impl Record {
             .starting_at(start))
     }
 
-    /// Writes a file that [`Self::read_csv`] reads back bit by bit, with 17 significant digits. Of a record whose readings have times
-    /// of their own it is one with a column of times before each of its columns, without the truth, for a
+    /// Writes a file that [`Self::read_csv`] reads back bit by bit, with 17 significant digits. Of a record with the times
+    /// of readings it is one with a column of times before each of its columns, without the truth, for a
     /// [`Builder`](crate::import::Builder).
     ///
     /// # Errors
@@ -116,7 +116,7 @@ pub(crate) fn input_name(kind: InputKind) -> &'static str {
     }
 }
 
-/// Start and step of equally spaced times, which are checked to a hundredth of the step.
+/// The times are checked to a hundredth of the step.
 fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
     let [(_, first), .., (_, last)] = *times else {
         return Err(RecordError::TooShort(times.len()));

@@ -140,12 +140,11 @@ impl Record {
         }
     }
 
-    /// The measurements of a sensor at the samples, to be changed. Readings at times of their own stay.
     pub(crate) fn measured_mut(&mut self, sensor: usize) -> &mut [f64] {
         &mut self.measured[sensor]
     }
 
-    /// Some samples of those that are kept, as a record of their own.
+    /// Some samples of those that are kept, as another record.
     #[must_use]
     pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
         let start = self.time(samples.start);
@@ -191,7 +190,7 @@ mod tests {
                 places.push(Arc::as_ptr(&record));
             }
             if k % 1000 == 500 {
-                // A job that goes on keeps what it began with.
+                // A job that continues keeps its first record.
                 kept = Some(Arc::clone(&record));
             }
         }

@@ -15,7 +15,7 @@ use crate::{Hold, InputKind, Quantity};
 ///
 /// A reading counts in the step in which it falls, and its column has the last one of each step: shifted to the step's end along the
 /// cubic through those around it, where they are dense, as [`Self::smoothing`] says. Of two readings of a sensor at one time the first
-/// is kept. The input is that of the scenario's hold, and zero before the first one that is told. A sample is complete once something
+/// is kept. The input is that of the scenario's hold, and zero before the first one that is given. A sample is complete once something
 /// later comes, and [`Self::waiting`] seconds after it, unless it is [`Self::prompt`]; nothing is added to its step then.
 ///
 /// ```
@@ -35,24 +35,24 @@ use crate::{Hold, InputKind, Quantity};
 #[derive(Clone, Debug)]
 pub struct LiveRecord {
     record: Record,
-    /// The time of the first sample \[s\].
+    /// \[s\]
     begin: Option<f64>,
-    /// The newest time so far \[s\].
+    /// \[s\]
     newest: f64,
     tracks: Vec<Track>,
     input: InputTrack,
-    /// The newest time of each sensor, then that of the input, in steps.
+    /// Of each sensor, then of the input, in steps.
     latest: Vec<f64>,
-    /// Whether a sample is complete as soon as all sensors have a later reading. A reading out of order ends this.
+    /// A reading out of order ends this.
     prompt: bool,
     wait: f64,
     side: usize,
     repeated: usize,
-    /// The record before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
+    /// Once nobody else keeps it, only what it lacks has to be copied.
     spare: Option<Arc<Record>>,
 }
 
-/// The time for which a sample waits for the next input, where the input is linear between two values \[s\].
+/// Limits the wait for the next input \[s\], where the input is linear between two values.
 const PATIENCE: f64 = 1.0;
 
 /// [`LiveRecord::update`] copies a whole record when it is longer by 1 / SHARE.
@@ -95,8 +95,8 @@ impl LiveRecord {
         Self { wait: seconds.max(0.0), ..self }
     }
 
-    /// The same, where a sample does not wait once every sensor, and the input if any was told, has told something at its time or later:
-    /// then nothing more comes as long as each tells its readings in order. The first that comes too late is refused; from then
+    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later:
+    /// then nothing more comes as long as each gives its readings in order. The first that comes too late is refused; from then
     /// on samples wait.
     #[must_use]
     pub fn prompt(self) -> Self {
@@ -155,11 +155,11 @@ impl LiveRecord {
         self.repeated
     }
 
-    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\], NaN if it is not told, and a reading for each
+    /// Takes in the events at a time \[s\]: the input from then on \[m/s²\], NaN if it is not given, and a reading for each
     /// sensor in the unit of its quantity, NaN where there is none.
     ///
     /// # Errors
-    /// [`LiveError`]; what is refused leaves the samples as they were.
+    /// [`LiveError`]; a refusal leaves the samples as they were.
     pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
         self.check(time, input, readings).inspect_err(|error| {
             self.prompt &= !matches!(error, LiveError::TooLate { .. });
@@ -200,7 +200,7 @@ impl LiveRecord {
             && (input >= sample || !has_input)
     }
 
-    /// Completes samples until one has to wait, which is asked with the newest time and the sample's, in steps.
+    /// `waits` gets the newest time and the sample's, in steps.
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
         let Some(begin) = self.begin else { return };
         let newest = steps(self.newest - begin, self.record.dt);
@@ -282,17 +282,15 @@ pub enum LiveError {
     Full,
 }
 
-/// A time after the first sample \[s\] in steps. One that is next to a sample's is that.
+/// `time` \[s\]. A time next to a sample's is that.
 fn steps(time: f64, dt: f64) -> f64 {
     let steps = time / dt;
     let whole = libm::round(steps);
     if (steps - whole).abs() <= ROUNDED { whole } else { steps }
 }
 
-/// A time may be rounded by this share of a step.
 const ROUNDED: f64 = 1e-6;
 
-/// The times, in steps, and readings of one sensor, in the order of their times.
 #[derive(Clone, Debug, Default)]
 struct Track {
     times: VecDeque<f64>,
@@ -315,8 +313,7 @@ impl Track {
         is_new
     }
 
-    /// Hands over the readings of the step to a sample. Returns the last one, shifted to the sample along the cubic through `side`
-    /// readings to either side; NaN if there is none. Forgets what no later sample needs.
+    /// Returns the last reading, shifted to the sample along the cubic through `side` readings to either side; NaN if there is none.
     fn step_to(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
         let Self { times, values, taken } = self;
         let end = times.partition_point(|time| *time <= sample);
@@ -345,11 +342,10 @@ impl Track {
     }
 }
 
-/// The input as it comes in, with times in steps.
 #[derive(Clone, Debug)]
 struct InputTrack {
     told: VecDeque<(f64, f64)>,
-    /// The number of those that samples have taken; all but the last one are forgotten.
+    /// All but the last value that samples have taken are forgotten.
     taken: usize,
     hold: Hold,
 }
@@ -372,8 +368,7 @@ impl InputTrack {
         self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
     }
 
-    /// Hands over the values in the step to a sample, and the value there, of a line between two values also that; it is zero before
-    /// the first one. `into` is `None` until there is a value.
+    /// Zero before the first value; `into` is `None` until there is one. Of a line the value at the sample is handed over too.
     fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
         let Self { told, taken, hold } = self;
         let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);

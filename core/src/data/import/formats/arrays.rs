@@ -20,7 +20,7 @@ impl Arrays {
         self.left_out.push(if name.is_empty() { reason.to_owned() } else { format!("`{name}` ({reason})") });
     }
 
-    /// Adds an array with one or two dimensions, of which the longer one is time. `is_by_columns`: neighbours are below each other.
+    /// Of two dimensions the longer one is time. `is_by_columns`: neighbours are below each other.
     pub(super) fn add(&mut self, name: &str, shape: &[usize], is_by_columns: bool, values: Result<Vec<f64>, String>) {
         let values = match values {
             Ok(values) if values.is_empty() => return self.leave_out(name, "empty"),
@@ -51,8 +51,7 @@ impl Arrays {
         self.all.push((0..count).map(column).collect());
     }
 
-    /// A table of the arrays with equally many rows: those with the times, or else with the most numbers. A single number with the
-    /// name of a rate or a step makes times where there are none.
+    /// Of the arrays with equally many rows it has those with times, else those with the most numbers.
     pub(super) fn table(mut self, form: &str) -> Result<Table, ImportError> {
         let all = std::mem::take(&mut self.all);
         let (single, all): (Vec<_>, Vec<_>) = all.into_iter().partition(|columns| columns[0].values.len() == 1);
@@ -98,8 +97,6 @@ impl Arrays {
         Ok(table)
     }
 
-    /// Adds an array as NumPy writes it.
-    ///
     /// Source: NumPy, numpy.lib.format, versions 1 to 3.
     fn add_npy(&mut self, name: &str, bytes: &[u8], room: &mut Room) -> Result<(), String> {
         let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
@@ -127,7 +124,7 @@ impl Arrays {
     }
 }
 
-/// The time between samples that a number states which has the name of a rate or a step \[s\].
+/// \[s\]
 fn step_of(name: &str, value: f64) -> Option<f64> {
     let letters = |text: &str| text.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
     let name = letters(name);
@@ -171,7 +168,6 @@ const HEADER: usize = 128;
 const MATRIX: usize = 14;
 const COMPRESSED: usize = 15;
 
-/// The parts of a file, one after the other: the type and the bytes of each. What remains is cut short.
 struct Parts<'a> {
     rest: &'a [u8],
     is_big: bool,
@@ -195,8 +191,6 @@ impl<'a> Iterator for Parts<'a> {
     }
 }
 
-/// The matrices with equally many rows in a file of MATLAB.
-///
 /// Source: MathWorks, MAT-file format, level 5.
 pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
@@ -220,7 +214,6 @@ pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
     arrays.table("a MATLAB file")
 }
 
-/// Adds a variable: its class and flags, its lengths, its name, its numbers.
 fn add_variable(arrays: &mut Arrays, mut parts: Parts<'_>, room: &mut Room) {
     let is_big = parts.is_big;
     let mut next = || parts.next().unwrap_or((0, &[]));
@@ -337,7 +330,6 @@ pub(super) mod tests {
         part(14, &[part(6, &[class, 0, 0, 0, 0, 0, 0, 0]), lengths, short, part(kind, data)].concat())
     }
 
-    /// Times of two bytes, a matrix that is packed, a rate, and a structure.
     pub(in super::super) fn matlab_file() -> Vec<u8> {
         let times: Vec<u8> = (0..6_u16).flat_map(u16::to_le_bytes).collect();
         let data: Vec<u8> = (0..12).flat_map(|k| (f64::from(k) / 2.0).to_le_bytes()).collect();

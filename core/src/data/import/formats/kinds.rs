@@ -6,7 +6,6 @@ use super::{arrays, series};
 
 enum Handling {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
-    /// They are not read; the words name what helps.
     Refuse(&'static str),
 }
 
@@ -24,7 +23,7 @@ const MATLAB: Handling = Refuse("save its variables in MATLAB with -v7, or its c
 const SEISMOGRAM: Handling =
     Refuse("write it as text: SLIST, or SAC's alphanumeric form (ObsPy: write with format=\"SLIST\")");
 
-/// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
+/// Name, test of the bytes, and handling. The first kind that fits counts.
 type Kind = (&'static str, fn(&[u8]) -> bool, Handling);
 
 const KINDS: [Kind; 53] = [
@@ -107,14 +106,13 @@ fn has(bytes: &[u8], place: usize, part: &[u8]) -> bool {
     bytes.get(place..).is_some_and(|rest| rest.starts_with(part))
 }
 
-/// Ends with the size of a header of 256 bytes and as many for each signal.
 fn is_edf(bytes: &[u8]) -> bool {
     let size =
         bytes.get(184..192).and_then(|text| std::str::from_utf8(text).ok()?.trim().parse().ok()).unwrap_or(1_usize);
     (bytes.starts_with(b"0       ") || bytes.starts_with(b"\xFFBIOSEMI")) && size > 256 && size % 256 == 0
 }
 
-/// Version and order of bytes at the end of the header, whose text a program may choose.
+/// Only the end of the header: programs choose its text.
 fn has_mat5_mark(bytes: &[u8]) -> bool {
     has(bytes, 124, b"\x00\x01IM") || has(bytes, 124, b"\x01\x00MI")
 }
@@ -130,7 +128,6 @@ fn is_mat4(bytes: &[u8]) -> bool {
     })
 }
 
-/// The version of the header stands in the 77th word, and the first one is the step.
 fn is_sac(bytes: &[u8]) -> bool {
     let version = |is_big| whole(bytes, 304, 4, is_big).is_some_and(|version| (6..=7).contains(&version));
     bytes.len() >= 632 && [false, true].into_iter().any(version)
@@ -148,7 +145,6 @@ fn is_seed(bytes: &[u8]) -> bool {
     bytes.starts_with(b"MS\x03") || (is_second && bytes[..512.min(bytes.len())].contains(&0))
 }
 
-/// A card of 3200 letters, in EBCDIC or ASCII, and the number of the sample format behind it.
 fn is_segy(bytes: &[u8]) -> bool {
     let is_card = [&b"\xC3\x40\xF1"[..], b"C 1", b"C01"].iter().any(|mark| bytes.starts_with(mark))
         || [&b"\xC3\xF4\xF0"[..], b"C40"].iter().any(|mark| has(bytes, 3120, mark));
@@ -189,7 +185,6 @@ mod tests {
         }
     }
 
-    /// Whatever a file is cut to or whichever byte of it is wrong: it is a table or a sentence, within the memory that it may take.
     #[test]
     fn damaged_files_are_tables_or_sentences() {
         let array = arrays::tests::file("'>f4'", "(3, 3)", false, &[7; 36]);

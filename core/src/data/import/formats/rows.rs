@@ -11,14 +11,11 @@ use crate::mathematics::lists::{mapped, numbers};
 
 const END: &str = "***End_of_Header***";
 
-/// A table with commas between cells and decimal points; `data` is the first line of numbers, counted from 1.
 fn rows_from(data: usize) -> Rows {
     Rows::of(Dialect { delimiter: Delimiter::Comma, decimal: Decimal::Point, data, ..Dialect::default() })
 }
 
-/// Measurement files of LabVIEW: a header of the file, one of the segment, a line of names, then rows. Not all programs that write them
-/// say their separator and decimal character, or say them rightly.
-///
+/// Not all programs state their separator and decimal character, or state them rightly.
 /// Source: National Instruments (2010), Specification for the LabVIEW measurement file (.lvm).
 pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     if !lines.first()?.starts_with("LabVIEW Measurement") {
@@ -92,8 +89,6 @@ pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     Some(Layout::Rows(rows))
 }
 
-/// Traces of Rigol's oscilloscopes: the numbers of the samples, with start and increment of the time in the header.
-///
 /// Source: Rigol, DS1000Z and MSO5000 user's guides, "To store a waveform: CSV".
 pub(super) fn rigol(lines: &[&str]) -> Option<Layout> {
     let [names, second, ..] = lines else { return None };
@@ -119,9 +114,7 @@ pub(super) fn rigol(lines: &[&str]) -> Option<Layout> {
     is_first.then_some(Layout::Rows(rows))
 }
 
-/// Traces of Tektronix' oscilloscopes of the series TDS: settings in the first three cells of the first lines, then time and value.
-///
-/// Source: Tektronix, TDS2MEM storage memory module user manual, "Spreadsheet file formats".
+/// Of the series TDS. Source: Tektronix, TDS2MEM storage memory module user manual, "Spreadsheet file formats".
 pub(super) fn tektronix(lines: &[&str]) -> Option<Layout> {
     let cells = |line: &&str| line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect::<Vec<_>>();
     let head: Vec<Vec<String>> = lines.iter().take(30).map(cells).collect();
@@ -140,8 +133,6 @@ pub(super) fn tektronix(lines: &[&str]) -> Option<Layout> {
     Some(Layout::Rows(rows))
 }
 
-/// Tables of Campbell Scientific's loggers: the station, names, units and processing in four lines.
-///
 /// Source: Campbell Scientific (2019), LoggerNet instruction manual, appendix B.1.4, "TOA5 ASCII file format".
 pub(super) fn toa5(lines: &[&str]) -> Option<Layout> {
     let is_toa5 =
@@ -230,7 +221,6 @@ fn is_title_of_next(line: &str) -> bool {
     line.trim_start().trim_start_matches('*').starts_with(char::is_alphabetic)
 }
 
-/// Whether lines have times and values in turn, as those of finite elements do: their times rise by even steps, also from line to line.
 fn are_pairs(body: &[Vec<f64>]) -> bool {
     let is_even = |row: &&Vec<f64>| row.len() % 2 == usize::from(row.last().is_some_and(|last| last.is_nan()));
     let whole = body.len() > 4 && body[0].len() > 3 && body.iter().all(|row| is_even(&row));
@@ -239,14 +229,9 @@ fn are_pairs(body: &[Vec<f64>]) -> bool {
     whole && step > 0.0 && times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 0.5 * step)
 }
 
-/// The mean difference of neighbours in lines over that of neighbours in columns; `None` where this may be a table of channels.
-///
-/// In one series all steps are alike, that between two lines too, and every column has the same spread. Channels that move together differ
-/// by more from row to row than from one to the next.
+/// `None` for a table of channels: these differ more from row to row, while in a series all steps and spreads are alike.
 fn agreement(body: &[Vec<f64>]) -> Option<f64> {
-    /// The fewest lines, and the fewest numbers in one.
     const FEWEST: [usize; 2] = [8, 3];
-    /// The most that steps and spreads may differ.
     const ALIKE: f64 = 2.0;
     const CLEAR: f64 = 0.6;
     let width = body.first().map_or(0, Vec::len);

@@ -4,9 +4,6 @@ use super::{Layout, Series, SeriesReader, field_width, number_after, numbers, te
 use crate::data::import::cell::clock;
 use crate::data::import::{Dialect, ImportError, Table};
 
-/// Strong motions of the California Strong Motion Instrumentation Program (volume 2) and of COSMOS: pages of header,
-/// then series of fixed width; their numbers may abut.
-///
 /// Sources: Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, OSMS 85-03; COSMOS (2001), Strong motion
 /// data format, version 1.20: the step is the real-header value 34.
 pub(super) fn strong_motion(lines: &[&str]) -> Option<Layout> {
@@ -14,7 +11,7 @@ pub(super) fn strong_motion(lines: &[&str]) -> Option<Layout> {
     Some(Layout::Series(next_strong_motion))
 }
 
-/// `10100 points of accel data equally spaced at 0.010 sec, in cm/sec2. (8f10.5)`: count, kind and step.
+/// `10100 points of accel data equally spaced at 0.010 sec, in cm/sec2. (8f10.5)`
 fn csmip(line: &str) -> Option<(usize, String, f64)> {
     let lower = line.to_ascii_lowercase();
     let (count, rest) = lower.split_once("points of ")?;
@@ -22,7 +19,7 @@ fn csmip(line: &str) -> Option<(usize, String, f64)> {
     Some((count.trim().parse().ok()?, rest.split_whitespace().next()?.to_owned(), dt))
 }
 
-/// `26219 acceleration pts, approx  131 secs, units=cm/sec2(04),Format=(1E15.6)`: count and kind.
+/// `26219 acceleration pts, approx  131 secs, units=cm/sec2(04),Format=(1E15.6)`
 fn cosmos(line: &str) -> Option<(usize, String)> {
     let lower = line.to_ascii_lowercase();
     let (before, _) = lower.split_once(" pts, approx").filter(|(_, rest)| rest.contains("units="))?;
@@ -40,7 +37,7 @@ fn next_strong_motion(header: &[String]) -> Option<Series> {
         }
     };
     let channel = header.iter().rev().find_map(|line| label(line)).map(|label| format!("{label} ")).unwrap_or_default();
-    // Velocities and displacements are integrals of the acceleration: no readings of their own.
+    // Velocities and displacements are integrals of the acceleration: no readings.
     let name = match kind.get(..3) {
         Some("vel") => "velocity, integrated",
         Some("dis") => "displacement, integrated",
@@ -51,7 +48,6 @@ fn next_strong_motion(header: &[String]) -> Option<Series> {
     Some(Series { name, unit, dt, count: Some(count), width: field_width(line), ..Series::default() })
 }
 
-/// The channel in a line such as `Chan  1: 180 Deg`.
 fn label(line: &str) -> Option<String> {
     let (number, rest) = line.split_once("Chan ").or_else(|| line.split_once("CHAN "))?.1.split_once(':')?;
     let direction: Vec<&str> = rest.split_whitespace().take(2).collect();
@@ -65,15 +61,13 @@ fn step(header: &[String]) -> Option<f64> {
     values.flatten().nth(33).filter(|step| *step > 0.0)
 }
 
-/// Ground motions of the Pacific Earthquake Engineering Research Center: four lines of header, then one series, five numbers a line.
-///
 /// Source: PEER (2013), NGA-West2 ground motion database, files of the kinds AT2, VT2 and DT2.
 pub(super) fn peer(lines: &[&str]) -> Option<Layout> {
     lines.iter().take(6).find(|line| size(line).is_some())?;
     Some(Layout::Series(next_peer))
 }
 
-/// Number and distance of the samples: `NPTS=  7807, DT=   .0050 SEC`, or in older files `7807    0.0050    NPTS, DT`.
+/// `NPTS=  7807, DT=   .0050 SEC`, or in older files `7807    0.0050    NPTS, DT`
 fn size(line: &str) -> Option<(usize, f64)> {
     let upper = line.to_ascii_uppercase();
     let (_, behind) = upper.split_once("NPTS")?;
@@ -99,9 +93,7 @@ fn next_peer(header: &[String]) -> Option<Series> {
     Some(Series { name: name.to_owned(), unit, dt, count: Some(count), ..Series::default() })
 }
 
-/// Series as ObsPy and the web services of seismological data centres write them: `TIMESERIES` and a line of numbers after the other.
-///
-/// Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
+/// As ObsPy writes them too. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
 pub(super) fn slist(lines: &[&str]) -> Option<Layout> {
     let first = lines.first()?;
     (first.starts_with("TIMESERIES ") && first.contains(", SLIST,")).then_some(Layout::Series(next_slist))
@@ -119,12 +111,9 @@ fn next_slist(header: &[String]) -> Option<Series> {
     Some(Series { name, unit, start, dt: 1.0 / rate, count: Some(count), ..Series::default() })
 }
 
-/// The lines of a data set's header, with the number 58.
 const HEADER: usize = 12;
 
-/// Universal files of modal analysis: data sets 58 with functions of time, as text.
-///
-/// Source: University of Cincinnati, Universal file formats for modal analysis testing, data set 58.
+/// Functions of time, as text. Source: University of Cincinnati, Universal file formats for modal analysis testing, data set 58.
 pub(super) fn uff58(lines: &[&str]) -> Option<Layout> {
     let begins = |pair: &[&str]| pair[0].trim() == "-1" && pair[1].trim() == "58";
     (lines.first()?.trim() == "-1" && lines.windows(2).any(begins)).then_some(Layout::Series(next_uff58))
@@ -215,17 +204,14 @@ pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
     reader.finish("universal file, data set 58b", Dialect::default(), line)
 }
 
-/// A direction: 1 to 3 along the axes, negative against them.
 fn axis(direction: &str) -> &'static str {
     let place = direction.parse::<isize>().ok().and_then(|number| usize::try_from(number + 3).ok());
     place.and_then(|place| ["-Z", "-Y", "-X", "", "+X", "+Y", "+Z"].get(place)).unwrap_or(&"")
 }
 
-/// The lines of the header of a seismogram of SAC: 70 numbers, 40 whole ones, and 23 texts.
+/// In lines: 70 numbers, 40 whole ones, and 23 texts.
 const SAC: usize = 30;
 
-/// Seismograms of the Seismic Analysis Code as text.
-///
 /// Source: Lawrence Livermore National Laboratory, SAC users manual, "SAC data file format", alphanumeric.
 pub(super) fn sac(lines: &[&str]) -> Option<Layout> {
     let header: Vec<String> = lines.get(..SAC)?.iter().map(ToString::to_string).collect();
@@ -245,7 +231,7 @@ fn next_sac(header: &[String]) -> Option<Series> {
     let kinds = [(6.0, "displacement"), (7.0, "velocity"), (8.0, "acceleration")];
     let kind = kinds.into_iter().find(|(number, _)| *number == kind).map_or("", |(_, kind)| kind);
     let words = [text(22, 0), text(28, 2), kind];
-    // What a header does not know is -12345.
+    // A header has -12345 where it has no value.
     let known = words.into_iter().filter(|word| !word.is_empty() && *word != "-12345").collect::<Vec<_>>().join(" ");
     let start = if start == -12_345.0 { 0.0 } else { start };
     Some(Series { name: known, start, dt, count: Some(count as usize), ..Series::default() })

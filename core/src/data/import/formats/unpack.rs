@@ -9,7 +9,7 @@ use super::super::reader::Reader;
 use super::super::{Dialect, ImportError, Mapping, Table};
 use crate::mathematics::lists::mapped;
 
-/// The table in an unpacked file. A packed file may have itself in it: it is not unpacked twice.
+/// A packed file may have itself in it: it is not unpacked twice.
 fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
     if is_zip(&bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
@@ -37,11 +37,9 @@ pub(super) struct Entry<'a> {
     packed: &'a [u8],
 }
 
-/// The files in a ZIP, without folders and those that systems add. `None` for one that is cut short or damaged.
-///
+/// `None` for a ZIP that is cut short or damaged.
 /// Source: PKWARE (2022), .ZIP file format specification, sections 4.3.7, 4.3.12 and 4.3.16.
 pub(super) fn entries(bytes: &[u8]) -> Option<Vec<Entry<'_>>> {
-    /// The bytes of the end of the directory, and the most places where it may begin.
     const END: [usize; 2] = [22, 65_536];
     let mut places = (0..=bytes.len().checked_sub(END[0])?).rev().take(END[1]);
     let end = places.find(|place| bytes[*place..].starts_with(b"PK\x05\x06"))?;
@@ -77,7 +75,7 @@ impl Entry<'_> {
     }
 }
 
-/// The one table with times in a ZIP. Apps for phones add small tables of names in a folder `meta`.
+/// Apps for phones add small tables of names in a folder `meta`.
 pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     const FEWEST: usize = 30;
     let bad = |reason: &str| ImportError::OtherKind(format!("this is a ZIP; {reason}"));
@@ -142,14 +140,13 @@ impl Room {
     }
 }
 
-/// The whole number of some bytes at a place, as the processor writes it that has its big end first, or not.
 pub(super) fn whole(bytes: &[u8], place: usize, size: usize, is_big: bool) -> Option<usize> {
     let part = bytes.get(place..place.checked_add(size)?)?;
     let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
     Some(if is_big { part.iter().fold(0, add) } else { part.iter().rev().fold(0, add) })
 }
 
-/// The form of a binary number, by NumPy's letters: `f`, `i`, `u` or `b`; and its bytes.
+/// NumPy's letter: `f`, `i`, `u` or `b`; and the bytes.
 #[derive(Clone, Copy)]
 pub(super) struct Form {
     pub(super) kind: char,
