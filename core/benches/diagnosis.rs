@@ -36,11 +36,9 @@ fn main() {
 
 struct Outcome {
     fault: Fault,
-    /// The verdicts with and without the truth.
     verdicts: [Option<VerdictKind>; 2],
     /// The largest error of a parameter over the last fifth, in standard deviations.
     off: f64,
-    /// The keys of the causes, the likeliest first.
     causes: Vec<&'static str>,
     said: Vec<f64>,
     /// A model that is likelier than a filter with a good verdict, without the truth.

@@ -12,7 +12,6 @@ fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
 }
 
-/// The time of `steps` steps of successive runs in the same memory, including their restarts.
 fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
     let mut run = run(scenario);
     run.finish();

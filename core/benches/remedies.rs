@@ -6,7 +6,7 @@
 //!
 //! Prints for each situation, over NUMBER seeds from FROM on: the filters that were not to be believed, and of these how many the
 //! first remedy makes good, in how many it makes the worse parameter's error larger by more than a fifth (and in how many a filter
-//! without the fault has such an error, as chance will have it), in how many that error is beyond the 2σ that are drawn, how many are within
+//! without the fault has such an error by chance), in how many that error is beyond the 2σ that are drawn, how many are within
 //! 3σ before and after it, and how often the first cause is right. Limits of causes and of the search may be set on seeds below
 //! 1,000,000 of the situations of the first part; those of the second part are only reported. Nothing knows the truth but the
 //! errors.
@@ -87,7 +87,6 @@ const NUMBER: u64 = 12;
 /// Limits the error of a parameter that is believed, in standard deviations.
 const WITHIN: f64 = 3.0;
 
-/// Limits an error that a remedy may leave, relative to the one before.
 const GROWS: f64 = 1.2;
 
 fn main() {
@@ -124,7 +123,6 @@ struct Outcome {
     causes: Vec<&'static str>,
 }
 
-/// Root mean square errors of the natural frequency and the damping ratio over the last fifth.
 #[derive(Clone, Copy, Debug)]
 struct Errors {
     relative: [f64; 2],
@@ -136,7 +134,6 @@ impl Errors {
         self.relative[0].max(self.relative[1])
     }
 
-    /// Whether the worse error is larger than before, and beyond the ±2σ that are drawn.
     fn mislead(self, before: Self) -> bool {
         let place = usize::from(self.relative[1] > self.relative[0]);
         self.worse() > GROWS * before.worse() && self.in_std[place] > 2.0
@@ -183,7 +180,6 @@ impl Outcome {
     }
 }
 
-/// The verdict without the truth, the errors, and the remedies if they are asked for.
 fn judged(
     told: &Scenario,
     record: &Record,

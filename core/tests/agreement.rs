@@ -65,7 +65,6 @@ fn assert_same(a: &Run, b: &Run) {
     assert_eq!(a.checksum(), b.checksum());
 }
 
-/// The largest difference of two filters' means in standard deviations, and of their covariances relative to these.
 fn difference(a: &Estimates, b: &Estimates) -> f64 {
     let mut worst = 0.0_f64;
     for k in 0..a.len() {

@@ -10,7 +10,6 @@ use kalmanscope_core::{
 use crate::numbers::{DETERMINISTIC, exponential, mean};
 use crate::run::{finished, last, oscillator};
 
-/// Constant parameters under white noise, with sensors for displacement, acceleration and what a channel needs.
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
     let plant = oscillator(6.0, 0.05);
@@ -66,7 +65,7 @@ fn a_gain_of_each_kind_of_sensor_is_found() {
     }
 }
 
-/// A filter that knows the gain of a sensor has the estimates of one whose sensor is right: readings and noise are both multiplied.
+/// Readings and noise are both multiplied.
 #[test]
 fn a_known_gain_is_another_unit() {
     let quantity = Quantity::VELOCITY;
@@ -221,7 +220,7 @@ fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
     assert!(without > 10.0, "the disturbance left out: {without}");
 }
 
-/// A plant at rest whose sensor reads a coloured noise: the filter's bias is a scalar Kalman filter, and its smoother a scalar one.
+/// Here the filter's bias is a scalar Kalman filter, and its smoother a scalar one.
 ///
 /// ```text
 /// m⁻ = φ m, P⁻ = φ² P + q²,  K = P⁻ / (P⁻ + r²),  backwards G = φ P / P⁻

@@ -222,7 +222,6 @@ fn a_run_that_is_continued_has_the_bits_of_one_in_one_go() {
     assert_eq!(parts.checksum(), whole.checksum());
 }
 
-/// The logarithm of the density of all readings of a run but the first: they are jointly normal.
 fn log_density(run: &Run, of: [f64; 2], sensor_std: [f64; 2]) -> f64 {
     let (mean, cov) = joint_motion(run.record(), of);
     let n = mean.len() - 2;

@@ -20,12 +20,10 @@ fn bounds(all: &[(Channel, f64, f64)]) -> Bounds {
     bounds
 }
 
-/// The initial belief of a damping that is small, and known not to be negative.
 const MEAN: f64 = 0.0;
 const STD: f64 = 0.01;
 const NOISE: f64 = 0.8;
 
-/// An oscillator whose damping is drawn from the initial belief between its ends, of which ten noisy seconds tell little.
 fn still(seed: u64) -> Scenario {
     let mut random = Random::new(seed);
     let damping = std::iter::repeat_with(|| MEAN + STD * random.normal()).find(|damping| *damping >= 0.0).unwrap();
@@ -49,7 +47,6 @@ fn still(seed: u64) -> Scenario {
     scenario
 }
 
-/// A million draws have these moments, and the filter continues as without the ends.
 #[test]
 fn what_is_told_is_the_belief_between_the_ends() {
     let mut scenario = Scenario { duration: 0.15, ..Scenario::default() };
@@ -99,7 +96,7 @@ fn what_is_told_is_the_belief_between_the_ends() {
     }
 }
 
-/// On records that were not looked at, no estimate is beyond the end, errors are smaller, and bands are right.
+/// No choice depends on these records.
 #[test]
 fn a_damping_that_cannot_be_negative_is_better_and_honestly_known() {
     let (mut negative, mut squares, mut inside, mut worst) = (0, [0.0; 2], [0; 2], f64::INFINITY);
@@ -165,7 +162,6 @@ fn bounds_are_written_and_read() {
     assert!(with_sensor.is_empty(), "open bounds are none");
 }
 
-/// Holds an update to the formula of Schmidt with H, R and the places of what is considered.
 fn assert_schmidt(sample: &Sample<'_>, h: &Matrix, r: &Matrix, considered: [usize; 2]) {
     let n = sample.mean.len();
     let matrix = |of: &[f64], columns: usize| Matrix::from_column_slice(of.len() / columns, columns, of);
@@ -208,7 +204,6 @@ fn an_update_is_that_of_schmidt() {
     }
 }
 
-/// An input with another gain for each seed, which filters know, estimate, consider, or consider and forget.
 fn shaken(seed: u64) -> (Scenario, Record) {
     let mut scenario = Scenario { seed, duration: 20.0, plant: oscillator(6.0, 0.05), ..Scenario::default() };
     scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];

@@ -167,7 +167,6 @@ fn every_fault_of_the_table_has_its_cause_first_and_its_remedy() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Returns the causes that were found, if the first is not the one of the row, or lacks its remedy.
 fn failure(row: &str, base: &Scenario) -> Option<String> {
     let words: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
     let [change, cause, remedy] = words[..] else { panic!("{row}") };
@@ -193,7 +192,6 @@ fn failure(row: &str, base: &Scenario) -> Option<String> {
     })
 }
 
-/// Ten samples a swing, of an input without steps or corners.
 #[test]
 fn an_input_that_is_a_smooth_curve_is_put_on_finer_steps() {
     for seed in 1..=3 {

@@ -31,7 +31,6 @@ fn timed(told: &[Told], of: impl Fn(&Told) -> f64) -> Timed {
     Timed { times: there.iter().map(|one| one.time / DT).collect(), values: there.iter().map(|one| of(one)).collect() }
 }
 
-/// A record with these times: its columns have each reading at the end of its step.
 pub(crate) fn record(told: &[Told], len: usize) -> Record {
     let input = timed(told, |one| one.input);
     let readings = [0, 1].map(|sensor| timed(told, |one| one.readings[sensor]));
@@ -58,7 +57,6 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Run {
     run
 }
 
-/// The largest distance at the samples of the coarser grid.
 fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
     (from..coarse.len()).map(|k| apart((coarse, k), (fine, 100 * k))).fold(0.0, f64::max)
 }
@@ -106,7 +104,6 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
     }
 }
 
-/// A late reading keeps its own time, and a filter that runs along has the estimates of one that runs at the end.
 #[test]
 fn a_live_record_has_the_times_that_its_readings_have() {
     for (seed, kind) in [(21, FilterKind::KF), (22, FilterKind::EKF), (23, FilterKind::UKF)] {
@@ -158,13 +155,12 @@ fn a_look_ahead_equals_that_on_a_finer_grid() {
     assert!(found < 1e-6, "{found}");
 }
 
-/// A filter that is not linear agrees to the error of its step.
 #[test]
 fn filters_of_parameters_agree_with_a_finer_grid() {
     for (kind, robust) in
         [(FilterKind::EKF, Robust::NONE), (FilterKind::UKF, Robust::NONE), (FilterKind::EKF, Robust::HUBER)]
     {
-        // An input that is told at 20 Hz tells all of this force.
+        // An input at 20 Hz has all of this force.
         let force = Force::Step { amplitude: 3.0, at: 0.0 };
         let mut scenario = Scenario { force, ..scenario(kind, 4) };
         let filter = &mut scenario.filters[0];

@@ -1,5 +1,4 @@
-//! What the accelerometer of a phone tells of a free decay, and a microphone of a thing that was struck: from raw readings and the sound's
-//! file to the parameters.
+//! The parameters of a free decay from the raw readings of a phone's accelerometer, and of a struck thing from the file of its sound.
 
 use std::f64::consts::TAU;
 use std::io::Cursor;
@@ -23,7 +22,6 @@ fn as_table(decay: &Decay) -> Table {
     read(Decay::file(std::slice::from_ref(decay)).into_bytes(), None).expect("it is a table")
 }
 
-/// Asserts that ωₙ and ζ are within 0.2 % and 15 %, and counts those inside ±2σ.
 fn count_inside(inside: &mut [i32; 2], found: [(f64, f64); 2], truth: [f64; 2], name: &str) {
     for (i, (mean, std)) in found.into_iter().enumerate() {
         assert!((mean / truth[i] - 1.0).abs() < [0.002, 0.15][i], "{name}");
@@ -58,7 +56,6 @@ fn frequency_and_damping_are_found_from_a_phone_that_was_plucked() {
     assert!(inside.iter().all(|inside| *inside >= 26), "inside their bands: {inside:?} of {count}");
 }
 
-/// Asserts that the importer finds the frequency and the damping of a phone within these shares.
 fn assert_identified(decay: &Decay, phone: &Phone, shares: [f64; 2], what: &str) {
     let [(frequency, _), (damping, _)] = identified(&as_table(decay)).0;
     assert!((frequency / phone.frequency - 1.0).abs() < shares[0], "{what}: {frequency}");
@@ -149,11 +146,9 @@ fn what_is_no_free_decay_is_said() {
     }
 }
 
-/// The files that apps and loggers write of the same readings: their head, and a row.
 type File = (&'static str, fn(&[f64; 4]) -> String);
 
-/// The ten commonest shapes: phyphox with its four ways to divide cells, with and without gravity; Sensor Logger; Physics Toolbox in
-/// m/s² and in g; the lines of an Arduino without and with names.
+/// phyphox, with and without gravity; Sensor Logger; Physics Toolbox in m/s² and in g; an Arduino without and with names.
 const FILES: [File; 10] = [
     (PHYPHOX, |[t, x, y, z]| format!("{t:.9E},{x:.9E},{y:.9E},{z:.9E},0")),
     (

@@ -14,7 +14,7 @@ use crate::situations::with_input;
 
 const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
 
-/// The default oscillator without a change, under white noise, with an EKF; the plant feels the input so many samples late.
+/// The default oscillator without a change, under white noise, with an EKF; the plant feels the input this many samples late.
 fn scenario(delay: i32, seed: u64) -> Scenario {
     let mut scenario = Scenario { seed, duration: 20.0, plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.plant.input_delay = delay;
@@ -101,7 +101,6 @@ fn moved(record: &Record, delays: [f64; 2]) -> Record {
     record.clone().with_clocks(clocks).expect("the times rise")
 }
 
-/// The largest distance of two filters.
 fn far(one: &Estimates, other: &Estimates) -> f64 {
     assert_eq!(one.len(), other.len());
     (0..one.len()).map(|k| apart((one, k), (other, k))).fold(0.0, f64::max)
@@ -124,7 +123,6 @@ fn a_delay_is_a_reading_at_another_time() {
     }
 }
 
-/// Filters of all kinds take whole steps exactly, those that count in samples too, and smoothers as well.
 #[test]
 fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
     for kind in FilterKind::ALL {
@@ -159,7 +157,6 @@ fn a_part_of_a_step_is_rounded_where_a_filter_counts_in_samples_and_this_is_said
     }
 }
 
-/// A record that grows, one that forgets, and samples that come in one by one.
 #[test]
 fn a_filter_waits_for_a_late_sensor_and_has_the_same_bits() {
     for delays in SENSOR_DELAYS {

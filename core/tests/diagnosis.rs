@@ -13,9 +13,7 @@ struct Outcome {
     fault: Fault,
     name: String,
     verdicts: [VerdictKind; 2],
-    /// The largest error of a parameter over the last fifth, in standard deviations.
     off: f64,
-    /// The causes, the likeliest first; none where they were not asked for.
     causes: Vec<&'static str>,
 }
 
@@ -140,7 +138,6 @@ fn tests_and_causes_have_names_of_their_own_and_say_how_to_read_them() {
     assert!(Fault::ALL.iter().all(|fault| fault.causes().iter().all(known)));
 }
 
-/// Where a part is forgiven for an error, the sentence names the error, and not innovations that are as large as expected.
 #[test]
 fn what_a_filter_has_recovered_from_is_said() {
     let mut told = Vec::new();
@@ -172,8 +169,7 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
     a == b || a.is_nan() && b.is_nan() || (a - b).abs() <= tolerance * (a.abs() + b.abs())
 }
 
-/// Asserts that two diagnoses say the same. Where the windows of the periodograms are not the same, the numbers of lines are
-/// not, and all tests are decided together: returns whether then other evidence counts.
+/// Different windows of the periodograms change the numbers of lines; returns whether then other evidence counts.
 fn assert_same(live: &Diagnosis, whole: &Diagnosis, same_windows: bool, name: &str) -> bool {
     assert_eq!(live.bad_parts, whole.bad_parts, "{name}");
     let counting = |of: &Diagnosis| of.evidence.iter().map(|one| one.counts).collect::<Vec<bool>>();

@@ -13,7 +13,6 @@ fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) ->
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict
 }
 
-/// An oscillator of 6 rad/s with damping 0.05, and an EKF with another initial frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     let mut scenario = Scenario { plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = natural_frequency;

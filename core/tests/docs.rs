@@ -105,7 +105,7 @@ fn expected(text: &str) -> Vec<String> {
     quoted(keys).into_iter().map(str::to_owned).collect()
 }
 
-/// Each table of keys, with a text whose message lists them, and the table in which they stand.
+/// Each table of keys, a text whose message lists them, and their table in the document.
 const TABLES: [(&str, &str, &str); 9] = [
     ("A scenario", "unknown = 1", ""),
     ("Sensors", "[[sensors]]\nunknown = 1", ""),

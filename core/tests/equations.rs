@@ -15,7 +15,7 @@ fn refused(text: &str) -> String {
     found.expect_err("it is refused").to_string()
 }
 
-/// Built-in plants, typed; with the names of their parameters in the order of the built-in state.
+/// Parameters are in the order of the built-in state.
 const TYPED: [(PlantKind, &str, &[&str]); 5] = [
     (PlantKind::SDOF, "ẍ + 2ζωₙẋ + ωₙ²x = f", &["natural_frequency", "damping_ratio"]),
     (PlantKind::DUFFING, "x'' + 2 zeta wn x' + wn^2 x + μ x³ = f", &["natural_frequency", "damping_ratio", "mu"]),
@@ -243,7 +243,7 @@ fn a_file_that_does_not_name_its_parameters_is_told_what_they_are_taken_for() {
     assert!(remarks(&format!("{one}parameters = {{ k = {{}} }}\n")).is_empty());
     let usual = remarks("[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x = f\"\n");
     assert!(usual.is_empty(), "they are those of all plants");
-    // What is written names all of them.
+    // The written text names all of them.
     let again = Scenario::from_toml(alone).unwrap().to_toml().unwrap();
     assert!(remarks(&again).is_empty(), "{again}");
 }

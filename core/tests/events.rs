@@ -14,7 +14,6 @@ fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     Scenario { duration: 10.0, hold, ..one_filter(kind) }
 }
 
-/// The distance from a run's last sample.
 fn far(sample: &Sample<'_>, run: &Run) -> f64 {
     let estimates = &run.estimates()[0];
     distance([sample.mean, sample.cov], estimates, estimates.len() - 1)
@@ -51,8 +50,7 @@ pub(crate) struct Told {
     pub(crate) readings: [f64; 2],
 }
 
-/// Sensors with clocks of their own, of a Kalman filter with known parameters: 100 Hz with a jitter of half a step, 7 Hz, and an input
-/// at 20 Hz. Times are multiples of a hundredth of dt. A fifth comes late by up to half a second.
+/// 100 Hz with a jitter of half a step, 7 Hz, and an input at 20 Hz. Times are multiples of dt / 100. A fifth is up to 0.5 s late.
 pub(crate) fn own_clocks(scenario: &Scenario, seed: u64) -> Vec<Told> {
     let fine = simulate(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
     let mut random = Random::new(seed);
@@ -185,7 +183,6 @@ fn hindsight_does_not_depend_on_the_order() {
     }
 }
 
-/// A force that moves slowly enough for its clock.
 const CHIRP: &str = "dt = 0.01\n[force]\nchirp = { amplitude = 5.0, from = 3.0, to = 9.0, sweep = 10.0 }";
 
 #[test]
@@ -258,7 +255,6 @@ fn settings_that_count_in_samples_are_refused_in_words() {
     assert!(EventFilter::new(&scenario(FilterKind::EKF, Hold::Zero), 3).is_err());
 }
 
-/// Random messages: times forward and back, gaps, bursts, NaN and infinities.
 #[test]
 fn random_messages_end_no_program_and_memory_stays() {
     let mut scenario = scenario(FilterKind::EKF, Hold::First);

@@ -32,7 +32,6 @@ fn import(text: &str, even: bool) -> Imported {
     Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record")
 }
 
-/// The errors of ωₙ and ζ at the end, in standard deviations.
 fn ends(run: &Run, truth: [f64; 2]) -> [f64; 2] {
     let ends = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| last(&run.estimates()[0], channel));
     [0, 1].map(|i| (ends[i].0 - truth[i]) / ends[i].1)
@@ -123,14 +122,13 @@ fn a_file_of_a_record_keeps_its_times() {
 
 fn truth(seed: u64) -> Record {
     let mut scenario = Scenario { seed, dt: 0.002, duration: 60.0, hold: Hold::First, ..Scenario::default() };
-    // Linear between samples, and slow: what changes within a step of a file cannot be in it.
+    // Linear between samples, and slow: a file cannot show a change within its step.
     scenario.force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
     scenario.plant = oscillator(6.0, 0.05);
     scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.002)];
     simulate(&scenario)
 }
 
-/// One of `every` samples of a record from a time on, with jitter of that share of a step, and a clock that is ahead.
 fn file(
     record: &Record,
     values: &[f64],
@@ -180,9 +178,8 @@ fn files_without_common_time_say_so() {
     assert!(join(&without, &sensor, 0.0).expect_err("it has no times").to_string().contains("times"));
 }
 
-/// Files that LibreOffice 7.4 has written, with their encoding and delimiter: a sheet of 121 rows, with the German locale and without
-/// the reading in row 18, converted by `soffice --headless --convert-to 'csv:Text - txt - csv (StarCalc):…,1031,…'` with the charsets
-/// UTF-8, UTF-16 and Latin-1.
+/// Files that LibreOffice 7.4 has written of 121 rows, with the German locale and without the reading in row 18:
+/// `soffice --headless --convert-to 'csv:Text - txt - csv (StarCalc):…,1031,…'` with the charsets UTF-8, UTF-16 and Latin-1.
 const FILES: [(&[u8], Encoding, Delimiter); 3] = [
     (include_bytes!("data/libreoffice/german.csv"), Encoding::Utf8, Delimiter::Semicolon),
     (include_bytes!("data/libreoffice/utf-16.csv"), Encoding::Utf16Le, Delimiter::Semicolon),
@@ -233,7 +230,6 @@ fn simulated_slowly(per_swing: f64, samples: usize, seed: u64) -> String {
     table(dt, &input, &displacement, seed)
 }
 
-/// The file of an oscillator under sixty tones below four fifths of the Nyquist frequency, by its exact response.
 fn tones(per_swing: f64, samples: usize, seed: u64) -> String {
     let mut random = Random::new(seed);
     let dt = TAU / FREQUENCY / per_swing;
@@ -270,7 +266,6 @@ fn table(dt: f64, input: &[f64], displacement: &[f64], seed: u64) -> String {
     text
 }
 
-/// The start values that an import makes from a file, and the errors of ωₙ and ζ in standard deviations.
 fn suggested(text: &str) -> (Suggestion, [f64; 2]) {
     let one_filter = |scenario: &mut Scenario| scenario.filters.truncate(1);
     let (suggestion, run) = crate::run::suggested(&read(text.as_bytes(), None).unwrap(), |_| {}, one_filter);
@@ -280,7 +275,6 @@ fn suggested(text: &str) -> (Suggestion, [f64; 2]) {
     (suggestion, errors)
 }
 
-/// Of the files of a kind: the imports that find it, and those with ωₙ and with ζ within two standard deviations.
 fn found(course: (Hold, usize), seeds: std::ops::Range<u64>, file: impl Fn(u64) -> String) -> [usize; 3] {
     let mut counts = [0; 3];
     for seed in seeds {
@@ -309,7 +303,7 @@ fn an_import_finds_the_course_of_an_input_between_samples() {
     }
 }
 
-/// A force that hardly changes from sample to sample is the same in all three: nothing is changed, and that is said.
+/// A force that hardly changes from sample to sample is the same in all three.
 #[test]
 fn a_course_that_the_readings_do_not_tell_stays_linear() {
     let (suggestion, _) = suggested(&simulated_slowly(400.0, 2000, 3));
@@ -318,7 +312,7 @@ fn a_course_that_the_readings_do_not_tell_stays_linear() {
     assert!(reasons.iter().any(|reason| reason.contains("is taken for linear between samples")), "{reasons:?}");
 }
 
-/// A course that the user states is not tried against others, nor is any for a record whose columns have no meaning.
+/// This includes a record whose columns have no meaning.
 #[test]
 fn what_is_stated_about_the_input_stays() {
     let table = read(simulated(Hold::Zero, 10.0, 1500, 1).as_bytes(), None).unwrap();

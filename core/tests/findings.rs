@@ -197,7 +197,7 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_remedy_helps() {
     let remedies = search.finish();
     assert_eq!(remedies[0].first.cause.key, "felt_disturbance", "{remedies:?}");
     assert_eq!(remedies[0].after.as_ref().unwrap().kind, Consistent);
-    // A white force tells what the accelerometer reads of it, which a larger R forgets: it is the better remedy.
+    // A white force explains the readings of the accelerometer, which a larger R forgets: it is the better remedy.
     assert_eq!(remedies[0].edits[0].toml_line(), "augment = [\"white_force\"]", "{remedies:?}");
     let likelihood = |scenario: &Scenario| {
         let run = finished(scenario);

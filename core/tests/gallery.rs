@@ -115,7 +115,6 @@ fn without_an_input_the_guesses_stay_and_that_is_said() {
     }
 }
 
-/// The linear oscillator has nothing that the spectra do not tell, typed or built in.
 #[test]
 fn a_typed_oscillator_begins_as_the_built_in_one() {
     let record = simulate(&Scenario { duration: 30.0, ..Scenario::default() });

@@ -25,8 +25,7 @@ fn smoothed(run: &Run) -> Estimates {
 }
 
 const SAMPLES: usize = 12;
-/// The joint normal distribution of the motion at all samples, conditioned on all measurements: both sensors at every sample except the
-/// first.
+/// The joint normal distribution of the motion given all measurements: both sensors at every sample except the first.
 fn batch(run: &Run, scenario: &Scenario) -> (DVector<f64>, DMatrix<f64>) {
     let (mean, cov) = joint_motion(run.record(), [6.0, 0.05]);
     let (mut innovation_cov, mut innovation) = (cov.clone(), DVector::zeros(mean.len()));

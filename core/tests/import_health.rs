@@ -36,7 +36,6 @@ const FILES: [&str; 16] = [
     "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
 ];
 
-/// Pieces of text that are put into the files, with bars between them.
 const PIECES: &str = ",|;|\t| |\n|\r\n|\"|#|nan|inf|-1e308|1e999|0|0,5|é|\0|::|\
                       2024-01-01|\u{FEFF}|,,,,,,,,|1.234,5|23:59:59.5 PM|-1.#IND|-9999|999999999999|1e19|1e-9|    -1\n    58\n";
 
@@ -92,7 +91,7 @@ fn whole_files_are_records() {
     }
 }
 
-/// Also where a second more is the same number, or the span is many steps: the work is bounded.
+/// The work is bounded where a second more is the same number, or the span is many steps.
 #[test]
 fn times_of_any_size_come_to_an_end() {
     const MOST: usize = 100_000;
@@ -143,7 +142,7 @@ fn times_of_any_size_come_to_an_end() {
     assert!(records > 60, "{records}");
 }
 
-/// Even, with jitter, equal, missing, going back, with gaps; a step that is not that of most rows is said.
+/// Even, with jitter, equal, missing, backwards, with gaps.
 #[test]
 fn times_of_any_order_have_their_step_or_a_sentence() {
     let mut random = Random::new(1);

@@ -1,5 +1,5 @@
 //! Jobs give the same bits as a run in one go, for any slices, also where a single sample of a large filter is divided: a screen must be
-//! able to go on within a fraction of a second.
+//! able to continue within a fraction of a second.
 
 use std::sync::Arc;
 
@@ -53,7 +53,6 @@ fn complete(job: &mut Job, study: &Study, pieces: usize) -> Vec<f64> {
     }
 }
 
-/// The study after a job over a scenario.
 fn turn(study: &mut Study, scenario: &Scenario, source: Option<Source>, samples: usize, pieces: usize) -> Update {
     let mut job = Job::new(study, scenario, source, samples).unwrap();
     complete(&mut job, study, pieces);

@@ -33,7 +33,6 @@ fn filter(kind: FilterKind, sensors: &[(Quantity, f64)]) -> FilterSettings {
     }
 }
 
-/// The root mean square error of ωₙ between two times [s].
 fn rms_error(run: &Run, place: usize, from: f64, to: f64) -> f64 {
     let (estimates, truth) = (&run.estimates()[place], truth(run.record(), NATURAL_FREQUENCY));
     let of = estimates.place(NATURAL_FREQUENCY).unwrap();
@@ -41,7 +40,6 @@ fn rms_error(run: &Run, place: usize, from: f64, to: f64) -> f64 {
     rms(&((100.0 * from) as usize..(100.0 * to) as usize).map(error).collect::<Vec<_>>())
 }
 
-/// The time after 20 s from which on ωₙ stays within 5 % of its new value [s].
 fn lag(run: &Run, place: usize) -> f64 {
     let (estimates, truth) = (&run.estimates()[place], truth(run.record(), NATURAL_FREQUENCY));
     let of = estimates.place(NATURAL_FREQUENCY).unwrap();

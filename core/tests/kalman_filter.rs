@@ -3,7 +3,6 @@
 use kalmanscope_core::filter::{Gaussian, Matrix, Shape, Vector};
 use kalmanscope_core::{FilterError, KalmanFilter, MeasurementModel, SystemError};
 
-/// A matrix of numbers that have nothing in common.
 fn some(rows: usize, columns: usize, seed: f64) -> Matrix {
     Matrix::from_fn(rows, columns, |i, j| libm::sin(seed + (3 * i + 5 * j * j) as f64))
 }
@@ -13,7 +12,7 @@ fn covariance(n: usize, seed: f64) -> Matrix {
     (&root * root.transpose() + Matrix::identity(n, n) * 0.1) * 0.3
 }
 
-/// A, B, H, Q, R of three components, two inputs and three sensors; the noise of the sensors is correlated if so wished.
+/// A, B, H, Q, R of three components, two inputs and three sensors.
 fn system(are_correlated: bool) -> [Matrix; 5] {
     let r = covariance(3, 2.0);
     let r = if are_correlated { r } else { Matrix::from_diagonal(&r.diagonal()) };

@@ -68,7 +68,7 @@ fn two_sigma_after_a_training_hold_the_true_noise() {
     let shares = [(FilterKind::EKF, 1000..1200), (FilterKind::UKF, 1200..1400)]
         .map(|(kind, seeds)| coverage(kind, PlantKind::SDOF, trained, seeds));
     println!("after training: {shares:?}");
-    // What was learnt stays, so that each record counts once: three standard deviations of 200 and of 800 are 4.4 % and 2.2 %.
+    // The learnt noise stays, so that each record counts once: three standard deviations of 200 and of 800 are 4.4 % and 2.2 %.
     let all: Vec<f64> = shares.into_iter().flatten().collect();
     let mean = mean(&all);
     assert!(all.iter().all(|share| *share >= 0.91) && (0.932..=0.976).contains(&mean), "{all:?}");
@@ -94,7 +94,6 @@ fn two_sigma_of_learnt_noise_hold_the_true_one() {
     }
 }
 
-/// An oscillator that is shaken at random, and a filter that takes Q to be wrong by a factor of `wrong` on √Q.
 fn scenario(seed: u64, wrong: f64) -> Scenario {
     let mut scenario = Scenario { duration: 40.0, seed, plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
     scenario.plant.disturbance_std = 2.0;
@@ -239,7 +238,6 @@ fn what_it_cannot_have_is_refused() {
     }
 }
 
-/// Q that a file leaves out has its usual size, and is scaled too; covariances are symmetric to the last bit.
 #[test]
 fn usual_noise_is_scaled_too() {
     let text =

@@ -217,7 +217,7 @@ fn a_prompt_record_waits_for_none_that_has_gone_on_and_for_all_once_one_is_late(
     let none = f64::NAN;
     let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
     let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, sensors).waiting(0.1).prompt();
-    // The velocity is told 20 ms after the displacement and the input of the same time.
+    // The velocity arrives 20 ms after the displacement and the input of the same time.
     for k in 0..50 {
         let time = f64::from(k) * 0.01;
         live.take(time, time, &[1.0, none]).expect("it is taken in");
@@ -294,7 +294,6 @@ fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
     assert!(live.record().input().iter().all(|x| x.is_finite()));
 }
 
-/// A slow sensor is not taken for a silent one, also while nobody knows how long the record will be; one that falls silent is.
 #[test]
 fn a_slow_sensor_that_is_measured_now_is_not_silent() {
     let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];

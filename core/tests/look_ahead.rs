@@ -10,7 +10,6 @@ use kalmanscope_core::{
 use crate::numbers::apart;
 use crate::run::finished;
 
-/// A record with gaps, and smoothers of every kind: Jacobians, fading, jumps, logarithms, late input, white force, masses.
 fn scenarios() -> Vec<Scenario> {
     let base = FilterSettings { smoother: true, ..Scenario::default().filters[0].clone() };
     let filters = [
@@ -33,7 +32,6 @@ fn record(scenario: &Scenario) -> Record {
     simulate(scenario).with_gaps(|sensor, k| k > 0 && (k % (11 + sensor) == 3 || (150..170).contains(&k)))
 }
 
-/// What a look-ahead means: at each sample it is the smoother of a record that ends so many samples later.
 #[test]
 fn each_sample_knows_what_comes_within_the_look_ahead() {
     for scenario in scenarios() {
@@ -140,7 +138,6 @@ fn it_ends_where_its_filter_stops() {
     assert_eq!((lagged.stop(), lagged.len()), (Some(stop), stop.sample));
 }
 
-/// A look-ahead that is less than half a step is one step, and none at all the whole record.
 #[test]
 fn a_look_ahead_is_at_least_a_step() {
     let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };

@@ -68,7 +68,6 @@ fn identify(text: &str, plant: PlantKind, knows_columns: bool) -> (Scenario, Run
     (suggestion.scenario, run)
 }
 
-/// The free run of a filter's final model over a record.
 fn free_run(scenario: &Scenario, record: &Record, run: &Run, filter: usize) -> Fit {
     let estimates = &run.estimates()[filter];
     let model = Identified::at(scenario, &scenario.filters[filter], estimates, estimates.len() - 1);

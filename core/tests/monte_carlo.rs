@@ -16,7 +16,6 @@ const SEEDS: u64 = 200;
 /// Limits NEES over its upper bound: filters that linearise are a little too sure, and those that sample err.
 const APPROXIMATE: f64 = 1.25;
 
-/// A scenario of a few seconds whose filter begins with a guess as good as it says, drawn anew for each seed.
 fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     let mut scenario =
         Scenario { seed, duration: 6.0, dt: 0.02, force: Force::WhiteNoise { std: 10.0 }, ..Scenario::default() };
@@ -71,7 +70,6 @@ fn outcome(plant: PlantKind, kind: FilterKind, seed: u64) -> Outcome {
     Outcome { nees: (total.sum, total.degrees), nis: (nis.sum, nis.degrees), over_bound }
 }
 
-/// The two-sided 99.9 % bounds of the mean of sums of squares with `degrees` degrees of freedom in all, by degree.
 fn bounds(degrees: u32) -> (f64, f64) {
     let quantile = |p| chi_squared::quantile(p, degrees).unwrap() / f64::from(degrees);
     (quantile(0.0005), quantile(0.9995))

@@ -54,10 +54,8 @@ const CASES: [Case; 12] = [
     case!("x'' + c x' + b x^3 = f", [("c", 0.3), ("b", 20.0)], 1.6, 0.7, 10.0, 1.0),
 ];
 
-/// The standard deviation of a guess, as a share of the truth.
 const SPREAD: f64 = 0.05;
 
-/// A scenario of a case at this many samples a swing, with this noise as a share of the motion; guesses are drawn.
 fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize, seed: u64) -> Scenario {
     let Case { equation, truth, swing, size, force, begin } = case;
     let (dt, noise) = (swing / samples, noise * size);
@@ -211,7 +209,6 @@ fn divided(kind: &str, substeps: usize) -> Scenario {
     Scenario::from_toml(&text).unwrap()
 }
 
-/// The same record with four steps in place of one, its input linear and its measurements missing in between.
 fn finer(record: &Record) -> Record {
     let n = (record.len() - 1) * STEPS + 1;
     let input = record.input();

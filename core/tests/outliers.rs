@@ -9,22 +9,19 @@ use crate::run::{finished, finished_on, oscillator};
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    /// The squares of the errors of ωₙ and ζ in the last third of the record.
     squares: [f64; 2],
-    /// The sum of the NEES at the end, one a seed.
     nees: f64,
     seeds: u32,
-    /// Readings that were left out rightly, left out wrongly, taken in wrongly.
+    /// Readings that were left out rightly, left out wrongly, kept wrongly.
     flags: [u32; 3],
 }
 
-/// An oscillator that stays, watched in displacement and velocity; outliers of 10 to 30 σ in every tenth displacement.
 fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scenario {
     let filter = FilterSettings { kind, robust, ..FilterSettings::default() };
     let plant = oscillator(6.0, 0.05);
     let mut scenario = Scenario { seed, duration: 60.0, plant, filters: vec![filter], ..Scenario::default() };
     scenario.plant.disturbance_std = 0.3;
-    // What the filter knows of the noise is true but for the outliers.
+    // The filter's noise is true but for the outliers.
     let (sensor_std, process_std) = scenario.true_noise();
     (scenario.filters[0].sensor_std, scenario.filters[0].process_std) = (sensor_std, process_std);
     if !is_clean {

@@ -104,7 +104,7 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
     refused(&|scenario| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own");
 }
 
-/// Seeds that nothing was chosen by.
+/// No choice depends on these seeds.
 #[test]
 fn frequency_and_damping_of_a_printer_are_inside_their_bands() {
     use printer::Kind::{One, Stops, Sweep, Two};

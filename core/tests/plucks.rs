@@ -15,10 +15,8 @@ use crate::run::{finished_on, forced, identified, values};
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;
-/// ωₙ and ζ.
 const OF: [f64; 2] = [6.0, 0.02];
 
-/// Readings of displacement with an offset, of a motion that is pulled at some samples and lost before them.
 fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
     let mut random = Random::new(seed);
     let mut state = Vector2::new(1.0, 0.0);

@@ -16,7 +16,6 @@ fn parsed(text: &str) -> Scenario {
     Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
 }
 
-/// Asserts that the texts of a section are refused with their messages.
 fn assert_refused(section: &str, other: impl Fn(&str, &str) -> bool) {
     let table = include_str!("refused.txt").split("## ").find(|part| part.starts_with(section)).unwrap();
     for line in table.lines().skip(1) {

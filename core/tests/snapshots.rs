@@ -64,7 +64,6 @@ fn the_stiffness_loss_is_the_default() {
     assert_eq!(built_in("stiffness-loss"), Scenario::default());
 }
 
-/// Final errors of a parameter in standard deviations, one per filter.
 fn final_errors(run: &Run, place: usize) -> Vec<f64> {
     let error = |s: &Summary| s.finals[place].score.unwrap().error.abs() / s.finals[place].std;
     summaries(run).iter().map(error).collect()

@@ -113,8 +113,7 @@ fn a_decay_that_ends_in_noise_has_good_start_values() {
     assert!(is_right, "{text}");
 }
 
-/// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
-/// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.
+/// Within half a per cent of ωₙ or three standard deviations, and within a fifth of ζ; `most` limits the error of ζ in standard deviations.
 fn assert_right(end: &End, most: f64, name: &str) {
     let End { errors, sigmas, verdict, is_white, text, .. } = end;
     assert!(*is_white, "{name}: {text}");

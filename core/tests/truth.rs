@@ -227,7 +227,6 @@ fn response(kind: PlantKind, dt: f64, hold: Hold) -> Run {
     finished(&scenario)
 }
 
-/// The largest difference of any motion from the reference, relative to the largest value of that motion.
 fn from_lsim(run: &Run, kind: PlantKind, reference: &[Vec<f64>]) -> f64 {
     let mut worst = 0.0_f64;
     for (place, &channel) in kind.channels()[..kind.motion()].iter().enumerate() {

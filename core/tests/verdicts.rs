@@ -67,7 +67,6 @@ fn no_excitation(scenario: &mut Scenario) {
     process_times(scenario, &[Channel::DISPLACEMENT, Channel::VELOCITY], 0.01);
 }
 
-/// A name, the change to the well-tuned scenario, and the correct verdicts.
 type Situation = (&'static str, fn(&mut Scenario), &'static [VerdictKind]);
 
 const SITUATIONS: &[Situation] = &[
@@ -330,7 +329,6 @@ fn noise_that_is_common_to_two_sensors_is_named() {
     }
 }
 
-/// The input's gain times the sensor's is all that a displacement knows of either.
 #[test]
 fn two_gains_of_which_only_the_product_is_known_are_named() {
     for seed in SEEDS {

@@ -21,13 +21,11 @@ const CONSTANT: usize = 2 + 2 * SAMPLES;
 const SENSORS: [(Quantity, f64); 3] =
     [(Quantity::DISPLACEMENT, 0.002), (Quantity::VELOCITY, 0.05), (Quantity::ACCELERATION, 0.3)];
 
-/// The motion of an oscillator after a time under a constant force: of x and ẋ, and of the force.
 fn motion(time: f64) -> [[f64; 3]; 2] {
     let [[xx, vx], [xv, vv]]: [[f64; 2]; 2] = transition([WN, ZETA], time).into();
     [[xx, xv, (1.0 - xx) / (WN * WN)], [vx, vv, -vx / (WN * WN)]]
 }
 
-/// Readings that no filter has seen before; what they are does not matter.
 fn reading(sensor: usize, k: usize) -> f64 {
     let phase = 1.3 * k as f64 + 2.0 * sensor as f64;
     [0.05, 0.3, 3.0][sensor] * (phase.sin() + 0.5 * (2.7 * phase).cos())
@@ -102,7 +100,6 @@ impl Course {
         self.stds.iter().zip(a.iter().zip(b)).map(|(std, (a, b))| std * std * a * b).sum()
     }
 
-    /// Mean and standard deviation of a number given the readings up to a sample, and the logarithm of their density.
     fn given(&self, wanted: &[f64], sensors: &[usize], last: usize) -> (f64, f64, f64) {
         let all: Vec<(usize, usize)> = (1..=last).flat_map(|k| sensors.iter().map(move |&s| (s, k))).collect();
         let rows: Vec<Vec<f64>> = all.iter().map(|&(s, k)| self.row(s, k)).collect();
@@ -141,7 +138,6 @@ fn run(scenario: &Scenario, sensors: &[usize]) -> Run {
     run
 }
 
-/// The largest difference from the true posterior, in its standard deviations, of x, ẋ and w.
 fn worst(estimates: &Estimates, course: &Course, sensors: &[usize], samples: &[usize], last: Option<usize>) -> f64 {
     let mut worst = 0.0_f64;
     for &k in samples {

@@ -11,7 +11,6 @@ const TYPE: [f32; 2] = [13.0, 15.0];
 const NAME: [f32; 2] = [66.0, 40.0];
 /// Limits the distance of a point from the corner of the area. Readers of SVG round larger ones.
 const FARTHEST: f64 = 20_000.0;
-/// The least distance of two marks.
 const MARKS: [f32; 2] = [76.0, 28.0];
 
 /// An area with a horizontal and a vertical axis.

@@ -207,7 +207,7 @@ impl Svg {
     }
 }
 
-/// The id of an area. A page may hold several figures, so that equal ids must be equal areas.
+/// A page may hold several figures, so that equal ids must be equal areas.
 fn clip_id(area: [f32; 4]) -> String {
     format!("clip{}", area.map(|number| format!("_{}", self::number(number))).concat())
 }
@@ -222,7 +222,6 @@ fn at([x, y]: Point) -> String {
     format!("{} {}", number(x), number(y))
 }
 
-/// A number to two decimals, without zeros at its end.
 fn number(value: f32) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.

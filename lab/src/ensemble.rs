@@ -360,8 +360,7 @@ fn stride(channels: &[Channel]) -> usize {
     2 + 2 * channels.len()
 }
 
-/// The cells of a grid, the last axis fastest, in an order that covers the grid evenly at every moment: first every
-/// cell at places that are multiples of the widest stride, then those of half the stride, down to 1.
+/// The order covers the grid evenly at every moment: places that are multiples of the widest stride, of half the stride, down to 1.
 pub(crate) fn coarse_to_fine(counts: &[usize]) -> Vec<usize> {
     let all: usize = counts.iter().product();
     let mut order = Vec::with_capacity(all);
@@ -375,7 +374,6 @@ pub(crate) fn coarse_to_fine(counts: &[usize]) -> Vec<usize> {
     order
 }
 
-/// The widest stride of a grid: about eight cells along its longest axis, a power of two.
 pub(crate) fn widest(counts: &[usize]) -> usize {
     let longest = counts.iter().copied().max().unwrap_or(1).max(1);
     let stride = longest.div_ceil(8).next_power_of_two();

@@ -38,17 +38,14 @@ pub enum Judged {
 #[derive(Clone, Debug)]
 struct Filter {
     channels: Vec<Channel>,
-    /// For each time the sums of NEES and NIS and the number of runs in them.
+    /// For each time the sums of NEES and NIS, and the number of runs in them.
     squares: Vec<[(f64, u32); 2]>,
     errors: Vec<Vec<Vec<f32>>>,
-    /// For each time and channel the sum of the variances and the number of runs in it.
+    /// For each time and channel the sum, and the number of runs in it.
     variances: Vec<Vec<(f64, u32)>>,
-    /// For each channel the last estimates, and their errors where the truth is known.
     finals: Vec<Vec<f64>>,
     last: Vec<Vec<LastError>>,
-    /// The runs with each verdict, in the order of [`VerdictKind::ALL`].
     verdicts: [usize; VerdictKind::ALL.len()],
-    /// The runs of a bad verdict with each first cause, in the order of [`CAUSES`], and those without any.
     causes: [usize; CAUSES.len()],
     unexplained: usize,
     diverged: usize,

@@ -59,7 +59,6 @@ pub enum NoPosterior {
 pub struct Posterior {
     target: Target,
     population: Population,
-    /// The points whose likelihood is wanted, and the likelihoods that are known.
     wanted: Vec<Vec<f64>>,
     known: Vec<f64>,
     runs: u64,
@@ -165,10 +164,8 @@ impl Sampled {
     }
 }
 
-/// A random walk of parameters counts if it goes over this part of the posterior's standard deviation.
 const PART: f64 = 0.3;
 
-/// The parameters that a filter estimates: neither known nor certain.
 fn parameters(filter: &FilterSettings, truth: PlantKind) -> Vec<Channel> {
     let of_plant = filter.plant.unwrap_or(truth).parameters();
     let is_estimated = |channel: &Channel| !filter.knows(*channel) && filter.initial_std[*channel] > 0.0;
@@ -192,10 +189,8 @@ const LEAST_DISTANCE: f64 = 5.0;
 const LEAST_SHARE: f64 = 0.03;
 
 impl Solutions {
-    /// The two groups of some values, split where that leaves the least variance; `None` where they are one group.
-    ///
-    /// Source: Otsu (1979), A threshold selection method from gray-level histograms; Ashman, Bird and Zepf (1994), Detecting bimodality
-    /// in astronomical datasets, for the distance.
+    /// `None` where the values are one group. Source: Otsu (1979), A threshold selection method from gray-level histograms; Ashman, Bird
+    /// and Zepf (1994), Detecting bimodality in astronomical datasets, for the distance.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         sort_numbers(&mut values);
         let count = values.len();
@@ -228,7 +223,7 @@ struct Target {
     scenario: Scenario,
     record: Arc<Record>,
     channels: Vec<Channel>,
-    /// The initial belief of each parameter: mean, and standard deviation.
+    /// Mean and standard deviation of each parameter.
     belief: Vec<[f64; 2]>,
     bounds: Vec<[f64; 2]>,
     of_logarithms: bool,
@@ -318,7 +313,6 @@ impl Target {
     }
 }
 
-/// The filter that takes these parameters for known and constant, and forgets nothing.
 fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) -> FilterSettings {
     let is_linear = filter.plant.unwrap_or(scenario.plant.kind).info().is_linear;
     let kind = match filter.kind {

@@ -193,7 +193,6 @@ pub(crate) fn numbers(
     measures.iter().map(number).collect()
 }
 
-/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
 pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let possible: Vec<_> =
         runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
@@ -228,13 +227,12 @@ enum Stage {
         simulator: Box<Simulator>,
         record: Record,
     },
-    /// The filters run, the plan's `nth` one now.
+    /// The plan's `nth` filter runs now.
     Filter {
         run: CellRun,
         nth: usize,
         pass: Option<Box<ScoredPass>>,
     },
-    /// The first cause of the verdict on the plan's `nth` filter is searched.
     Cause {
         run: CellRun,
         nth: usize,
@@ -294,7 +292,6 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
         };
     }
 
-    /// The number of samples until the next check of the clock, if each takes `each` nanoseconds.
     fn samples_for(&self, each: f64) -> usize {
         ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
     }

@@ -15,7 +15,6 @@ use kalmanscope_core::Task;
 
 use crate::{Runner, Slice};
 
-/// Limits the time between two looks at a task.
 const PORTION: Duration = Duration::from_millis(25);
 
 /// The urgency of a task. A team does tasks of the first kind before the others.
@@ -72,7 +71,7 @@ pub struct Parts<T> {
     state: Arc<State>,
 }
 
-/// Work that a thread has not brought to its end: a panic, or the end of the team. Its user hears of it.
+/// A panic, or the end of the team, leaves work unfinished; its user gets a report.
 struct Unfinished<T> {
     sender: Sender<T>,
     state: Arc<State>,

@@ -16,12 +16,10 @@ pub use information::Remark;
 
 use information::Information;
 
-/// The number of values of a setting that are tried first, along its axis.
 const SCAN: usize = 9;
 
 const ITERATIONS: u64 = 300;
 
-/// The size of the first simplex, as a share of each axis.
 const SIMPLEX: f64 = 0.08;
 
 /// The search ends when the scores of the simplex differ by less than this, relative to their size or absolutely.
@@ -41,7 +39,6 @@ pub struct Tuner {
 }
 
 enum Stage {
-    /// The axis, and the place on it, to try next.
     Scanning(usize, usize),
     Searching(Search),
     Looking(Box<Information>),
@@ -157,7 +154,6 @@ impl Tuner {
         Stage::Searching(Search { simplex, iterations: 0 })
     }
 
-    /// Moves the worst point through the centroid of the others, or to it, or else all others to the best one.
     fn search(&mut self, Search { mut simplex, iterations }: Search) -> Stage {
         let n = simplex.len() - 1;
         let centroid = |i: usize| 1.0 / n as f64 * simplex[..n].iter().map(|(_, point)| point[i]).sum::<f64>();
@@ -198,7 +194,7 @@ impl Tuner {
         Stage::Searching(Search { simplex, iterations: iterations + 1 })
     }
 
-    /// Only the likelihood has a curvature that means anything.
+    /// Only the likelihood has a curvature with a meaning.
     fn begin_information(&self) -> Stage {
         match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
             Some(best) => Stage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
@@ -232,7 +228,6 @@ impl Task for Tuner {
         }
     }
 
-    /// Each try or two are a piece of work.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
             self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
@@ -278,7 +273,6 @@ struct Cost {
 }
 
 impl Cost {
-    /// The shares of the axes at these values. Values beyond an axis count as its nearest end.
     fn shares(&self, values: &[f64]) -> Vec<f64> {
         let share = |(axis, &value): (&Axis, &f64)| {
             let share = axis.share_of(value);
@@ -364,7 +358,6 @@ impl Goal {
         }
     }
 
-    /// The largest change of the score that is not significant.
     const fn indifferent(self) -> f64 {
         match self {
             // A 95 % interval of one parameter: half the quantile 3.84 of χ² with one degree of freedom.

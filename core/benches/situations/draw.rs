@@ -39,7 +39,6 @@ impl Draw {
         self.0.sample()
     }
 
-    /// Lets a filter begin with beliefs of mean and standard deviation, from which the means of parameters are off at random.
     pub(super) fn guess(&mut self, filter: &mut FilterSettings, beliefs: &[(Channel, f64, f64)]) {
         for &(channel, mean, std) in beliefs {
             filter.initial_std[channel] = std;

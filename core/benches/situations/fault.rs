@@ -25,9 +25,7 @@ faults! {
     SensorNoiseTooLarge: ["sensor_noise"],
     SensorNoiseTooSmall: ["sensor_noise"],
     SensorNoiseContrary: ["sensor_noise"],
-    /// Q a hundredth.
     ProcessNoiseTooSmall: ["process_noise"],
-    /// Q hundredfold.
     ProcessNoiseTooLarge: ["process_noise"],
     ProcessNoiseTenth: ["process_noise"],
     ProcessNoiseTenfold: ["process_noise"],
@@ -44,25 +42,18 @@ faults! {
     SensorBias: ["sensor_bias"],
     FeltDisturbance: ["felt_disturbance"],
     NoExcitation: ["no_excitation"],
-    /// A particle filter with too few particles.
     CollapsedSample: ["collapsed_sample"],
-    /// A particle filter with many particles, which are enough or not.
     LargeSample: [],
     /// A slow force that nobody records; one in three is a wave.
     UnknownForce: ["unknown_force", "periodic_force"],
-    /// ωₙ swings.
     Swing: ["slow_drift"],
-    /// A wave near ωₙ that nobody records.
     UnknownWave: ["unknown_force", "periodic_force"],
     DryFriction: ["dry_friction"],
-    /// Quadratic damping.
     Drag: ["drag"],
-    /// Few distinct values.
     Quantised: ["coarse"],
     Clipped: ["clipped"],
     /// One reading in a hundred is far off.
     Outliers: ["outliers"],
-    /// The noise of sensors resembles that before.
     Coloured: ["coloured_noise"],
     NoisierLater: ["changing_noise"],
     NoiseSwings: ["changing_noise"],
@@ -70,7 +61,6 @@ faults! {
     Hum: [],
     NoisyInput: ["process_noise", "white_force"],
     Scale: ["sensor_scale"],
-    /// The input is not recorded in the last quarter.
     DeadInput: ["still_input"],
 }
 

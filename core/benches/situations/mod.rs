@@ -22,7 +22,6 @@ use draw::Draw;
 /// The first seed that no limit was set on.
 pub(crate) const FIRST: u64 = 1_000_000;
 
-/// The first seed and the number of seeds that a bench is asked for.
 pub(crate) fn seeds(number: u64) -> std::ops::Range<u64> {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
     let first = numbers.first().copied().unwrap_or(FIRST);
@@ -61,7 +60,7 @@ impl Situation {
         Self::of(&[fault], seed, true, &SETS[..5])
     }
 
-    /// The situation of some faults. Where they do not act, oscillator, force and noise are the same: a perfect remedy's goal.
+    /// Where the faults do not act, oscillator, force and noise are the same: the goal of a perfect remedy.
     pub(crate) fn of(faults: &[Fault], seed: u64, they_act: bool, sets: &[&[(Quantity, i32)]]) -> Self {
         let any = |of: &[Fault]| faults.iter().any(|fault| of.contains(fault));
         let mut draw = Draw::new(seed, 0x5eed);
@@ -139,7 +138,6 @@ impl Situation {
         Self { faults, truth, told, note }
     }
 
-    /// A filter that knows all that can be known, and begins with a guess as good as it says.
     fn well_tuned(
         truth: &Scenario,
         kind: FilterKind,
@@ -220,7 +218,6 @@ impl Situation {
     }
 }
 
-/// The largest error of a parameter over the last fifth of a record, in standard deviations: root mean square.
 pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
     let late = estimates.len() * 4 / 5..estimates.len();
     let of = |(place, &channel): (usize, &Channel)| {
@@ -243,7 +240,6 @@ pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
     other.expect("the columns are as long")
 }
 
-/// The outcomes of jobs, in their order.
 pub(crate) fn on_two_threads<T: Sync, R: Send>(jobs: &[T], outcome: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let work = || {

@@ -1,4 +1,4 @@
-//! The faults that are the truth's, what a filter does not know of the plant, its input and its sensors, and those of its record.
+//! The faults of the truth (a plant, an input or sensors that the filter does not know), and those of its record.
 
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::scenario::Fault as Family;
@@ -7,8 +7,7 @@ use kalmanscope_core::{Channel, Force, Hold, PlantKind, Record, Scenario, Sensor
 
 use super::{Draw, Fault, SETS, with_input};
 
-/// Gives the truth a fault of a random size, and says in words which. `size` is the root mean square of the displacement \[m\],
-/// `power` the density of the force \[m²/s³\].
+/// `size` is the root mean square of the displacement \[m\], `power` the density of the force \[m²/s³\].
 pub(super) fn disturb(
     fault: Fault,
     truth: &mut Scenario,
@@ -165,7 +164,6 @@ fn damp(truth: &mut Scenario, damping: &str, parameters: &[(&str, f64)]) {
     }
 }
 
-/// The record with a fault that is of the record alone; the same one where the fault is another's.
 pub(super) fn recorded(fault: Fault, record: Record, truth: &Scenario, draw: &mut Draw) -> Record {
     let n = record.len();
     let place = draw.choice(&(0..truth.sensors.len()).collect::<Vec<_>>());

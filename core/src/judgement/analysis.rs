@@ -15,7 +15,6 @@ const DIAGNOSTICS_CHUNK: usize = 10_000;
 
 const EVIDENCE_CHUNK: usize = 10_000;
 
-/// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
 const BOUND_CHUNK: usize = 2_000;
 
 /// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
@@ -79,7 +78,7 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The diagnosis of the filter at a place, or `None` before the first one. While a run goes on, the diagnosis may
+    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, the diagnosis may
     /// be of an earlier sample: it is computed again when the number of new samples reaches half the number of kept
     /// ones, and at the end. While diagnoses are put off, it is that of an earlier run with as many samples.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
@@ -133,13 +132,11 @@ impl Analysis {
         self.wanted = wanted;
     }
 
-    /// An empty analysis with the same wishes, which reuses the spare memory of this one.
     pub(crate) fn successor(&mut self) -> Self {
         let spare = std::mem::take(&mut self.spare);
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
     }
 
-    /// Takes over the old diagnosis of a filter until there is a new one, if both are of the same number of samples.
     fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
         let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
         let is_as_long = self.diagnostics.get(place).is_some_and(|diagnostics| diagnostics.len() == samples);
@@ -317,7 +314,6 @@ impl Analysis {
     }
 }
 
-/// Does pieces of work until one is the last, or `while_time` is false between two. Returns whether all is done.
 fn in_time(work: &mut dyn FnMut() -> bool, while_time: &mut dyn FnMut() -> bool) -> bool {
     while !work() {
         if !while_time() {
@@ -349,7 +345,7 @@ pub struct Wanted {
 pub enum Hindsight {
     /// None.
     None,
-    /// Those with a fixed look-ahead, as the run goes on.
+    /// Those with a fixed look-ahead, as the run continues.
     Lagged,
     /// Also those of the whole run, once it is complete.
     All,
@@ -396,7 +392,6 @@ pub struct Bound {
     pub filters: Vec<u32>,
 }
 
-/// Reuses those of `old` that still apply, and adds new ones for the places that need one.
 fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
     for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {

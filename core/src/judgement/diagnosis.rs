@@ -94,9 +94,7 @@ impl Diagnosis {
         Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
     }
 
-    /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
-    /// first; for a good verdict other models that may be likelier. Sentences compare with the filter `origin`. The other
-    /// arguments are those of [`Self::new`].
+    /// The likeliest by the evidence, without a trial, come first; for a good verdict other models that may be likelier.
     fn likely_causes(
         &self,
         origin: &FilterSettings,
@@ -216,7 +214,6 @@ impl Kept {
         Self { innovations, errors, spectra: LiveSpectra::default() }
     }
 
-    /// `spectra` are the sensors' periodograms over ranges of samples by their numbers.
     fn case<'a>(
         &self,
         inputs: Inputs<'a>,
@@ -246,7 +243,6 @@ fn existing(samples: Range<usize>, estimates: &Estimates, record: &Record) -> Ra
     samples.start.min(end)..end
 }
 
-/// The numbers of some kept samples, counted from the run's beginning.
 fn numbers(kept: &Range<usize>, record: &Record) -> Range<usize> {
     kept.start + record.forgotten()..kept.end + record.forgotten()
 }

@@ -1,8 +1,8 @@
-//! A run in a few plain sentences: what happens, what each filter makes of it, and which one to believe.
+//! A run in a few plain sentences: the events, the outcome of each filter, and the one to believe.
 //!
 //! ```text
 //! Scenario ──happening──▶ "At 8 s the spring loses 36 % of its stiffness."
-//! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF, which forgets nothing, is still 1.4 % off, and does not know it (overconfident)."
+//! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF is still 1.4 % off, and does not know it (overconfident)."
 //! Verdicts ──belief──▶ "Believe fading EKF."
 //! ```
 //!
@@ -27,7 +27,7 @@ const TOLD: usize = 3;
 pub struct Story {
     /// Its sentences, each of some phrases in a row. Spaces and stops are part of the words.
     pub sentences: Vec<Vec<Phrase>>,
-    /// Settings that no sentence names and that are worth a try: memory and guess of the filters that it tells of.
+    /// Settings that no sentence names and that are worth a try: memory and guess of the filters in the story.
     pub aside: Vec<Adjustable>,
 }
 

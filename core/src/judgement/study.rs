@@ -51,7 +51,7 @@ impl Study {
         &self.analysis
     }
 
-    /// Takes in a live record that has more samples now, as [`Run::lengthen`] does, for [`Self::advance_to`] to go on.
+    /// Takes in a live record that has more samples now, as [`Run::lengthen`] does, for [`Self::advance_to`] to continue.
     pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
         self.run.lengthen(record)
     }
@@ -284,7 +284,7 @@ impl Job {
     }
 
     /// Leaves the changed filters that would take longer than `seconds` on an ordinary processor to the caller, and
-    /// returns their places. The job goes on with the others. Empty if the job does not keep the whole record.
+    /// returns their places. The job continues with the others. Empty if the job does not keep the whole record.
     pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples && *stage == *goal;

@@ -1,6 +1,5 @@
 //! Numbers in sentences.
 
-/// A number to two digits or so.
 pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         0.001..0.0995 => format!("{value:.3}"),
@@ -22,7 +21,6 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// A setting: up to four digits, without zeros at the end.
 pub(crate) fn plain(value: f64) -> String {
     let text = match value.abs() {
         0.0 => "0".to_owned(),
@@ -65,7 +63,6 @@ pub(crate) fn with_band(mean: f64, band: f64, unit: &str) -> String {
     format!("{text} {unit}").trim_end().to_owned()
 }
 
-/// The decimals that show a band with one digit, or with two where the first is a 1.
 fn decimals(band: f64) -> usize {
     let exponent = libm::floor(libm::log10(band));
     let is_one = band / libm::pow(10.0, exponent) < 1.95;

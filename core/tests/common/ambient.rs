@@ -1,4 +1,4 @@
-//! Records without an input, of a simulator of its own, and the ends of filters on them.
+//! Records without an input, from a separate simulator, and the ends of filters on them.
 
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, Quantity, Record, VerdictKind};
@@ -37,7 +37,6 @@ pub(crate) struct Ambient {
     pub(crate) seed: u64,
 }
 
-/// Substeps in half a sample.
 const HALF: usize = 10;
 /// The intensity of the force is that of 1 m/s² held for a sample.
 const FORCE: f64 = 1.0;
@@ -191,7 +190,6 @@ pub(crate) fn end_on(record: &Record, truth: [f64; 2], place: usize) -> End {
     End { errors, sigmas, guess, verdict, is_white, text, reasons }
 }
 
-/// Twenty minutes at 20 Hz, or ten at 50 Hz.
 pub(crate) fn building(rate: f64, sensors: &[Quantity], accelerometer: Accelerometer, seed: u64) -> Ambient {
     Ambient {
         natural_frequency: std::f64::consts::TAU * 1.2,

@@ -9,7 +9,6 @@ use kalmanscope_core::{
     Quantity, Record, Run, Scenario, Sensor, Signal, Trouble, Values,
 };
 
-/// The violated invariant, in words.
 pub(crate) type Remedy = Result<(), String>;
 
 fn require(holds: bool, what: impl FnOnce() -> String) -> Remedy {
@@ -28,8 +27,7 @@ pub(crate) fn check_file(text: &str) -> Remedy {
     require(again == scenario, || format!("reads back as another scenario:\n{written}"))
 }
 
-/// Runs a valid scenario to its end and checks every sample; with `gap`, over its own record, in which that many of 256
-/// measurements are missing. Returns the number of steps of all filters.
+/// With `gap`, over its own record, in which that many of 256 measurements are missing. Returns the number of steps of all filters.
 pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, String> {
     let run = || Run::new(scenario).map_err(|e| e.to_string());
     let mut run = if gap == 0 {
@@ -83,7 +81,6 @@ fn check_record(record: &Record, k: usize) -> Remedy {
     require(measured, || format!("the measurements at {k}"))
 }
 
-/// Checks one sample; marks in `wound_up` the channels far out of bounds.
 fn check_sample(
     estimates: &Estimates,
     settings: &FilterSettings,
@@ -220,7 +217,6 @@ impl Dice<'_> {
         of[usize::from(self.byte()) % of.len()]
     }
 
-    /// A number between the two; the first for zero bytes.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(u16::from_be_bytes([self.byte(), self.byte()])) / f64::from(u16::MAX)
     }

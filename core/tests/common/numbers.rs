@@ -3,7 +3,6 @@
 use kalmanscope_core::{Estimates, FilterKind, Record};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-/// The filters without random members, and those of them that estimate parameters.
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 pub(crate) const ADAPTIVE: [FilterKind; 5] =
@@ -13,7 +12,6 @@ pub(crate) fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|x| x.to_bits()).collect()
 }
 
-/// All means and covariances.
 pub(crate) fn beliefs(estimates: &Estimates) -> Vec<u64> {
     (0..estimates.len()).flat_map(|k| [estimates.mean(k), estimates.cov(k)]).flat_map(bits).collect()
 }
@@ -30,8 +28,7 @@ pub(crate) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// The largest difference of the means and standard deviations of a belief from those of a sample, over the standard deviations of
-/// the sample; where these are zero, any difference is infinite.
+/// Over the standard deviations of the sample; where these are zero, any difference is infinite.
 pub(crate) fn distance([mean, cov]: [&[f64]; 2], other: &Estimates, at: usize) -> f64 {
     let n = mean.len();
     let of = |i: usize| {
@@ -42,12 +39,10 @@ pub(crate) fn distance([mean, cov]: [&[f64]; 2], other: &Estimates, at: usize) -
     (0..n).map(of).fold(0.0, f64::max)
 }
 
-/// The distance of two samples.
 pub(crate) fn apart((one, k): (&Estimates, usize), (other, at): (&Estimates, usize)) -> f64 {
     distance([one.mean(k), one.cov(k)], other, at)
 }
 
-/// A step of Runge and Kutta's fourth order from a time on.
 pub(crate) fn runge_kutta(
     y: Vector2<f64>,
     t: f64,
@@ -69,8 +64,7 @@ pub(crate) fn transition([wn, zeta]: [f64; 2], t: f64) -> Matrix2<f64> {
     Matrix2::new(cos + ratio * sin, sin / wd, -wn * wn / wd * sin, cos - ratio * sin) * (-zeta * wn * t).exp()
 }
 
-/// Mean and covariance of x and ẋ at all samples of a record, by the belief of a filter that is `run::knowing`, before any reading: they
-/// are jointly normal.
+/// By the belief of a filter that is `run::knowing`, before any reading: they are jointly normal.
 pub(crate) fn joint_motion(record: &Record, of: [f64; 2]) -> (DVector<f64>, DMatrix<f64>) {
     let (n, transition) = (2 * record.len(), transition(of, record.dt()));
     let input = Vector2::new((1.0 - transition[(0, 0)]) / (of[0] * of[0]), transition[(0, 1)]);
@@ -90,7 +84,6 @@ pub(crate) fn joint_motion(record: &Record, of: [f64; 2]) -> (DVector<f64>, DMat
     (mean, cov)
 }
 
-/// The logarithm of the density of jointly normal numbers with this covariance at these errors.
 pub(crate) fn log_normal(cov: DMatrix<f64>, errors: &DVector<f64>) -> f64 {
     let factor = cov.cholesky().expect("it is definite");
     let ln_determinant = 2.0 * factor.l().diagonal().map(f64::ln).sum();

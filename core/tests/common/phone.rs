@@ -36,7 +36,6 @@ pub(crate) const USUAL: Phone = Phone {
 };
 
 impl Phone {
-    /// Time and three accelerations with gravity: still for two seconds, pulled aside, let go.
     pub(crate) fn readings(&self) -> Vec<[f64; 4]> {
         let mut random = Random::new(self.seed);
         let direction = {

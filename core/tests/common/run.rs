@@ -33,12 +33,10 @@ pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) ->
     finished_on(scenario, imported.expect("it is a record").record)
 }
 
-/// A record under a force.
 pub(crate) fn forced(dt: f64, hold: Hold, values: Vec<f64>, columns: Vec<(Quantity, Vec<f64>)>) -> Record {
     Record::new(dt, Input { kind: InputKind::Force, hold, values }, columns).expect("the columns are a record")
 }
 
-/// A record whose truth does not stop.
 pub(crate) fn simulated(scenario: &Scenario) -> Record {
     let record = simulate(scenario);
     assert_eq!(record.len(), scenario.samples());
@@ -56,13 +54,11 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     scenario
 }
 
-/// An oscillator that does not change.
 pub(crate) fn oscillator(natural_frequency: impl Into<Signal>, damping_ratio: impl Into<Signal>) -> Plant {
     let plant = Plant::default().with(Channel::NATURAL_FREQUENCY, natural_frequency);
     plant.with(Channel::DAMPING_RATIO, damping_ratio)
 }
 
-/// A filter that takes ωₙ and ζ for known.
 pub(crate) fn knowing(kind: FilterKind, [wn, zeta]: [f64; 2]) -> FilterSettings {
     FilterSettings {
         kind,
@@ -80,7 +76,6 @@ pub(crate) fn values(of: [f64; 4]) -> Values {
     Values::ZERO.with(channels.into_iter().zip(of))
 }
 
-/// The scenarios of a folder of `assets`: their names, in order, and their texts.
 pub(crate) fn assets(folder: &str) -> Vec<(String, String)> {
     let folder = format!("{}/../assets/{folder}", env!("CARGO_MANIFEST_DIR"));
     let files = std::fs::read_dir(folder).expect("there is a folder").map(|file| file.expect("it can be read").path());
@@ -109,7 +104,6 @@ pub(crate) fn readings(record: &Record, k: usize) -> Vec<f64> {
     (0..record.sensors().len()).map(|sensor| record.measured(sensor)[k]).collect()
 }
 
-/// A filter of events after all samples of a record.
 pub(crate) fn after_events(scenario: &Scenario, record: &Record) -> EventFilter {
     let mut events = EventFilter::new(scenario, 0).expect("it follows events");
     for k in 0..record.len() {
@@ -118,7 +112,6 @@ pub(crate) fn after_events(scenario: &Scenario, record: &Record) -> EventFilter 
     events
 }
 
-/// The Cramér-Rao bound of a filter.
 pub(crate) fn bound(scenario: &Scenario, filter: usize, record: &Record) -> CramerRao {
     let mut bound = CramerRao::new(scenario, filter, scenario.dt).expect("there is a bound");
     bound.follow(record);
@@ -130,7 +123,6 @@ pub(crate) fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
     Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge")
 }
 
-/// The verdict on a filter of a run.
 pub(crate) fn verdict(run: &Run, filter: usize) -> VerdictKind {
     diagnosis(&run.estimates()[filter], run.record()).verdict.expect("there are enough readings").kind
 }
@@ -142,14 +134,12 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
     search.expect("it can be run").run()
 }
 
-/// The record that an importer makes of a table, and what it takes the columns for.
 pub(crate) fn imported(table: &Table, hold: Hold) -> (Imported, Mapping) {
     let (mapping, kind) = Mapping::guess(table);
     let imported = Builder::new(table, &mapping, kind, hold).and_then(Builder::finish);
     (imported.expect("it is a record"), mapping)
 }
 
-/// The settings that an importer suggests for a table, once its mapping and the scenario are changed, and their run.
 pub(crate) fn suggested(
     table: &Table,
     change_mapping: impl Fn(&mut Mapping),
@@ -169,7 +159,6 @@ pub(crate) fn suggested(
     (suggestion, run)
 }
 
-/// The last ωₙ and ζ of the first filter that an importer sets up for a table, each with its σ, and the run.
 pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
     let (Imported { record, .. }, mapping) = imported(table, Hold::First);
     let mut scenario = scenario_for(&record);
@@ -198,7 +187,6 @@ pub(crate) fn cases(seed: u64, cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
 }
 
-/// Calls a function with each sample, and with the belief before the update if so wished.
 pub(crate) struct Each<F> {
     pub(crate) wants_prior: bool,
     pub(crate) call: F,

@@ -16,7 +16,6 @@ pub(crate) struct Oscillator {
     pub(crate) damping_ratio: f64,
 }
 
-/// The force on it; each has its power where a laboratory would put it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Excitation {
     White,
@@ -100,7 +99,6 @@ impl Excitation {
     }
 }
 
-/// A record of one sensor with noise of a hundredth of its signal.
 pub(crate) fn record(
     truth: Oscillator,
     excitation: Excitation,
@@ -154,10 +152,8 @@ pub(crate) fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String
     (error(guess, truth.natural_frequency) < 0.1, ends && ekf.stop().is_none(), text)
 }
 
-/// The records of a part of a grid: those with a right guess, those with a right end, and all.
 pub(crate) type Counts = [usize; 3];
 
-/// The counts of a grid: of everything, and by excitation, sensor and damping.
 pub(crate) fn grid(
     seeds: std::ops::Range<u64>,
     oscillators: &[(f64, f64)],
@@ -198,7 +194,6 @@ fn gain(filter: &FilterSettings) -> f64 {
 
 type Losses = Box<dyn Fn(usize) -> bool>;
 
-/// The largest relative change of a start value by four kinds of losses, and in words.
 pub(crate) fn worst_of_losses(
     sensor: Quantity,
     excitation: Excitation,
@@ -304,7 +299,6 @@ struct Short {
     rate: f64,
     /// The force over the number that is recorded for it.
     gain: f64,
-    /// Whether the force has most of its power below the natural frequency.
     is_coloured: bool,
     per_period: f64,
     damping_ratio: f64,

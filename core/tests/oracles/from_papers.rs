@@ -11,7 +11,6 @@ use super::textbook::{Sample, filter};
 use crate::numbers::{DETERMINISTIC, beliefs};
 use crate::run::{finished, finished_on, oscillator, values};
 
-/// Parameters off the initial means, sensors for displacement and acceleration, and one filter of a kind.
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
@@ -50,7 +49,6 @@ pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
     worst
 }
 
-/// `x` relative to a scale, which may be zero.
 fn part(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { (x / scale).abs() }
 }

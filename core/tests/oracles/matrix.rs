@@ -16,7 +16,6 @@ impl Matrix {
         Self::from_fn(entries.len(), entries.len(), |i, j| if i == j { entries[i] } else { 0.0 })
     }
 
-    /// `a bᵀ`
     pub(crate) fn outer(a: &[f64], b: &[f64]) -> Self {
         Self::from_fn(a.len(), b.len(), |i, j| a[i] * b[j])
     }
@@ -63,7 +62,6 @@ impl Matrix {
         Self::from_fn(self.columns(), self.rows(), |i, j| self.at(j, i))
     }
 
-    /// Inverse and determinant by Gauss-Jordan elimination with row exchanges.
     pub(crate) fn inverse(&self) -> (Self, f64) {
         let n = self.rows();
         let mut left = self.clone();

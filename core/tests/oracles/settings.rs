@@ -19,7 +19,6 @@ fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
     scenario
 }
 
-/// Each parameter ends within 4 standard deviations of the truth, and these are small.
 #[track_caller]
 fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
     for estimates in run.estimates() {
@@ -35,7 +34,6 @@ fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
     }
 }
 
-/// Particles do not collapse onto one value, and every storey's stiffness is found from the first floor.
 #[test]
 fn parameters_are_identified() {
     let particles = [FilterKind::PF];

@@ -35,7 +35,6 @@ struct Measured {
     force: f64,
 }
 
-/// The innovation, its covariance S, and that of state and measurement.
 struct Expected {
     innovation: Vec<f64>,
     innovation_cov: Matrix,
@@ -86,7 +85,7 @@ impl<'a> Textbook<'a> {
 }
 
 impl Textbook<'_> {
-    /// Goes on to sample `k` of a record. Returns NIS and log likelihood.
+    /// Returns NIS and log likelihood.
     pub(crate) fn step(&mut self, record: &Record, k: usize) -> (f64, f64) {
         self.predict(record.force(k - 1));
         let sensors = self.scenario.sensors.iter().map(|s| s.measures).enumerate();
@@ -211,7 +210,6 @@ impl Textbook<'_> {
         }
     }
 
-    /// Returns NIS and log likelihood.
     fn update(&mut self, measured: &Measured) -> (f64, f64) {
         if measured.values.is_empty() {
             return (f64::NAN, f64::NAN);
@@ -243,8 +241,7 @@ impl Textbook<'_> {
         (nis, -0.5 * (nis + (determinant * tau.powi(innovation.len() as i32)).ln()))
     }
 
-    /// R and Q from residual and innovation; the residual is the innovation after the update. Source: Akhlaghi, Zhou and Huang
-    /// (2017), equations 10 and 15.
+    /// The residual is the innovation after the update. Source: Akhlaghi, Zhou and Huang (2017), equations 10 and 15.
     fn adapt(&mut self, measured: &Measured, innovation: &[f64], gain: &Matrix) {
         let adaptation = self.settings.adaptation;
         let keep = adaptation.forgetting;

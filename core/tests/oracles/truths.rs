@@ -174,7 +174,6 @@ impl Oscillator {
     }
 }
 
-/// The largest deviation of the record's truth from Taylor's, relative to the largest value of each channel.
 fn deviation(record: &Record) -> f64 {
     let or = |otherwise: f64| {
         move |channel: Channel| record.truth(channel).map_or_else(|| vec![otherwise; record.len()], <[f64]>::to_vec)

@@ -1,5 +1,5 @@
-//! The time of whole maps, by all processors and by a graphics processor, and of Monte Carlo, in one run. The name of a program in the place
-//! of a graphics processor shows it.
+//! The time of whole maps, by all processors and by a graphics processor, and of Monte Carlo, in one run. A software adapter shows by its
+//! name.
 //!
 //! ```text
 //! cargo bench -p kalmanscope-gpu
@@ -22,7 +22,6 @@ const SIDE: usize = 128;
 const LARGE: usize = 512;
 const SAMPLES: usize = 2000;
 
-/// Monte Carlo: seeds, and samples of each record.
 const SEEDS: usize = 10_000;
 const LONG: usize = 6000;
 

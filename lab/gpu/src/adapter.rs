@@ -55,7 +55,6 @@ impl Gpu {
     }
 }
 
-/// The adapters of the system, graphics processors with their own memory first.
 #[cfg(not(target_arch = "wasm32"))]
 async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
     let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
@@ -166,7 +165,6 @@ pub enum GpuError {
     Unwanted,
 }
 
-/// The first failure that the device has reported, outside of any call.
 #[derive(Clone, Default)]
 pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
 

@@ -42,7 +42,7 @@ pub fn program(run: &GpuRun<'_>) -> Option<String> {
     Program::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
-/// The filter of a run and the number of its channels with a known truth, if single precision can hold its numbers.
+/// `None` if single precision cannot hold the numbers.
 fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     let GpuRun { scenario, place, record } = *run;
     let setup = Setup::of_any(scenario, place, record).ok()??;
@@ -70,7 +70,6 @@ struct Member<'a> {
     tape: usize,
 }
 
-/// The runs of one kind, as many as go at once; no run if they have no program.
 struct Batch<'a> {
     kind: Kind,
     program: Option<Program>,
@@ -213,7 +212,6 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     batches
 }
 
-/// Runs are prepared, and outcomes counted up, by as many threads as there are processors.
 fn in_parts<T: Sync, R: Send>(items: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
     const LEAST: usize = 256;
     kalmanscope_lab::in_parts(items, kalmanscope_lab::processors(), LEAST, work)

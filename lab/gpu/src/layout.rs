@@ -47,7 +47,6 @@ fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64])
     words.extend(truth.is_empty().then_some(0));
 }
 
-/// Appends a run, whose samples begin with `first`.
 pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
     let Setup { mean, variance, process, sensors, fading, white, .. } = setup;
     let root = |&number: &f64| bits(number.sqrt());
@@ -125,7 +124,6 @@ pub(crate) fn bits(number: f64) -> u32 {
 /// Limits numbers: the squares of greater ones are not single precision any more.
 pub(crate) const LARGEST: f64 = 1e15;
 
-/// The samples of a record as filters read them, and the numbers that sums over the whole record need.
 pub(crate) struct Tape {
     pub(crate) words: Vec<u32>,
     /// The number of measurements, and of samples with one, up to each sample.

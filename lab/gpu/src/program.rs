@@ -11,10 +11,9 @@ use crate::adapter::{Gpu, GpuError};
 use crate::layout::{State, bits};
 use crate::shader::{GROUP, Program};
 
-/// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
+/// Drivers reset a device that is busy with one dispatch for seconds, and pictures of the system wait.
 const DISPATCH: Duration = Duration::from_millis(50);
 
-/// The samples of the first dispatch, and the factor by which the next one may have more.
 const FIRST: u32 = 64;
 const GROWTH: f64 = 8.0;
 
@@ -42,7 +41,6 @@ struct Buffers {
 }
 
 impl Gpu {
-    /// It calls `is_wanted` before each dispatch.
     pub(crate) async fn run(&self, job: &Job<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<State>, GpuError> {
         let pipeline = self.pipeline(&job.program.text);
         self.trouble.check()?;

@@ -7,7 +7,7 @@ use kalmanscope_core::{Channel, Propagation};
 use crate::layout::Shape;
 use crate::text::{Text, literal, unrolled};
 
-/// The number of threads in a group, as in `main.wgsl`.
+/// As in `main.wgsl`.
 pub(crate) const GROUP: u32 = 64;
 
 /// Limits the components of a state: registers keep them by unrolled loops, and programs become too long with more.
@@ -118,15 +118,13 @@ fn constants(design: &Design, channels: &[Channel], shape: Shape) -> Option<Stri
     Some(text)
 }
 
-/// A bit for each channel of known truth that changes its sign with the natural frequency.
 fn mirrored(channels: &[Channel], known: usize) -> usize {
     let has_frequency = channels.contains(&Channel::NATURAL_FREQUENCY);
     let bits = channels.iter().take(known).enumerate().filter(|(_, channel)| has_frequency && channel.is_mirrored());
     bits.map(|(place, _)| 1 << place).sum()
 }
 
-/// The functions of some numbers, and of their derivatives by the state: a row for each number. A row of the readings' derivatives
-/// has few entries, and is multiplied by the rest of the mean, and by L, entry by entry.
+/// A row of the readings' derivatives has few entries, and is multiplied by the rest of the mean, and by L, entry by entry.
 fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[Node]) -> Option<String> {
     let size = notes.size;
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
@@ -166,7 +164,6 @@ fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[N
     Some(all)
 }
 
-/// A function of sums of products with the derivatives `by`, each with its place.
 fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
     let array = format!("array<f32, {count}>");
     let mut text =

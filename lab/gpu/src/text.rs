@@ -26,8 +26,7 @@ impl Text<'_> {
         Some(text)
     }
 
-    /// The function `NAME(y, d, f)` of the changes of some numbers where the state changes from y to y + d. It takes no difference of
-    /// numbers that are almost the same:
+    /// The changes from y to y + d, without a difference of numbers that are almost the same:
     ///
     /// ```text
     /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
@@ -247,7 +246,6 @@ impl Unroller {
         Some((variable.to_owned(), self.value(first)?..self.value(end)? + more))
     }
 
-    /// The value of sums of products of numbers and constants, less others, or of the place of an entry of a triangle.
     fn value(&self, text: &str) -> Option<usize> {
         if let Some(places) = text.strip_prefix("at(").and_then(|text| text.strip_suffix(')')) {
             let (row, column) = places.split_once(", ")?;
@@ -265,7 +263,6 @@ impl Unroller {
         parts.try_fold(first, |rest, less: Option<usize>| rest.checked_sub(less?))
     }
 
-    /// A line with the values of the loops' variables in place of their names, and those of indices.
     fn substituted(&self, line: &str) -> String {
         if self.variables.is_empty() {
             return line.to_owned();
@@ -304,7 +301,6 @@ fn body(lines: &[&str]) -> usize {
     lines.len()
 }
 
-/// A line as names and single characters; the name after a point belongs to it.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
     let mut rest = line;

@@ -22,18 +22,14 @@ pub(crate) const CLOSE: f64 = 0.02;
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) runs: usize,
-    /// The runs of the same class: stopped, lost and what else a test asks.
     pub(crate) same: usize,
-    /// Those of them that are to be close, and those that are.
     pub(crate) kept: usize,
     pub(crate) close: usize,
-    /// Those that the processor's filter has lost, or in which it has stopped.
     pub(crate) lost: usize,
     pub(crate) worst: (f64, String),
 }
 
 impl Tally {
-    /// Takes in a run whose class is this one; `is_kept` chooses the classes whose scores are compared.
     pub(crate) fn take<C: PartialEq>(
         &mut self,
         [outcome, exact]: [&Outcome; 2],
@@ -59,7 +55,6 @@ impl Tally {
         self.close as f64 / self.kept as f64
     }
 
-    /// Takes in the numbers of a run that is to be close: each with its name, the exact one, and their size.
     pub(crate) fn keep(&mut self, numbers: impl IntoIterator<Item = (String, f64, f64, f64)>) {
         let mut largest = 0.0_f64;
         for (name, number, exact, size) in numbers {

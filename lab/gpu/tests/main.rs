@@ -44,7 +44,6 @@ fn other_loops_stay() {
     }
 }
 
-/// That of the crate's README.
 #[test]
 fn the_table_says_what_is_served() {
     let rows = include_str!("../README.md").lines().filter_map(|line| {

@@ -105,7 +105,6 @@ fn guesses(base: &Scenario) -> Vec<Scenario> {
     (0..RUNS).map(guess).collect()
 }
 
-/// Prints a line for a filter with some settings changed, over a record without its truth, as a measured one is.
 fn measure(
     kind: FilterKind,
     plant: PlantKind,

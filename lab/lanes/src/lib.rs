@@ -92,7 +92,6 @@ pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> R
     results.into_iter().zip(runs).map(single).collect()
 }
 
-/// The runs that can go side by side, each with its place; those over one record come together.
 fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usize, Run<'a>)>> {
     let mut groups: Vec<Vec<(usize, Run<'a>)>> = Vec::new();
     for (place, (setup, LaneRun { record, .. })) in setups.iter().zip(runs).enumerate() {
@@ -145,7 +144,6 @@ impl Level {
         self == Self::Baseline
     }
 
-    /// The outcomes of a batch with these instructions, or with the best ones below them that the processor has.
     fn outcomes(self, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
         #[cfg(target_arch = "x86_64")]
         if self > Self::Baseline

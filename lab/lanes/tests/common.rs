@@ -54,7 +54,6 @@ pub(crate) fn truth(plant: PlantKind, quantities: &[Quantity], augment: &[Channe
     scenario
 }
 
-/// Filters over one truth; some are too fast for the step, certain of a component, or sure of sensors that contradict.
 pub(crate) fn ensemble(seed: u64) -> Scenario {
     let mut draw = Draw(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     draw.below(2);
@@ -149,7 +148,6 @@ fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], dr
     filter
 }
 
-/// The runs of all filters of a scenario.
 pub(crate) fn runs_of<'a>(scenario: &'a Scenario, record: &'a Record) -> Vec<LaneRun<'a>> {
     (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect()
 }

@@ -150,7 +150,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
     }
 }
 
-/// Holds lanes over all of a scenario's filters to the single filter's scores. Returns the samples that their NEES count.
+/// Returns the samples that their NEES count.
 fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) -> Vec<u32> {
     let last = record.len() - 1;
     let samples = [0, 1, 9, 500, last];
@@ -353,7 +353,6 @@ fn filters_of_equations_go_side_by_side() {
     }
 }
 
-/// By default filters of plants that are not linear divide their steps: a map's cell has the bits of the run on screen.
 #[test]
 fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
     let mut all: Vec<(String, Scenario)> =
@@ -376,7 +375,6 @@ fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
     }
 }
 
-/// Readings up to half a step early or late, some missing or twice, and an input with a slower clock or the samples' times.
 fn with_own_times(record: Record, draw: &mut Draw) -> Record {
     let reading = |column: usize, draw: &mut Draw| {
         let mut timed = Timed::default();

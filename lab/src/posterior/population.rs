@@ -2,7 +2,6 @@
 
 use kalmanscope_core::filter::Normal;
 
-/// The temperature rises until the weights of this share of the points are left.
 const LEFT: f64 = 0.5;
 
 /// The mean number of moves of a point at each temperature, and at the last one; and the most tries of each.
@@ -12,7 +11,6 @@ const TRIES: [u32; 2] = [8, 30];
 /// The share of moves by the whole difference of two others, which lead from one mode to another.
 const LEAPS: f64 = 0.3;
 
-/// A move is disturbed by this share of the points' standard deviations.
 const NOISE: f64 = 1e-2;
 
 /// A point, in standard deviations of the initial belief.
@@ -28,14 +26,12 @@ pub(super) struct Population {
     /// The exponent of the likelihood, from 0 to 1, now and first.
     temperature: f64,
     first: f64,
-    /// The logarithm of the mean weight of all changes of the temperature.
     log_evidence: f64,
     stage: Stage,
 }
 
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The draws of the initial belief wait for their likelihoods.
     Drawn,
     /// The half of the points that tries to move, the sweeps that have ended, and the moves so far.
     Moving {
@@ -110,7 +106,6 @@ impl Population {
         }
     }
 
-    /// Raises the temperature and draws the points again by their weights; ends at a temperature of one.
     fn heat(&mut self) {
         if self.temperature == 1.0 {
             self.stage = Stage::Done;
@@ -150,8 +145,7 @@ impl Population {
         self.stage = Stage::Moving { half: 0, sweeps: 0, moves: 0 };
     }
 
-    /// Systematic resampling: equal steps through the sum of the weights. Source: Kitagawa (1996), Monte Carlo filter and
-    /// smoother for non-Gaussian nonlinear state space models.
+    /// Source: Kitagawa (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models.
     fn draw_again(&mut self, weights: &[f64]) {
         let step = weights.iter().sum::<f64>() / weights.len() as f64;
         let (mut goal, mut sum, mut place) = (step * self.random.uniform(), weights[0], 0);
@@ -167,7 +161,6 @@ impl Population {
         self.points = points;
     }
 
-    /// A place to try for each point of a half, by the difference of two points of the other half.
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
         let Self { random, points, .. } = self;
         let others: Vec<&Point> = points.iter().skip(1 - half).step_by(2).collect();
@@ -192,7 +185,7 @@ impl Population {
         points.iter().skip(half).step_by(2).map(&mut propose).collect()
     }
 
-    /// Moves the points of a half, by the rule of Metropolis. Returns how many have moved.
+    /// Returns how many points have moved.
     fn accept(&mut self, half: usize, proposals: Vec<Vec<f64>>, log_likelihoods: &[f64]) -> usize {
         let Self { random, points, temperature, .. } = self;
         let square = |at: &[f64]| at.iter().map(|x| x * x).sum::<f64>();

@@ -17,7 +17,6 @@ fn sampled(scenario: &Scenario) -> Sampled {
     Posterior::new(scenario, 0, &simulate(scenario)).unwrap().run().unwrap()
 }
 
-/// Means, standard deviations and ln p(z) over a fine grid of both parameters about the posterior.
 fn on_grid(scenario: &Scenario, about: &Sampled) -> ([[f64; 2]; 2], f64) {
     const STEPS: i32 = 40;
     let target = Target::new(scenario, 0, &simulate(scenario)).unwrap();
@@ -73,8 +72,6 @@ fn points_have_the_moments_and_the_evidence_of_a_fine_grid() {
     }
 }
 
-/// A truth that is drawn from the filter's initial belief stands anywhere among the points of the posterior, with equal probability.
-///
 /// Source: Talts, Betancourt, Simpson, Vehtari and Gelman (2018), Validating Bayesian inference algorithms with simulation-based
 /// calibration.
 #[test]
@@ -148,7 +145,6 @@ process_std = { displacement = 0.0, velocity = 0.0, natural_frequency = 0.0, dam
 sensor_std = [0.02]
 "#;
 
-/// A filter with bounds is near the posterior. The prior is the initial belief, cut at the ends.
 #[test]
 fn bounds_are_those_of_the_posterior() {
     let mut scenario = Scenario { duration: 10.0, ..scenario(PlantKind::SDOF, FilterKind::UKF, 11) };

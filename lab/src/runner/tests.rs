@@ -65,7 +65,6 @@ fn rows_do_not_depend_on_their_order() {
     }
 }
 
-/// Numbers of the single filter, cell by cell, are those of [`Runner::rows`]: bit by bit, but for the NEES.
 #[test]
 fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the_single_filter() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };

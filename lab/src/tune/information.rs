@@ -7,8 +7,6 @@ use kalmanscope_core::{Spacing, VerdictKind};
 
 use super::{Cost, FORBIDDEN, Goal, Try};
 
-/// The curvature of the log likelihood at its maximum, from differences, one run or two at a time.
-///
 /// Settings on a logarithmic axis count by their logarithms. The inverse of the matrix of second derivatives, the observed
 /// information, is the covariance of the error of a maximum-likelihood estimate over a long record.
 ///
@@ -29,10 +27,9 @@ pub(super) struct Information {
 /// The first step: a share of the value, or of a linear axis.
 const FIRST: f64 = 0.05;
 
-/// A step is right where the log likelihood falls by something between these, in the mean of both sides.
+/// The log likelihood falls by an amount between these after a good step, in the mean of both sides.
 const FALL: std::ops::RangeInclusive<f64> = 0.1..=1.0;
 
-/// The fall that a step is changed to.
 const WANTED: f64 = 0.4;
 
 const TRIES: usize = 8;
@@ -63,7 +60,6 @@ impl Information {
         false
     }
 
-    /// The costs on both sides of the next axis, or another step for it.
     fn look_beside(&mut self, cost: &Cost) {
         let axis = self.beside.len();
         let sides = [-1.0, 1.0].map(|sign| self.cost_at(cost, &[(axis, sign)]));
@@ -115,7 +111,6 @@ impl Information {
     }
 }
 
-/// A value moved on its axis: by a difference, or by a difference of logarithms.
 fn moved(spacing: Spacing, value: f64, by: f64) -> f64 {
     match spacing {
         Spacing::Logarithmic => value * libm::exp(by),
@@ -127,7 +122,6 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
 }
 
-/// A setting at this share of its axis from an end is at that end.
 const EDGE: f64 = 0.01;
 
 /// A setting is flat if the score allows multiplying it by this factor.

@@ -144,10 +144,9 @@ pub fn suggestion(value: &JsValue) -> Option<Suggestion> {
     document::read_json(&value.as_string()?).ok()
 }
 
-/// The keys of the truth's columns begin with this.
 const TRUE: &str = "true_";
 
-/// The keys of readings with their own times begin with this; that of the input is nothing more.
+/// The keys of readings with their own times begin with this; that of the input is this alone.
 const TIMED: &str = "@";
 
 /// A given record as `[dt, input, [key, column], …, [key, times, values], …]`; null for a simulation.
@@ -181,7 +180,6 @@ fn push(message: &Array, key: &str, values: &[f64]) {
     message.push(&Array::of2(&key.into(), &Float64Array::from(values)));
 }
 
-/// The record of a message, if it is one; its input is of the scenario's kind.
 fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     let numbers = |value: JsValue| Some(value.dyn_into::<Float64Array>().ok()?.to_vec());
     let dt = record.get(0).as_f64()?;

@@ -68,7 +68,6 @@ pub(crate) trait Portioned {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue;
 }
 
-/// A task that sends the share that is done, then its outcome.
 pub(crate) struct Whole<T: Task> {
     task: Option<T>,
     message: fn(&T::Outcome, &Array) -> JsValue,

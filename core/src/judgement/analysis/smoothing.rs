@@ -81,7 +81,6 @@ impl Smoothing {
         self.is_complete = false;
     }
 
-    /// Adds the estimates of another run's filters that have these ids and are not changed, in the order of the ids.
     pub(super) fn take_over(&mut self, mut old: Self, filters: &[FilterSettings], changed: &[u32], waste: &mut Waste) {
         let place = |of: &Estimates| filters.iter().position(|filter| filter.id == of.id());
         old.keep(waste, |of| place(of).is_some() && !changed.contains(&of.id()));

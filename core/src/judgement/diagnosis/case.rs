@@ -11,10 +11,8 @@ use crate::{CramerRao, Diagnostics, Estimates, Record};
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
 
-/// The least innovations² of a good part, relative to their expectation.
 const SLACK: f64 = 0.7;
 
-/// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
 /// The normal score at the upper end of the 95 % interval of innovations², and, with a minus, at its lower end.
@@ -99,7 +97,6 @@ impl<'a> Case<'a> {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// With its sign.
     pub(crate) fn largest_first_correlation(&self) -> f64 {
         let all = self.sensors.iter().map(|one| one.first_correlation(&self.kept).1);
         all.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
@@ -161,7 +158,6 @@ impl<'a> Case<'a> {
         (total(|total| total.sum) / degrees, degrees)
     }
 
-    /// The verdict that the innovations of some sensor or part support which are too large, while all together may be too small.
     pub(crate) fn surprise(&self) -> VerdictKind {
         let (level, degrees) = self.nis(&self.kept);
         let is_below = chi_squared_score(level, degrees) < -ABOVE;
@@ -303,14 +299,12 @@ impl VerdictKind {
     }
 }
 
-/// The probability that a standard normal number is above `z`. Source: Abramowitz and Stegun (1964), *Handbook of Mathematical
-/// Functions*, section 7.1.
+/// Source: Abramowitz and Stegun (1964), *Handbook of Mathematical Functions*, section 7.1.
 pub(crate) fn normal_tail(z: f64) -> f64 {
     0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// The standard normal number that is as unlikely as a sum of squares with this many degrees of freedom and the mean `level`;
-/// to a few percent. Source: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
+/// To a few percent. Source: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
 pub(crate) fn chi_squared_score(level: f64, degrees: f64) -> f64 {
     let variance = 2.0 / (9.0 * degrees);
     (libm::cbrt(level) - 1.0 + variance) / variance.sqrt()
@@ -324,7 +318,6 @@ pub(crate) fn chi_squared_p(level: f64, degrees: f64) -> f64 {
     (2.0 * normal_tail(chi_squared_score(level, degrees).abs())).min(1.0)
 }
 
-/// The probability that a normal number is as far from zero as `z`.
 pub(crate) fn normal_p(z: f64) -> f64 {
     if z.is_nan() { 1.0 } else { 2.0 * normal_tail(z.abs()) }
 }

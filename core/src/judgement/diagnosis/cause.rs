@@ -128,7 +128,6 @@ pub(crate) struct BadFilter<'a> {
     pub(crate) evidence: &'a [Evidence],
     pub(crate) scenario: &'a Scenario,
     pub(crate) filter: &'a FilterSettings,
-    /// The filter before the edits of other causes were made: sentences compare with it.
     pub(crate) origin: &'a FilterSettings,
 }
 
@@ -153,7 +152,6 @@ impl BadFilter<'_> {
         chosen.fold(0.0, |most: f64, (_, r)| most.max(r.abs()))
     }
 
-    /// The natural frequency that the filter begins with \[rad/s\], if it has one.
     pub(crate) fn frequency(&self) -> Option<f64> {
         let place = self.case.estimates.place(Channel::NATURAL_FREQUENCY)?;
         Some(self.case.estimates.initial_mean(place).abs())
@@ -188,7 +186,6 @@ impl BadFilter<'_> {
         lines.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The frequency with the most power in the measurements of displacement or velocity \[rad/s\].
     pub(crate) fn measured_peak(&self) -> Option<f64> {
         let record = self.case.record;
         let is_motion = |sensor: &Quantity| [Quantity::DISPLACEMENT, Quantity::VELOCITY].contains(sensor);
@@ -208,7 +205,7 @@ impl BadFilter<'_> {
 
 impl LikelyCause {
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, edits: Vec<Edit>, sentence: String) -> Self {
-        // Numbers are tried as they are told and written.
+        // Numbers are tried as sentences and files show them.
         let edits = edits.into_iter().map(|edit| edit.rounded()).collect();
         Self {
             cause,

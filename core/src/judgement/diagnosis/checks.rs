@@ -118,13 +118,11 @@ impl std::fmt::Display for Subject {
 /// Limits the probability that any test rejects a consistent filter.
 const LEVEL: f64 = 1e-4;
 
-/// Decides whether each piece of evidence counts: its effect matters, and its p-value is below the level for all tests
-/// together.
+/// Evidence counts where its effect matters, and its p-value is below the level for all tests together:
 ///
 /// ```text
 /// p₍ᵢ₎ ≤ α / (m - i + 1)  for the i-th smallest of m p-values and all before it
 /// ```
-///
 /// Source: Holm (1979), A simple sequentially rejective multiple test procedure, *Scandinavian Journal of Statistics* 6.
 pub(crate) fn decide(evidence: &mut [Evidence]) {
     let order = sorted_places(evidence.len(), &|a, b| evidence[a].p_value.total_cmp(&evidence[b].p_value));

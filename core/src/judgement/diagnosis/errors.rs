@@ -14,9 +14,7 @@ pub(crate) struct ChannelErrors {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
-    /// Sum of (e/σ)².
     pub(crate) square: f64,
-    /// Sum of the products of e/σ with that of the sample before.
     pub(crate) product: f64,
     pub(crate) inside: f64,
     first: f64,
@@ -126,13 +124,11 @@ impl ChannelErrors {
         parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
     }
 
-    /// The number of errors in some parts that count as independent, from their correlation ρ from one sample to the
-    /// next.
+    /// The number of errors that count as independent, by their correlation ρ from one sample to the next:
     ///
     /// ```text
     /// n (1 - ρ²) / (1 + ρ²)
     /// ```
-    ///
     /// Source: Bartlett (1946), On the theoretical specification and sampling properties of autocorrelated time-series.
     pub(crate) fn independent(&self, chosen: &Chosen) -> f64 {
         let square = parts::sum(chosen, |part| self.by_part[part].square);

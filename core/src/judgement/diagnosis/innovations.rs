@@ -22,11 +22,8 @@ pub(crate) struct SensorInnovations {
 pub(crate) struct Sums {
     pub(crate) count: f64,
     pub(crate) square: f64,
-    /// Sum of ν, limited.
     pub(crate) sum: f64,
-    /// Sums of the products of ν with ν l samples before, both limited.
     pub(crate) products: [f64; LAGS],
-    /// Sums of ν times the input at each lag, both limited.
     pub(crate) cross: [f64; CROSS_LAGS],
     pub(crate) input_square: f64,
 }
@@ -62,7 +59,7 @@ impl SensorInnovations {
         (1..).zip(self.autocorrelation(chosen)).find(|(_, r)| *r != 0.0).unwrap_or((1, 0.0))
     }
 
-    /// The correlation of ν with the input at each lag over some parts; zeros without an input.
+    /// Zeros without an input.
     pub(crate) fn cross_correlation(&self, chosen: &Chosen) -> [f64; CROSS_LAGS] {
         let square = parts::sum(chosen, |part| self.by_part[part].products[0]);
         let input = parts::sum(chosen, |part| self.by_part[part].input_square);
@@ -74,19 +71,16 @@ impl SensorInnovations {
     }
 }
 
-/// The innovations of two sensors against each other.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
     pub(crate) places: [usize; 2],
     pub(crate) count: f64,
-    /// `r_l = Σ ν_k μ_(k - l) / √(Σ ν² Σ μ²)` at the lags 0 to 20 of the second sensor's μ before the first one's ν, and the other way
-    /// round.
+    /// `r_l = Σ ν_k μ_(k - l) / √(Σ ν² Σ μ²)` at the lags 0 to 20 of the second sensor's μ, and the other way round.
     pub(crate) correlation: [[f64; LAGS]; 2],
 }
 
 impl Pair {
-    /// All pairs of sensors but accelerometers, over some ranges of their series: a force that R stands for in an accelerometer moves the
-    /// other sensors a step later, which a white force in place of Q is tried for.
+    /// Without accelerometers: a force that R includes moves other sensors a step later, for which a white force is tried.
     pub(super) fn of_all(sensors: &[SensorInnovations], series: &[Vec<f64>], ranges: &[Range<usize>]) -> Vec<Self> {
         let of_force = [Quantity::ACCELERATION.aspect(), Quantity::TOTAL_ACCELERATION.aspect()];
         let moving = places(series.len(), &|place| !of_force.contains(&sensors[place].sensor.aspect()));
@@ -113,7 +107,6 @@ impl Pair {
 
 #[derive(Debug)]
 pub(super) struct LiveInnovations {
-    /// The samples from the beginning of the last window to the last known one.
     known: Range<usize>,
     sensors: Vec<LiveSensor>,
 }
@@ -134,7 +127,6 @@ impl LiveInnovations {
         Self { known: start..start, sensors: mapped(estimates.sensors(), &one) }
     }
 
-    /// Whether the next window can begin with this sample: it needs no forgotten sample, and skips none.
     pub(super) fn reaches(&self, start: usize) -> bool {
         (self.known.start..=self.known.end).contains(&start)
     }
@@ -186,7 +178,7 @@ impl LiveInnovations {
 }
 
 impl Sums {
-    /// Adds at most a granule of samples, whose products reach no sample outside the window of the input.
+    /// At most a granule of samples, whose products reach no sample outside the window of the input.
     fn add_samples(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
         let begin = samples.start.saturating_sub(BEFORE).max(input.first);
         let known = values.items(begin..samples.end);
@@ -222,7 +214,6 @@ fn limited(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
 }
 
-/// The samples before a granule that its products with the input reach back to.
 const INPUT_BEFORE: usize = CROSS_LAGS - 1 - AFTER;
 
 #[derive(Clone, Copy)]
@@ -258,7 +249,6 @@ impl<'a> Input<'a> {
         sum_of(&self.values[samples.start - self.first..samples.end - self.first], |f| self.of(f) * self.of(f))
     }
 
-    /// Whether the input that the products of a whole granule reach is limited anywhere.
     fn is_limited(&self, samples: &Range<usize>) -> bool {
         let near = &self.values[samples.start - INPUT_BEFORE - self.first..samples.end + AFTER - self.first];
         near.iter().map(|f| u32::from((f - self.mean).abs() > self.limit)).sum::<u32>() > 0

@@ -16,13 +16,10 @@ pub(super) struct Law {
     pub(super) is_own: bool,
 }
 
-/// The least share of a force's mean square that a law must explain.
 const SHARE: f64 = 0.5;
 
-/// The least share that a law must explain beyond a force that is linear in the motion.
 const BEYOND: f64 = 0.1;
 
-/// The share of the samples, at each end, that is left out.
 const MARGIN: f64 = 0.05;
 
 /// The frequencies that are tried within one cycle a record.
@@ -66,8 +63,7 @@ impl ForceInHindsight {
     }
 }
 
-/// The law of a force \[m/s²\], given displacement \[m\] and velocity \[m/s\]: a wave, or a function of the motion
-/// without its linear part. The filter's parameters take up the linear part.
+/// Of a force \[m/s²\], given displacement \[m\] and velocity \[m/s\]. The filter's parameters explain a linear part.
 ///
 /// ```text
 /// u = a x + b v + c l(x, v),  l = sign v, v |v| or x³:  the one with the largest share of the mean square
@@ -144,7 +140,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The part of some values that is orthogonal to each of some others, which are mutually orthogonal.
 fn without(values: &[f64], others: &[&[f64]]) -> Vec<f64> {
     let mut rest = values.to_vec();
     for other in others {

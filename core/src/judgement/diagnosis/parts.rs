@@ -32,10 +32,8 @@ pub(crate) const FIRST_CROSS_LAG: i32 = -4;
 /// Granule i begins with sample 16 i. Smaller ones are more sums to add, larger ones leave more samples outside.
 pub(super) const GRANULE: usize = 16;
 
-/// The samples before a granule that its products reach back to.
 pub(super) const BEFORE: usize = LAGS - 1;
 
-/// The samples after a granule that its products reach forward to.
 pub(super) const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,7 +62,7 @@ pub(super) fn samples_of(number: usize) -> Range<usize> {
     number * GRANULE..(number + 1) * GRANULE
 }
 
-/// Items that are numbered from the run's beginning. Only the last ones are kept.
+/// Only the last items are kept; numbers count from the run's beginning.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
     first: usize,

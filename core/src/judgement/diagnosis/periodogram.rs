@@ -14,13 +14,11 @@ const SHORTEST: usize = 32;
 
 const WINDOWS: usize = 4;
 
-/// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
+/// The mean power over windows that do not overlap; white noise of variance 1 has the power 1 everywhere:
 ///
 /// ```text
 /// I_j = mean of |Σ w_k ν_k exp(-2πi jk/L)|² / Σ w_k²,  w_k = sin²(π (k + ½) / L),  j = 2 … L/2 - 2
 /// ```
-///
-/// White noise of variance 1 has the power 1 everywhere, and 2n times it over n windows is χ² with 2n degrees of freedom.
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Periodogram {
@@ -48,7 +46,6 @@ impl Periodogram {
         Self::averaged(&windows, series.len(), powers.iter())
     }
 
-    /// The means of the powers of some windows ([`WelchWindows::powers`]); empty if they are too few.
     fn averaged<'a>(windows: &WelchWindows, series: usize, powers: impl Iterator<Item = &'a Powers>) -> Vec<Self> {
         let length = windows.length;
         let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series];
@@ -126,7 +123,6 @@ impl WelchWindows {
     }
 }
 
-/// Windows that begin at multiples of their length from the run's beginning, of all sensors, each computed once.
 #[derive(Debug, Default)]
 pub(super) struct LiveSpectra {
     windows: Option<WelchWindows>,
@@ -134,7 +130,6 @@ pub(super) struct LiveSpectra {
 }
 
 impl LiveSpectra {
-    /// Takes in the new windows in some samples, and forgets the windows before. `values` are those of all sensors at some samples.
     pub(super) fn follow(&mut self, samples: &Range<usize>, values: impl Fn(&Range<usize>) -> Vec<Vec<f64>>) {
         let length = window_length(samples.len());
         if self.windows.as_ref().map(|windows| windows.length) != length {

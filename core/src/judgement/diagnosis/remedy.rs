@@ -47,8 +47,6 @@ impl Remedy {
         remedies.first().is_some_and(Self::explains)
     }
 
-    /// From high to low: a fault of the record, a certain cause with a remedy, a remedy with a good verdict, a certain cause
-    /// without a remedy, any other, a remedy that silences a sensor.
     pub(super) fn precedence(&self) -> u8 {
         let ends = self.after.as_ref().map_or(0, |verdict| rests(verdict.kind));
         match &self.first {
@@ -62,7 +60,7 @@ impl Remedy {
     }
 
     /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
-    /// one of the faults that are known was put into random situations. What is left of 1 is for none of them.
+    /// one of the faults that are known was put into random situations. The rest to 1 is for none of them.
     ///
     /// ```text
     /// p = o / (1 + Σ o),  o = exp(Σ w x)
@@ -91,7 +89,6 @@ impl Remedy {
     }
 }
 
-/// 2 for a good verdict, 1 if a parameter is not identifiable, 0 otherwise.
 fn rests(kind: VerdictKind) -> u8 {
     match kind {
         kind if kind.is_good() => 2,
@@ -103,15 +100,13 @@ fn rests(kind: VerdictKind) -> u8 {
 /// The least gain in log likelihood of a cause that is named, less the gain of its numbers by chance.
 pub(super) const WORTH: f64 = 8.0;
 
-/// The least size of a parameter with a significant sign, in standard deviations.
 const SIGNIFICANT: f64 = 4.0;
 
-/// A cause explains a record better than noise if its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
 
 pub(super) const UNKNOWN_FORCE: &str = "unknown_force";
 
-/// By so much in log likelihood a spring that yields explains a record better than a slow force: 36 of 37 such springs did, of 28 forces one.
+/// A spring that yields is at least this log likelihood ahead of a slow force: 36 of 37 such springs were, and 1 of 28 forces.
 const AHEAD: f64 = 60.0;
 
 fn is_noise(likely: &LikelyCause) -> bool {
@@ -126,7 +121,6 @@ pub(super) struct Ranked {
 }
 
 impl Trials {
-    /// The causes found so far, each once: first those whose remedy ends in a good verdict, then the likeliest.
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();
@@ -200,17 +194,14 @@ pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::O
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The weights of what is seen of a remedy in the logarithm of its odds: a constant, that it stands first, the lead of its gain over
-/// all others on a logarithmic scale, that it explains the verdict, that another one does, that it is certain, that another one
-/// is, and that it has further causes.
+/// Weights of the features of a remedy in the logarithm of its odds: a constant, first place, the lead of its gain on a logarithmic
+/// scale, that it explains the verdict, that another one does, that it is certain, that another one is, and further causes.
 ///
-/// They are those with which 1,920 situations of the benchmark `diagnosis`, from seed 500,000 on, are likeliest; that of an explained verdict,
-/// and the constant with it, is so much larger that of what explains nothing half is right where one fault in five has no name here (as a
-/// slipping clock, a sensor that saturates softly, a force that reaches a sensor). Source: Platt (1999), Probabilistic outputs for support
-/// vector machines.
+/// They are the likeliest for 1,920 situations of the benchmark `diagnosis`, from seed 500,000 on. The constant and the weight of an
+/// explained verdict are larger, so that half of the remedies that explain nothing are right where one fault in five has no name here.
+/// Source: Platt (1999), Probabilistic outputs for support vector machines.
 const WEIGHTS: [f64; 8] = [-4.7, 2.6, 0.5, 4.3, -0.4, 5.3, -1.5, -3.3];
 
-/// The gain in log likelihood over which the scale of leads is logarithmic.
 const SCALE: f64 = 8.0;
 
 /// A probability as it is read: never quite none or all.

@@ -27,10 +27,8 @@ const FILTERS: usize = 6;
 
 const NEARLY: f64 = 0.99;
 
-/// The number of first causes that others are tried on before any remedy has three.
 const FIRSTS: usize = 3;
 
-/// Limits the filters on which causes are tried once a remedy ends well.
 const FILTERS_ENOUGH: usize = 4;
 
 /// A force without a law pays this share of its gain, since it fits any record; one with a law is ahead of noise by it.
@@ -60,7 +58,6 @@ enum Stage {
         step: usize,
         shorter: Box<Path>,
     },
-    /// The smoothed unknown force of a remedy, before the search goes on or at its end.
     Force {
         force: ForceInHindsight,
         is_last: bool,
@@ -262,7 +259,7 @@ impl Search {
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
-        // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
+        // The order is that of the gain with all noise fitted. The path with the largest `gain` is added.
         let most = single().map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
         // A cause that the record shows without a model is listed first, so its remedy must be complete.
@@ -298,7 +295,6 @@ impl Search {
         self.law.as_ref().is_some_and(|law| law.is_own)
     }
 
-    /// The gain with an unknown force, less the price of one that follows no law of its own.
     fn priced(&self, rank: f64) -> f64 {
         let share = if self.has_own_law() { 1.0 + PRICE } else { 1.0 - PRICE };
         if rank > 0.0 { share * rank } else { rank }
@@ -339,7 +335,6 @@ impl Task for Search {
     }
 }
 
-/// The key of the edit with a list as its value: each cause appends to it.
 const AUGMENT: &str = "augment";
 
 #[derive(Clone, Debug)]
@@ -367,7 +362,6 @@ impl Path {
         self.steps.iter().map(|step| step.likely.fitted).sum()
     }
 
-    /// Replaces an earlier cause of its kind whose edits it makes again, and gives back the `price` of their numbers.
     fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
         let Ranked { remedy, rank, achieved } = next;
         let likely = remedy.first.clone();
@@ -386,7 +380,6 @@ impl Path {
         Some(Self { steps, scenario, rank, gain, after: remedy.after.clone(), is_tried: false })
     }
 
-    /// The same without the cause at a place, from the scenario without any; its gain and its verdict are not known yet.
     fn without(&self, place: usize, origin: &Scenario) -> Option<Self> {
         let mut path = Self { rank: self.rank, is_tried: true, ..Self::new(origin) };
         for (_, step) in self.steps.iter().enumerate().filter(|(i, _)| *i != place) {
@@ -411,7 +404,6 @@ impl Path {
         keys
     }
 
-    /// Whether it explains as much with only some of the other one's causes, and ends in as good a verdict.
     fn is_enough_for(&self, other: &Self) -> bool {
         let (causes, all) = (self.causes(), other.causes());
         let precedence = |path: &Self| path.remedy().map(|remedy| remedy.precedence());

@@ -27,7 +27,7 @@ pub struct Summary {
     pub ljung_box: Vec<(Quantity, Option<LjungBox>)>,
     /// Sum of the log likelihoods of all samples with a measurement.
     pub log_likelihood: f64,
-    /// Where the filter stopped, if it could not go on.
+    /// Where the filter stopped, if it could not continue.
     pub stop: Option<Stop>,
 }
 

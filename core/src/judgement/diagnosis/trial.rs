@@ -17,12 +17,9 @@ const CHUNK: usize = 100;
 
 const USUAL: usize = 30;
 
-/// The trials of all likely causes of one filter.
 pub(super) struct Trials {
     pub(super) record: Arc<Record>,
-    /// The record's steps in place of one of its file.
     pub(super) steps: usize,
-    /// The scenario with that one filter, as it begins at the window's first sample.
     pub(super) scenario: Scenario,
     origin: FilterSettings,
     /// `None` until the unchanged filter has run, if its likely causes follow from that run.
@@ -42,7 +39,6 @@ pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
     /// The log likelihood with the edit made; `log_likelihood` may be that of a filter that is restarted.
     pub(super) achieved: f64,
-    /// The same with all covariances multiplied by the factor that maximises the log likelihood.
     pub(super) scaled: f64,
     /// The final estimate of the parameter that `Sign` names, in standard deviations; NaN without one.
     pub(super) learnt: f64,
@@ -169,7 +165,6 @@ impl Trials {
         self.likely_causes.as_ref()?.get(self.outcomes.len())
     }
 
-    /// The record for a scenario that may divide the steps of its file further.
     fn record_of(&self, scenario: &Scenario) -> Option<Arc<Record>> {
         match steps_of(scenario) / self.steps {
             0 | 1 => Some(Arc::clone(&self.record)),
@@ -250,13 +245,11 @@ fn steps_of(scenario: &Scenario) -> usize {
     scenario.record.as_ref().map_or(1, |mapping| mapping.interpolate.max(1))
 }
 
-/// The log likelihood of the filter after P, Q and R are multiplied by the best factor s². The factor changes neither
-/// gains nor innovations.
+/// The factor changes neither gains nor innovations:
 ///
 /// ```text
 /// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)
 /// ```
-///
 /// Source: Durbin and Koopman (2012), *Time Series Analysis by State Space Methods*, section 2.10.2.
 fn scaled_log_likelihood(diagnostics: &Diagnostics) -> f64 {
     let total = diagnostics.nis_within(0..diagnostics.len());

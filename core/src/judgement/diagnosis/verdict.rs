@@ -103,12 +103,12 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     text
 }
 
-/// A relative variance that is so much smaller than another one is known, beside it.
+/// Limits the relative variance of a known combination, over that of the other one.
 const RIDGE: f64 = 0.02;
 
 const KNOWN: f64 = 0.01;
 
-/// Pairs of parameters of which only the product or the ratio is known, with its relative standard deviation.
+/// With the relative standard deviation of the product or the ratio:
 ///
 /// ```text
 /// var(ln ab) = σa²/a² + 2 cov/(ab) + σb²/b²,  var(ln a/b) with - 2 cov
@@ -141,20 +141,17 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
 /// Scores count as correlated over this many samples, or over a swing if that is longer.
 const LEAST: usize = 40;
 
-/// The least number of samples for a size, over those of a window.
 const ENOUGH_WINDOWS: usize = 4;
 
-/// The parameter that a pattern in the innovations may move furthest, and the standard deviation of its error over that which the
-/// filter tells; about 1 where innovations are white and as large as expected. It is an approximation: each parameter is taken by
-/// itself.
+/// The standard deviation is that of the error over the filter's own; about 1 where innovations are white and as large as expected.
+/// It is an approximation: each parameter is considered alone.
 ///
-/// An update moves a parameter by `Δ = K e`, and `s = Δ / P` is the score of the log likelihood. Where scores are correlated, the
-/// variance of their sum, and with it that of the estimate, is larger by
+/// An update moves a parameter by `Δ = K e`, and `s = Δ / P` is the score of the log likelihood. Correlated scores increase the
+/// variance of their sum, and with it that of the estimate, by
 ///
 /// ```text
 /// f² = NIS/m (1 + 2 Σ (1 - l/L) ρ_l) = NIS/m ⟨(s_k + … + s_{k+L-1})²⟩ / (L ⟨s²⟩),  ρ_l the correlation of s at lag l < L
 /// ```
-///
 /// with the mean over all windows of L samples in which the filter is not forgiven.
 ///
 /// Source: White (1982), Maximum likelihood estimation of misspecified models; Newey and West (1987), A simple, positive

@@ -24,7 +24,6 @@ pub struct MeasureInfo {
     /// Whether it is for tables and lessons, and in no menu of a map.
     pub is_special: bool,
     pub(super) of: Of,
-    /// From the sums of a whole run, where they are enough.
     pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
 }
 
@@ -101,7 +100,7 @@ impl Best {
     }
 }
 
-/// What a measure is of, with its unit if that is another than the channel's or the sensor's.
+/// The subject of a measure, with its unit if that is another than the channel's or the sensor's.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Of {
     Filter,

@@ -94,7 +94,6 @@ impl Part<'_> {
         self.times.from.map_or(0, |t| self.sample_of(t).min(end))..end
     }
 
-    /// The single sample, or else the last one, if there is an estimate.
     pub(super) fn sample(&self) -> Option<usize> {
         let last = self.run.estimates.len().checked_sub(1)?;
         let k = self.times.at.map_or(last, |t| self.sample_of(t));
@@ -122,7 +121,6 @@ impl Part<'_> {
         self.run.diagnostics().settled(self.channel?).filter(|_| self.run.estimates.stop().is_none())
     }
 
-    /// The channel's errors over some samples, each with its standard deviation; empty where there are none.
     pub(super) fn errors(&self, samples: Range<usize>) -> Option<Vec<[f64; 2]>> {
         let (truth, place, estimates) = (self.run.record.truth(self.channel?)?, self.place()?, self.run.estimates);
         let error = |k: usize| [estimates.canonical_mean(k, place) - truth[k], estimates.std(k, place)];
@@ -139,7 +137,6 @@ impl Part<'_> {
         noise.get(self.place_of_sensor()?).copied()
     }
 
-    /// The learnt standard deviation of the sensor's noise at a sample, and its own standard deviation.
     pub(super) fn learnt_noise(&self, k: usize) -> Option<[f64; 2]> {
         self.run.estimates.sensor_noise(k, self.place_of_sensor()?)
     }
@@ -193,7 +190,7 @@ impl Sums<'_> {
     }
 }
 
-/// The last standard deviation of the channel; NaN if the filter does not have it.
+/// NaN if the filter does not have the channel.
 pub(super) fn std(sums: &Sums<'_>) -> f64 {
     sums.place().map_or(f64::NAN, |place| sums.whole.outcome.std[place])
 }

@@ -11,11 +11,9 @@ use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelCla
 
 const PURE: Option<&str> = Some("");
 
-/// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
 
-/// Makes the rows, in the order of tables, and in the same order the functions that compute them from all estimates. Those stand
-/// apart, so that a program that has sums alone does not contain them.
+/// The functions from all estimates stand apart, so that a program that has sums alone does not contain them.
 macro_rules! measures {
     ($($name:ident = $row:expr => $within:expr;)*) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -292,14 +290,12 @@ fn nis(part: &Part<'_>) -> Total {
     part.run.diagnostics().nis_within(part.range())
 }
 
-/// The sum of d squares of white normalised innovations has the mean d and the variance 2d. Source: Bar-Shalom, Li and
-/// Kirubarajan (2001), section 5.4.
+/// d squares have the mean d and the variance 2 d. Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
 fn distance(nis: Total) -> f64 {
     let degrees = f64::from(nis.degrees);
     (nis.sum - degrees) / libm::sqrt(2.0 * degrees)
 }
 
-/// The sum over the samples with a measurement, and their number.
 fn log_likelihood(part: &Part<'_>) -> (f64, u32) {
     let values = part.range().map(|k| part.run.estimates.log_likelihood(k)).filter(|value| !value.is_nan());
     values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1))

@@ -41,7 +41,6 @@ impl Change {
         }
     }
 
-    /// Whether it came all at once, and less than the settling time or a period of the motion ago.
     pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
         let Some(step) = self.step() else { return false };
         let scenario = run.scenario();

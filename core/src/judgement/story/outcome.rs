@@ -13,10 +13,8 @@ use crate::{
     Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop, VerdictKind,
 };
 
-/// Limits the relative error of an estimate that has been found.
 const FOUND: f64 = 0.05;
 
-/// A number that is larger than this many standard deviations is surely not zero.
 const SURE: f64 = 3.0;
 
 /// The motion turns by this angle in a long step \[°\].
@@ -27,8 +25,7 @@ const LONG_STAGES: f64 = 11.0;
 
 const LOOKS: usize = 100;
 
-/// Innovations behind a band have at least this share of the power that the band leaves white noise: noise may have colours, and R
-/// is then that about the line.
+/// The least share of the power that a band leaves white noise: noise may have colours.
 const LEAST_BEHIND: f64 = 0.5;
 
 const OTHERS: usize = 2;
@@ -40,10 +37,9 @@ pub(super) struct Outcome<'a> {
     undetermined: Vec<Channel>,
     pub(super) main: Option<Main>,
     others: Vec<Main>,
-    /// The first parameter whose last error is outside its ±2σ band.
     outside: Option<Channel>,
     stop: Option<(Stop, f64)>,
-    /// The angle by which the motion turns in a step, where that is so far that the band of a parameter comes out too narrow \[°\].
+    /// The angle of the motion in a step \[°\]; `None` where the band of a parameter is right.
     long_steps: Option<u8>,
     /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
@@ -61,7 +57,6 @@ pub(super) struct Main {
 
 struct Truth {
     error: f64,
-    /// The root mean square error over the last third, over the truth.
     lately: f64,
     /// The time from which on it has stayed within 5 % of the truth \[s\], as in all scores.
     settled: Option<f64>,
@@ -123,7 +118,6 @@ impl<'a> Outcome<'a> {
         }
     }
 
-    /// Whether an error is outside the band that the verdict calls right, or may soon be.
     fn is_open(&self) -> bool {
         let is_surely_wrong = self.kind >= Some(VerdictKind::PatternLeft);
         self.is_settling || self.outside.is_some() && !is_surely_wrong
@@ -137,7 +131,6 @@ impl<'a> Outcome<'a> {
         self.is_open() && (self.is_settling || !self.is_whole) && self.stop.is_none()
     }
 
-    /// It is right and covers a known truth, or says itself that a parameter is not determined.
     pub(super) fn is_honest(&self) -> bool {
         let is_right = self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable);
         let is_small_by_a_band = self.kind == Some(VerdictKind::Underconfident) && self.is_behind_a_band;
@@ -173,7 +166,6 @@ impl<'a> Outcome<'a> {
         text.say(".").done()
     }
 
-    /// What the filter remembers, where something changes: that is what two filters then differ in.
     fn memory(&self, text: Writer, change: Option<&Change>) -> Writer {
         if change.is_none() {
             return text;
@@ -188,7 +180,7 @@ impl<'a> Outcome<'a> {
         Adjustable { form: Form::Decimals(3), ..fading }
     }
 
-    /// The settings that are worth a try besides those of the sentence, which has the fading factor where `is_told`.
+    /// Without the fading factor where `is_told`: the sentence has it.
     pub(super) fn aside(&self, is_told: bool) -> Vec<Adjustable> {
         let guess = self.main.as_ref().map(|main| {
             let channel = main.channel;
@@ -249,7 +241,6 @@ impl<'a> Outcome<'a> {
         self.outside == Some(channel)
     }
 
-    /// Whether the spring hardens or softens, where its cubic term is surely not zero.
     fn spring(&self) -> Option<&'static str> {
         let cubic = self.others.iter().find(|other| other.channel == Channel::CUBIC_STIFFNESS)?;
         let is_sure = cubic.mean.abs() > SURE * cubic.std;
@@ -302,9 +293,8 @@ fn suffix(kind: VerdictKind) -> String {
     format!(" ({})", kind.name())
 }
 
-/// Whether the motion turns so far in a step that the Jacobian of local linearisation, which takes it for constant, is not right:
-/// in a free decay the band of ωₙ is 1.2 times too narrow at half a radian, and 3.6 times at one. On a plant that is not linear,
-/// whether a motion that is stiffer than the initial belief knew makes Runge-Kutta steps err.
+/// Local linearisation takes the motion for constant in a step: in a free decay the band of ωₙ is 1.2 times too narrow at half a
+/// radian, and 3.6 times at one. On a nonlinear plant a motion that is stiffer than the initial belief makes Runge-Kutta steps err.
 fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimates, record: &Record) -> Option<u8> {
     let (info, plant, dt) = (filter.kind.info(), scenario.plant.kind, record.dt());
     let last = estimates.len().checked_sub(1).filter(|_| !info.is_sampled)?;

@@ -31,7 +31,7 @@ pub(super) fn has_input(run: &Run) -> bool {
 
 const NARROWER: f64 = 1.1;
 
-/// Which of some filters to believe; nothing before there are verdicts. `told` limits the filters that the story has told of.
+/// None before there are verdicts. `told` limits the filters to those of the story.
 pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phrase>> {
     let judged: Vec<&Outcome<'_>> = outcomes.iter().filter(|outcome| outcome.kind.is_some()).collect();
     if judged.len() < 2 || judged.len() < outcomes.len() {
@@ -89,7 +89,6 @@ fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
 
 const FOUND: f64 = 0.95;
 
-/// The likeliest model, if the filters assume plants of several kinds; nothing before there are readings.
 pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
     let truth = run.scenario().plant.kind;
     let plants: Vec<PlantKind> = mapped(&run.scenario().filters, &|filter| filter.plant.unwrap_or(truth));
@@ -146,19 +145,16 @@ fn times(ratio: f64) -> String {
     if ratio < 9.95 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
 
-/// Limits the band of a parameter over its size.
 const VAGUE: f64 = 0.5;
 
 /// Below this period nobody counts swings \[s\].
 const QUICK: f64 = 0.05;
 
-/// How the oscillator swings by itself, from the first filter whose band is no narrower than it should be: nothing if none knows
-/// both parameters well enough.
+/// From the first filter whose band is no narrower than it should be. None if none knows both parameters well enough.
 ///
 /// ```text
 /// T = 2π / (ωₙ √(1 - ζ²)),  t½ = ln 2 / (ζ ωₙ),  Q = 1 / (2 ζ),  δ = ζ ωₙ T
 /// ```
-///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6.
 pub(super) fn of_swing(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
     let may_be_believed =

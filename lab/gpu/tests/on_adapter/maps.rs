@@ -37,7 +37,6 @@ fn tuning(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
     map(Scenario { seed, ..scenario(kind, SAMPLES) }, &axes)
 }
 
-/// A map of guesses by displacement alone, where many filters diverge.
 fn guesses(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
     let mut scenario = Scenario { seed, ..scenario(kind, SAMPLES) };
     scenario.remove_sensor(Quantity::VELOCITY);
@@ -77,8 +76,7 @@ fn compare(name: &str, runner: &Arc<Runner>) -> Tally {
     tally
 }
 
-/// Of the same class are cells that have stopped, that are lost, or that have converged within 5 % alike; kept are those in which both
-/// have converged.
+/// One class: stopped, lost, or converged within 5 % alike. Kept are the cells in which both have converged.
 fn take_cell(tally: &mut Tally, measures: &[Measure], scenario: &Scenario, [exact, row]: [&[f64]; 2]) {
     let of = |row: &[f64], measure: Measure| row[measures.iter().position(|other| *other == measure).unwrap()];
     let channel = Channel::NATURAL_FREQUENCY;

@@ -41,7 +41,6 @@ impl Graphics {
         });
     }
 
-    /// Takes a new task: the cells of those before are not wanted any more.
     fn begin(&self, words: &Words) {
         self.task.set(words.number());
         let runner = runner(words).map_err(|reason| fail(words.number(), &reason));

@@ -144,16 +144,14 @@ fn verdict(off: &[String]) -> Result<(), String> {
     ))
 }
 
-/// Two lengths of a record: what their difference leaves out is the start.
+/// Two lengths of a record: their difference leaves out the start.
 const STEPS: [usize; 2] = [200, 600];
 
-/// The counts of each case: before it, and after each of its lengths.
 const MARKS: usize = STEPS.len() + 1;
 
 /// A case, and the instructions of a step: of eight runs in lanes.
 type Count = (String, u64);
 
-/// Runs all cases, with marks between them, and prints their names.
 fn work(cases: &[Case]) {
     for case in cases.iter().filter(|case| case.level.is_none_or(|level| Level::available().contains(&level))) {
         println!("{}", case.name);
@@ -172,7 +170,6 @@ fn mark() {
     black_box(());
 }
 
-/// Leaves out a case if the processor lacks its instructions.
 fn count(words: &[String]) -> Result<Vec<Count>, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("instructions");
     let said = |error: std::io::Error| error.to_string();

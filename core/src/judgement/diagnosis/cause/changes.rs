@@ -1,4 +1,4 @@
-//! Parameters that change, a guess that is far off, and a record that does not tell them.
+//! Parameters that change, a guess that is far off, and a record without information on them.
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::data::setting::Edit;
@@ -200,18 +200,14 @@ struct Change {
     p_value: f64,
 }
 
-/// The sample from which on normalised squares are larger: where the likelihood of two levels is largest, if squares are
-/// exponential.
+/// Finds the largest likelihood of two levels of exponential squares:
 ///
 /// ```text
 /// least over k of k ln m₁ + (n - k) ln m₂,  m₁, m₂ the means before and after k
 /// ```
-///
-/// The likelihood ratio is divided by the dispersion of the squares about their two levels, so that neither their
-/// distribution nor their autocorrelation looks like a change.
-///
-/// Source: Basseville and Nikiforov (1993), *Detection of Abrupt Changes*, section 2.6; for the dispersion of a quasi-likelihood
-/// McCullagh and Nelder (1989), *Generalized Linear Models*, section 9.2.
+/// The likelihood ratio is divided by the dispersion of the squares, so that neither their distribution nor their autocorrelation looks
+/// like a change. Source: Basseville and Nikiforov (1993), *Detection of Abrupt Changes*, section 2.6; McCullagh and Nelder (1989),
+/// *Generalized Linear Models*, section 9.2.
 fn change_point(squares: &[f64]) -> Option<Change> {
     let limited = |x: &f64| if x.is_nan() { 0.0 } else { x.min(LARGEST) };
     let n = squares.len();
@@ -244,13 +240,11 @@ fn change_point(squares: &[f64]) -> Option<Change> {
     Some(Change { at, rise: second / first, p_value })
 }
 
-/// The probability that the root of the largest likelihood ratio over all samples between the margins is above `x` if
-/// nothing changes.
+/// The p-value of the root of the largest likelihood ratio over all samples between the margins:
 ///
 /// ```text
 /// P ≈ x φ(x) (T (1 - 1/x²) + 4/x²),  T = ln((1 - h)(1 - l) / (h l)),  h, l the margins
 /// ```
-///
 /// Source: Csörgő and Horváth (1997), *Limit Theorems in Change-Point Analysis*, equation 1.3.26 with one parameter.
 fn supremum_p(x: f64) -> f64 {
     if x.is_nan() || x <= 1.0 {

@@ -13,12 +13,11 @@ const SURE: f64 = 5.0;
 
 const ALIKE: f64 = 0.02;
 
-/// A σ that is so many times its first one leaves a sensor out.
+/// This many times its first σ leaves a sensor out.
 const SILENCE: f64 = 1000.0;
 
 const IN_TIME: f64 = 0.1;
 
-/// The initial standard deviation of a gain, relative to the gain.
 const GAIN_STD: f64 = 0.05;
 
 pub(super) static SIGN: Cause = Cause {
@@ -63,7 +62,6 @@ pub(super) static LATENESS: Cause = Cause {
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Late),
 };
 
-/// Quantities with their derivative of some order, the ones that are compared first.
 const DERIVATIVES: [(Aspect, Aspect, usize); 3] = [
     (Aspect::DISPLACEMENT, Aspect::VELOCITY, 1),
     (Aspect::VELOCITY, Aspect::ACCELERATION, 1),
@@ -84,14 +82,12 @@ struct Pair {
 }
 
 impl Pair {
-    /// The factor on the time between samples with which the two would agree.
     fn of_time(&self) -> f64 {
         let factor = self.agreement.factor;
         if self.order == 2 { factor.abs().sqrt() } else { factor }
     }
 }
 
-/// All pairs of a sensor with that of its lowest derivative, unless an earlier repair has left one out.
 fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
     let case = bad.case;
     let sensors = &bad.scenario.sensors;
@@ -116,7 +112,7 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
     sensors.iter().enumerate().filter_map(of).collect()
 }
 
-/// Whether the factor is none with the noise that is told, and none without: the true one is between.
+/// The true factor is between that without attenuation and that with the attenuation of the assumed noise.
 fn is_off(Agreement { factor, attenuated, std, .. }: &Agreement) -> bool {
     let (off, other) = (factor.abs() - 1.0, attenuated.abs() - 1.0);
     off * other > 0.0 && off.abs().min(other.abs()) > SCALE.max(SURE * std)
@@ -134,7 +130,7 @@ fn common_factor(pairs: &[Pair]) -> Option<f64> {
     (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
 }
 
-/// Compares each sensor with that of its rate, and tries the filter with either one put right: the likelihood tells which one is wrong.
+/// The likelihood of a trial decides which of two sensors is wrong.
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, fault: Fault) {
     let pairs = pairs(bad);
     if fault == Fault::Scale && common_factor(&pairs).is_some() {
@@ -149,7 +145,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         let dt = bad.case.record.dt();
         let Some((size, sentence)) = disagreement(&pair, sensors, fault, dt) else { continue };
         let Agreement { factor, late, .. } = pair.agreement;
-        // The sensor itself reads so much more, or later; or its rate so much less, or earlier.
+        // The sensor itself reads more by this factor, or later; or its rate less, or earlier.
         for (which, gain, steps) in [(0, factor, -late), (1, 1.0 / factor, late)] {
             let name = sensors[which].name();
             let (edits, end) = match fault {
@@ -224,12 +220,9 @@ fn without_ends(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| if ends.contains(value) { f64::NAN } else { *value }).collect()
 }
 
-/// The comparison of the change of a quantity with the integral of a derivative, over the same times.
 #[derive(Clone, Copy, Debug)]
 struct Agreement {
-    /// The factor of the change on the integral: 1 if both are right.
     factor: f64,
-    /// The same with the attenuation.
     attenuated: f64,
     std: f64,
     late: f64,
@@ -239,23 +232,22 @@ struct Agreement {
 /// Limits the lateness that is looked for, in samples.
 const MOST_LATE: usize = 60;
 
-/// The changes that are compared, of all that there are: more would tell little more.
+/// Limits the changes that are compared: more add little.
 const PAIRS: usize = 1000;
 
-/// The least correlation by which two sensors can be compared.
 const CLEAR: f64 = 0.9;
 
 /// The spans over which changes are taken, in samples: the one in which both are most alike is used.
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
-    /// Compares readings of a quantity with those of its derivative of order 1 or 2, `dt` \[s\] apart; `noise` is the standard deviation of the noise of the
-    /// rate, as a filter takes it: where that is more than the readings are rough, their roughness counts. `None` where there are too few readings, or where the two are too unlike to be compared.
+    /// `noise` is the standard deviation of the rate's noise as a filter assumes it; it counts up to the roughness of the readings.
+    /// `None` where there are too few readings, or where the two are too unlike.
     ///
     /// ```text
     /// x(k + m) - x(k) = c + b ∫ v dt,  x(k + 2 m) - 2 x(k + m) + x(k) = c + b ∬ a dt²
     /// ```
-    /// b by least squares, with the attenuation by the rate's noise undone.
+    /// b by least squares, without the attenuation by the rate's noise.
     fn of(values: &[f64], rates: &[f64], order: usize, dt: f64, noise: f64) -> Option<Self> {
         let count = values.len().min(rates.len());
         let integral = (1..order).fold(integral(rates, dt), |once, _| integral(&once, dt));

@@ -134,7 +134,6 @@ const SAMPLES: usize = 20;
 /// The least share of the other samples in which the input must change: steps and trains of blows are constant by nature.
 const MOVES: f64 = 0.5;
 
-/// The least innovations² in that part, relative to those elsewhere and to their expectation.
 const RISE: f64 = 1.5;
 
 pub(super) static STILL_INPUT: Cause = Cause {
@@ -219,7 +218,7 @@ fn coarse_propagation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Ve
     found.push(LikelyCause::new(cause, 0.5, 0.0, edits, sentence));
 }
 
-/// The share of the input in innovations that tells an absolute accelerometer from a relative one, and its deviation from 1.
+/// Limits the share of the input in innovations of an accelerometer with the other meaning, and its deviation from 1.
 const CLEAR: f64 = 0.3;
 
 pub(super) static ABSOLUTE_ACCELERATION: Cause = Cause {

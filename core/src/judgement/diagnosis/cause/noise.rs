@@ -28,8 +28,7 @@ pub(super) static SENSOR_NOISE: Cause = Cause {
     likely_causes: sensor_noise,
 };
 
-/// Matches covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed. Source: Mehra (1972), Approaches to
-/// adaptive filtering, section IV.
+/// The mean square of e is H P Hᵀ + R for any assumed R. Source: Mehra (1972), Approaches to adaptive filtering, section IV.
 fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, assumed) = (bad.case, &bad.filter.sensor_std);
     let m = assumed.len();
@@ -105,10 +104,8 @@ fn far_by(level: f64) -> f64 {
 
 const LEAST_CHANGE: f64 = 1.5;
 
-/// Limits the correlation at lag 1 of innovations that grew through noise alone.
 const WHITE: f64 = 0.2;
 
-/// Limits the probability that chance explains a change, over all divisions that are tried.
 const LEVEL: f64 = 1e-4;
 
 pub(super) static CHANGING_NOISE: Cause = Cause {
@@ -119,13 +116,11 @@ pub(super) static CHANGING_NOISE: Cause = Cause {
     likely_causes: changing_noise,
 };
 
-/// Uses the innovations² of each part of the record. The innovations must stay white: a changing parameter would leave
-/// them correlated.
+/// The innovations must stay white: a changing parameter would leave them correlated.
 ///
 /// ```text
 /// L = ½ (n ln m - n₁ ln m₁ - n₂ ln m₂),  2 L ~ χ² where nothing changes
 /// ```
-///
 /// Source: Bartlett (1937), Properties of sufficiency and statistical tests, *Proceedings of the Royal Society A* 160.
 fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     if bad.filter.adaptation.sensor_noise {
@@ -143,7 +138,6 @@ fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Li
 
 struct Change {
     parts: (usize, usize),
-    /// The innovations² in the rest and in these parts, relative to their expectation.
     levels: (f64, f64),
     ratio: f64,
 }
@@ -283,8 +277,7 @@ pub(super) static PROCESS_NOISE: Cause = Cause {
     likely_causes: process_noise,
 };
 
-/// Uses the signs of the innovations' correlation. Source: Mehra (1970), On the identification of variances and adaptive Kalman
-/// filtering.
+/// Source: Mehra (1970), On the identification of variances and adaptive Kalman filtering.
 fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, filter) = (bad.case, bad.filter);
     let first = case.largest_first_correlation();
@@ -311,7 +304,7 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-/// The process noise of a channel of a filter; for one without it a thousandth of its initial standard deviation.
+/// A channel without process noise has a thousandth of its initial standard deviation.
 fn process_std(bad: &BadFilter<'_>, of: &FilterSettings, channel: Channel) -> f64 {
     let std = of.process_std[channel];
     if std > 0.0 { std } else { 1e-3 * bad.filter.initial_std[channel] }

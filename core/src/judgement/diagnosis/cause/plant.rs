@@ -91,7 +91,6 @@ fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
     }
 }
 
-/// The relative change of a force over one period that costs one fitted value per period.
 const FREE: f64 = 0.3;
 
 /// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
@@ -163,7 +162,6 @@ fn edits_of(bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Ve
     edits
 }
 
-/// A term of one more parameter that the equation of a linear oscillator may lack.
 struct Term {
     cause: &'static Cause,
     /// The term, with `@` for the speed below which friction is less than whole.
@@ -299,7 +297,7 @@ pub(super) static SWINGING_STIFFNESS: Cause = Cause {
     likely_causes: swinging_stiffness,
 };
 
-/// A line that is so much above the mean power is worth a trial.
+/// A line this far above the mean power is worth a trial.
 const LINE: f64 = 8.0;
 
 /// The components of a swing in time by `u' = s; s' = -w² u`: its size at first, its frequency \[rad/s\] and a share of it.

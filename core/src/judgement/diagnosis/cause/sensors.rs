@@ -15,7 +15,6 @@ pub(super) static CLIPPED: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::clipped, "are at the end of its range"),
 };
 
-/// The least innovations² of the marked readings, relative to those elsewhere and to their expectation.
 const RISE: f64 = 1.5;
 
 pub(super) static STICKING: Cause = Cause {
@@ -26,8 +25,6 @@ pub(super) static STICKING: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::stuck, "repeat the last one"),
 };
 
-/// A fault of the record for each sensor with readings that a look marks, where the filter misses them: alone, and with a rule
-/// that weighs readings. `what` is said of the readings.
 fn marked(
     bad: &BadFilter<'_>,
     cause: &'static Cause,
@@ -139,7 +136,6 @@ fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
     }
 }
 
-/// The initial standard deviation of a bias, relative to that of the noise.
 const WIDE: f64 = 10.0;
 
 pub(super) static SENSOR_BIAS: Cause = Cause {
@@ -173,14 +169,11 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     }
 }
 
-/// Less correlated innovations are no coloured noise.
 const COLOURED: f64 = 0.08;
 
-/// The correlation times that are tried, over that of the innovations. The noise remembers longer than they do, since a filter takes a part
-/// of it for motion.
+/// Over the correlation time of innovations, which is shorter than that of the noise: a filter takes a part of it for motion.
 const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
 
-/// σ of the white part of a coloured noise, relative to the whole.
 const WHITE_PART: f64 = 0.05;
 
 pub(super) static COLOURED_NOISE: Cause = Cause {
@@ -191,8 +184,7 @@ pub(super) static COLOURED_NOISE: Cause = Cause {
     likely_causes: coloured,
 };
 
-/// Gives a sensor a bias that is a Gauss-Markov process: what is new in a step has `σ √(1 - exp(-2 dt / τ))`.
-///
+/// A Gauss-Markov bias: the noise of a step is `σ √(1 - exp(-2 dt / τ))`.
 /// Source: Bryson and Henrikson (1968), Estimation using sampled data containing sequentially correlated noise.
 fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
@@ -261,7 +253,6 @@ struct Readings {
 
 struct Marked {
     share: f64,
-    /// The mean of their innovations², relative to the expectation, and that of all others.
     levels: [f64; 2],
 }
 
@@ -297,7 +288,6 @@ impl Readings {
         if ends.is_empty() { None } else { self.marked(&marks) }
     }
 
-    /// The readings that repeat the one before, in spells of three or more. The sensor must not repeat itself elsewhere.
     fn stuck(&self) -> Option<Marked> {
         // A sensor that is clipped repeats the end of its range.
         let known = || self.values.iter().copied().filter(|value| !value.is_nan());
@@ -322,8 +312,7 @@ impl Readings {
         if is_so { self.marked(&marks).filter(|marked| marked.share < 0.9) } else { None }
     }
 
-    /// How often the readings jump from near one end of their range to near the other and go on in the direction that they had, and
-    /// by how much. `None` where they move far in other ways.
+    /// Their number and size. `None` where the readings move far in other ways.
     fn turns(&self) -> Option<(usize, f64)> {
         let known: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
@@ -363,7 +352,6 @@ impl Readings {
         (step.is_finite() && multiples as f64 >= 0.99 * values.len() as f64).then_some(step)
     }
 
-    /// The readings whose innovations are far beyond the usual ones, if they are few and stand alone.
     fn outliers(&self) -> Option<Marked> {
         let mut sizes: Vec<f64> = self.innovations.iter().map(|e| e.abs()).filter(|e| e.is_finite()).collect();
         if sizes.len() < 200 {
@@ -386,7 +374,7 @@ impl Readings {
     }
 }
 
-/// The largest and the smallest reading, if so many are there, in several spells, that the sensor cannot read beyond them.
+/// An end is clipped where it has many readings, in several spells.
 pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
     let known = || values.iter().copied().filter(|value| !value.is_nan());
     let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -404,25 +392,21 @@ pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
     [low, high].into_iter().filter(is_end).collect()
 }
 
-/// The least number of marked readings, and their least share.
 const FEWEST: usize = 10;
 const SHARE: f64 = 0.01;
 
 /// The least number of spells at an end: one alone may be a rest.
 const SPELLS: usize = 3;
 
-/// Limits the different values of a coarse sensor, as a share of its readings.
 const MOST_LEVELS: f64 = 0.3;
 
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// An innovation beyond so many usual ones is far: chance makes 6 of ten million so.
+/// Chance puts 6 of ten million innovations beyond this many usual ones.
 const FAR: f64 = 5.0;
 
-/// The least share of outliers.
 const OUTLYING: f64 = 0.004;
 
-/// The least share of all outliers in each quarter of the record.
 const LEAST_PART: f64 = 0.06;
 
 fn spells(marks: impl Iterator<Item = bool>) -> usize {

@@ -41,7 +41,6 @@ fn divergence(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits an estimate, relative to its initial mean and standard deviation.
 const FAR: f64 = 1e3;
 
-/// Limits how far below zero a positive parameter can be, in standard deviations.
 const BELOW: f64 = 4.0;
 
 pub(super) static RANGE: Test = Test {
@@ -97,10 +96,8 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits the error of a parameter, in standard deviations; its errors over a record count as one.
 const OFF: f64 = 4.0;
 
-/// Limits the squared errors of a motion from above, relative to the covariance.
 const TOO_LARGE: f64 = 2.0;
 
-/// The least squared errors of a motion, relative to the covariance.
 const TOO_SMALL: f64 = 0.3;
 
 /// The least share of the samples with the truth in the 95 % ellipsoid.
@@ -223,7 +220,6 @@ const GROWN: f64 = 3.0;
 
 const GROWS: f64 = 1.2;
 
-/// Limits σ of an identified parameter, relative to the initial one.
 const UNLEARNT_SHARE: f64 = 0.9;
 
 pub(super) static WIND_UP: Test = Test {
@@ -286,10 +282,8 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-/// The normal range of innovations², over their expectation.
 const CALM: std::ops::Range<f64> = 0.8..1.25;
 
-/// The least error of a channel that is mentioned, in standard deviations.
 const MENTIONED: f64 = 2.0;
 
 pub(super) static RECOVERY: Test = Test {
@@ -314,7 +308,6 @@ pub(super) static RECOVERY: Test = Test {
     },
 };
 
-/// Over their expectation, in the forgiven parts, with words: those of one sensor, if all together are as expected.
 fn level_of_innovations(case: &Case<'_>) -> (f64, String) {
     let level = case.nis(&case.forgiven).0;
     let distance = |level: f64| libm::log(level).abs();
@@ -335,12 +328,10 @@ fn largest_error(case: &Case<'_>) -> (f64, String) {
     (off, format!("the {name} is {} times its σ off", short(off)))
 }
 
-/// Limits the fall of σ from one sample to the next.
 const FALL: f64 = 100.0;
 
 const FEWEST: f64 = 2.0;
 
-/// Limits the successive measurements with an effective sample size below [`FEWEST`].
 const A_WHILE: usize = 10;
 
 pub(super) static SAMPLE: Test = Test {
@@ -388,13 +379,10 @@ fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, least, sentence));
 }
 
-/// Limits the share of the shrinking that resampling alone explains.
 const SHARE: f64 = 0.25;
 
-/// Limits the factor on σ that resampling alone explains.
 const TIMES: f64 = 3.0;
 
-/// Limits the relative loss of a variance in one sample.
 const MOST: f64 = 1.0 - 1e-6;
 
 pub(super) static DIVERSITY: Test = Test {
@@ -451,7 +439,6 @@ fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {
     if taken > 0.0 { taken / variance } else { 0.0 }
 }
 
-/// The decrease of ln σ if the variance loses this share.
 fn shrinks_by(share: f64) -> f64 {
     -0.5 * libm::log(1.0 - share.min(MOST))
 }

@@ -59,7 +59,6 @@ fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose:
     }
 }
 
-/// Limits the mean innovation that does no harm, in standard deviations.
 const OFF_ZERO: f64 = 0.1;
 
 pub(super) static MEAN: Test = Test {
@@ -235,7 +234,6 @@ fn input(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-/// Limits a peak that does no harm, relative to the mean power.
 const LINE: f64 = 5.0;
 
 pub(super) static LINES: Test = Test {
