@@ -35,6 +35,7 @@ mod reader;
 mod shape;
 mod sound;
 mod table;
+mod three_axes;
 mod times;
 
 pub use crate::data::hash::Hash;
@@ -48,9 +49,9 @@ pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use mend::turn;
 pub use own_times::join;
 pub use reader::{Loaded, Loading};
-pub use shape::ThreeAxes;
 pub use sound::wav;
 pub use table::{Column, Table, TextCell};
+pub use three_axes::ThreeAxes;
 
 use thiserror::Error;
 

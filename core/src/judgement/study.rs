@@ -6,7 +6,7 @@ use crate::data::scenario::cost;
 use crate::judgement::analysis::Subject;
 use crate::mathematics::lists::numbers;
 use crate::samples::run::revision::Revision;
-use crate::samples::sink::Tape;
+use crate::samples::tape::Tape;
 use crate::samples::waste::Spare;
 use crate::{Analysis, Record, Run, RunError, Scenario, Source, Update, Wanted};
 

@@ -42,8 +42,10 @@ pub(crate) mod model;
 pub(crate) mod number;
 #[cfg(target_arch = "wasm32")]
 pub(crate) mod pair;
+pub(crate) mod passage;
 pub(crate) mod plants;
 pub(crate) mod runge_kutta;
 pub(crate) mod sigma_points;
 mod square_root;
 pub(crate) mod update;
+pub(crate) mod weights;

@@ -12,12 +12,11 @@ pub(crate) mod adaptation;
 mod belief;
 pub(crate) mod jump;
 pub mod kalman;
+mod learning;
 mod linear;
 mod recursion;
 pub mod robust;
 mod sampled;
-
-use thiserror::Error;
 
 use crate::Model;
 use crate::mathematics::engine::design::{Method, Rule};
@@ -27,6 +26,7 @@ use crate::mathematics::engine::model;
 use crate::mathematics::registry::{keyed, registry};
 
 pub use crate::mathematics::engine::design::{Course, Propagation};
+pub use crate::mathematics::filter_error::FilterError;
 pub use crate::mathematics::linalg::{Matrix, Vector};
 pub use crate::mathematics::random::Normal;
 pub use adaptation::Adaptation;
@@ -57,37 +57,6 @@ registry! {
     ENKF = sampled::ENKF;
     /// Bootstrap particle filter, regularised.
     PF = sampled::PF;
-}
-
-/// Why a filter cannot continue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum FilterError {
-    /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
-    #[error("a number of the filter's settings is too large to begin with: its square is not finite")]
-    TooLarge,
-    /// A number of the belief has overflowed or is undefined.
-    #[error("the estimate is no longer a finite number: the filter has diverged")]
-    NotFinite,
-    /// The covariance has a negative variance in some direction.
-    #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
-    IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
-    /// or rounding removes the expected error.
-    #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
-    SingularInnovation,
-    /// The innovation covariance S has a negative variance in some direction.
-    #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
-    IndefiniteInnovation,
-    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
-    #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
-    ImpossibleMeasurement,
-    /// A measurement is infinite.
-    #[error("a measurement is infinite")]
-    InfiniteMeasurement,
-    /// The force is infinite or undefined.
-    #[error("the force is not a finite number")]
-    UndefinedForce,
 }
 
 /// The description of a kind of filter.

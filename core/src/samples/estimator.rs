@@ -9,8 +9,8 @@ use crate::data::record::Parts;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::mathematics::truncated_normal::truncated;
+use crate::samples::passage::Passages;
 use crate::samples::sink::{Sample, Sink};
-use crate::samples::smoother::Passages;
 use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario, Stop};
 
 pub(crate) trait Estimator: Send {

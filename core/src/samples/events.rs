@@ -8,8 +8,9 @@ use crate::data::record::Parts;
 use crate::mathematics::filter::FilterError;
 use crate::samples::estimator::{Estimator, FilterContext, counts_in_samples};
 use crate::samples::pass;
+use crate::samples::passage::{Adjoint, Passages};
 use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::samples::smoother::{Adjoint, Hindsight, Passages};
+use crate::samples::smoother::Hindsight;
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
 use timeline::{TimedEvent, Timeline};

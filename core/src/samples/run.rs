@@ -5,10 +5,11 @@ pub(crate) mod revision;
 use std::sync::Arc;
 
 use crate::samples::estimator::{FilterContext, counts_in_samples};
-use crate::samples::pass::{apart, sensor_places};
-use crate::samples::simulate::{Recording, TruthStop};
-use crate::samples::sink::Tape;
+use crate::samples::pass::apart;
+use crate::samples::run_error::sensor_places;
+use crate::samples::simulate::{Recording, TruthStop, lookahead};
 use crate::samples::smoother::{FixedInterval, FixedLag, Forward, Smoother};
+use crate::samples::tape::Tape;
 use crate::samples::waste::Spare;
 use crate::{Channel, Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Source};
 
@@ -393,11 +394,6 @@ impl Bank {
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
         Estimates::new(filter, &model, Vec::new()).of_smoother()
     }
-}
-
-/// The number of samples, `dt` \[s\] apart, beyond its last one that a filter of a scenario reads of the record.
-pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
-    scenario.filters.iter().map(|filter| filter.delays(dt).lookahead()).max().unwrap_or(0)
 }
 
 /// The smoothed estimates of the filter at `place` of a scenario, given a whole record: those of

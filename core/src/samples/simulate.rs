@@ -11,7 +11,6 @@ use crate::data::scenario::fault::{Act, Moment};
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
-use crate::samples::run::lookahead;
 use crate::{Channel, Force, Quantity, Record, Scenario, Signal};
 
 use response::{HALVED, Response};
@@ -383,6 +382,11 @@ impl Recording {
     pub(crate) fn stop(&self) -> Option<TruthStop> {
         self.simulator.as_ref().and_then(|simulator| simulator.stop())
     }
+}
+
+/// The number of samples, `dt` \[s\] apart, beyond its last one that a filter of a scenario reads of the record.
+pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
+    scenario.filters.iter().map(|filter| filter.delays(dt).lookahead()).max().unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::Scenario;
 use crate::data::signal::Step;
-use crate::mathematics::channel::expected_channels;
+use crate::mathematics::catalogue::expected_channels;
 use crate::mathematics::equation::{self, Equation, EquationError, EquationSettings};
 use crate::mathematics::model::{InputKind, Model};
 use crate::{Channel, PlantKind, Signal};

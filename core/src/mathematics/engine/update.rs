@@ -8,11 +8,11 @@ use super::belief::Belief;
 use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column, times_cov};
-use super::filter::Passage;
-use super::learning::Innovations;
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
+use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
+use super::weights::Innovations;
 use crate::FilterError;
 
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
-use super::adaptation::Learning;
 use super::jump::Jump;
+use super::learning::Learning;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model};

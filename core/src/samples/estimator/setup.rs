@@ -9,7 +9,7 @@ use crate::mathematics::filter::{Algorithm, Gaussian, Noise, White};
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::lists::{mapped, numbers};
 use crate::samples::estimator::FilterContext;
-use crate::samples::pass::sensor_places;
+use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
 
 /// The most components of filters side by side, enough for ten masses: beyond, eight lanes of a matrix leave the caches.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::Hold;
 use crate::samples::estimator::State;
-use crate::samples::smoother::Passage;
+use crate::samples::passage::Passage;
 
 #[derive(Clone, Debug)]
 pub(super) struct TimedEvent {

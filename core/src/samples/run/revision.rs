@@ -1,10 +1,11 @@
 //! A change of a run's scenario, computed beside the run.
 
-use super::{Bank, Run, Update, lookahead};
+use super::{Bank, Run, Update};
 use crate::data::scenario::cost;
 use crate::mathematics::lists::{mapped, sort_items, sorted_places};
 use crate::samples::simulate::Recording;
-use crate::samples::sink::Tape;
+use crate::samples::simulate::lookahead;
+use crate::samples::tape::Tape;
 use crate::samples::waste::Spare;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
