@@ -13,18 +13,14 @@ const CHUNK: f64 = 1e6;
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub(crate) const OF_RECORD: f64 = 500.0;
 
-/// Time for one sample, to within a factor of three \[ns\]. It affects only the order and the portions of the work.
-pub(crate) fn of_step(settings: &FilterSettings, scenario: &Scenario) -> f64 {
-    let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
-    let one = (settings.kind.info().time)(&settings.method(truth), settings.model(truth, input).size());
-    let filters = settings.guesses.max(1) * settings.process_scales.max(1) * if settings.walk > 0.0 { 2 } else { 1 };
-    one * (settings.steps(truth, input, dt) * filters) as f64
-}
-
 impl FilterSettings {
-    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\].
+    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\]. It
+    /// affects only the order and the portions of the work.
     pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
-        of_step(self, scenario)
+        let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
+        let one = (self.kind.info().time)(&self.method(truth), self.model(truth, input).size());
+        let filters = self.guesses.max(1) * self.process_scales.max(1) * if self.walk > 0.0 { 2 } else { 1 };
+        one * (self.steps(truth, input, dt) * filters) as f64
     }
 }
 

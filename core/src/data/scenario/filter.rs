@@ -267,13 +267,6 @@ impl FilterColor {
 
     /// The name in running text.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Blue => "blue",
-            Self::Vermilion => "vermilion",
-            Self::Green => "green",
-            Self::Purple => "purple",
-            Self::Orange => "orange",
-            Self::Sky => "sky",
-        }
+        ["blue", "vermilion", "green", "purple", "orange", "sky"][self as usize]
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::place::{Filters, Member, Place};
+use super::place::{Member, Place};
 use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::data::signal::Signal;
@@ -62,7 +62,7 @@ impl Address {
         match &self.0 {
             Place::Scenario(info) => info.allowed.is_whole(),
             Place::Filters(_, Member::Number(info)) => info.allowed.is_whole(),
-            Place::Fault(_, _, info) => info.allowed.is_whole(),
+            Place::Fault(_, fault, place) => fault.info().numbers[*place].allowed.is_whole(),
             _ => false,
         }
     }
@@ -126,7 +126,7 @@ impl Address {
             Place::Parameter(channel) => channel.unit(),
             Place::Signal(channel, key) => signal_words(key).1.unwrap_or(channel.unit()),
             Place::Noise(quantity) => quantity.unit(),
-            Place::Fault(quantity, _, info) => info.scale.unit(*quantity),
+            Place::Fault(quantity, fault, place) => fault.info().numbers[*place].scale.unit(*quantity),
             Place::Filters(_, Member::Number(info)) => info.unit,
             Place::Filters(_, Member::Entry(table, entry)) => table.unit_of(*entry),
             Place::Filters(_, Member::Factor(..)) => "",
@@ -141,7 +141,9 @@ impl Address {
             Place::Parameter(channel) => format!("true {}", channel.symbol()),
             Place::Signal(channel, key) => format!("{} of true {}", signal_words(key).0, channel.symbol()),
             Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
-            Place::Fault(quantity, _, info) => format!("{} of {}", info.name, quantity.symbol()),
+            Place::Fault(quantity, fault, place) => {
+                format!("{} of {}", fault.info().numbers[*place].name, quantity.symbol())
+            }
             Place::Filters(_, Member::Number(info)) => {
                 let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
                 let words = label.strip_prefix(info.symbol).unwrap_or(label);
@@ -158,7 +160,9 @@ impl Address {
     /// same or among all.
     pub fn overlaps(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
-            (Place::Filters(one, a), Place::Filters(two, b)) => one.overlap(*two) && a.overlaps(b),
+            (Place::Filters(one, a), Place::Filters(two, b)) => {
+                (one == two || one.is_none() || two.is_none()) && a.overlaps(b)
+            }
             (one, two) => one == two,
         }
     }
@@ -176,13 +180,12 @@ impl Address {
             Place::Noise(quantity) => {
                 scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
             }
-            Place::Fault(quantity, fault, info) => {
+            Place::Fault(quantity, fault, place) => {
                 let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
-                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
-                sensor.zip(place).and_then(|(sensor, place)| sensor.faults.numbers(*fault)?.get(place).copied())
+                sensor.and_then(|sensor| sensor.faults.numbers(*fault)?.get(*place).copied())
             }
-            Place::Filters(filters, member) => {
-                let filter = scenario.filters.iter().find(|filter| filters.has(filter));
+            Place::Filters(id, member) => {
+                let filter = scenario.filters.iter().find(|filter| id.is_none_or(|id| filter.id == id));
                 filter.and_then(|filter| member.get(filter, &scenario.sensors))
             }
         };
@@ -202,15 +205,14 @@ impl Address {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
                 sensors.for_each(|sensor| sensor.noise_std = value);
             }
-            Place::Fault(quantity, fault, info) => {
-                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
+            Place::Fault(quantity, fault, place) => {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
-                let numbers = sensors.filter_map(|sensor| sensor.faults.numbers_mut(*fault)?.get_mut(place?));
+                let numbers = sensors.filter_map(|sensor| sensor.faults.numbers_mut(*fault)?.get_mut(*place));
                 numbers.for_each(|number| *number = value);
             }
-            Place::Filters(filters, member) => {
+            Place::Filters(id, member) => {
                 let Scenario { filters: all, sensors, .. } = scenario;
-                let meant = all.iter_mut().filter(|filter| filters.has(filter));
+                let meant = all.iter_mut().filter(|filter| id.is_none_or(|id| filter.id == id));
                 meant.enumerate().for_each(|(nth, filter)| member.set(filter, nth, value, sensors));
             }
         }
@@ -224,9 +226,11 @@ impl fmt::Display for Address {
             Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
             Place::Signal(channel, key) => write!(f, "plant.{}{key}", channel.key()),
             Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
-            Place::Fault(quantity, fault, info) => f.write_str(&fault.address(*quantity, info)),
-            Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
-            Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
+            Place::Fault(quantity, fault, place) => {
+                f.write_str(&fault.address(*quantity, &fault.info().numbers[*place]))
+            }
+            Place::Filters(None, member) => write!(f, "filters.*.{member}"),
+            Place::Filters(Some(id), member) => write!(f, "filters#{id}.{member}"),
         }
     }
 }
@@ -276,16 +280,8 @@ pub fn words_of(scenario: &Scenario, address: &Address) -> String {
     let key = address.to_string();
     let channel = address.channel().map_or("", crate::Channel::name);
     let words = format!("{} {} {channel} {}", scenario.address_by_name(&key), key, address.name());
-    let greek = [
-        ('λ', " lambda"),
-        ('η', " eta"),
-        ('ω', " omega"),
-        ('ζ', " zeta"),
-        ('μ', " mu"),
-        ('κ', " kappa"),
-        ('σ', " sigma"),
-    ];
-    let spelled: String = greek.iter().filter(|(letter, _)| words.contains(*letter)).map(|(_, name)| *name).collect();
+    let greek = "ληωζμκσ".chars().zip([" lambda", " eta", " omega", " zeta", " mu", " kappa", " sigma"]);
+    let spelled: String = greek.filter(|(letter, _)| words.contains(*letter)).map(|(_, name)| name).collect();
     (words + &spelled).replace(['_', '.'], " ").to_lowercase()
 }
 

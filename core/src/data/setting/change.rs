@@ -3,6 +3,7 @@
 use crate::mathematics::lists::sort_items;
 use toml::Value;
 
+use super::edit::put;
 use super::{
     Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, Entry, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
     SettingInfo, TableInfo, of_scenario, symbol,
@@ -133,14 +134,7 @@ impl<'a> Change<'a> {
         }
         let mut document = document::of(scenario)?;
         for Difference { key, now, .. } in &self.settings {
-            let path = match (address::split_id(key), scenario.filters_at(key)) {
-                (Some(_), Some((places, key))) => places.first().map(|place| format!("filters.{place}.{key}")),
-                (Some(_), None) => None,
-                (None, _) => Some(key.clone()),
-            };
-            let is_found = path.is_some_and(|path| document::put(&mut document, &path, now));
-            let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{key}`"));
-            is_found.then_some(()).ok_or_else(unknown)?;
+            put(&mut document, scenario, key, now, "")?;
         }
         let mut changed: Scenario = document::read(&document)?;
         changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));

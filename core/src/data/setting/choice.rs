@@ -1,10 +1,9 @@
 //! The settings that are one of several words: one row each.
 
-use std::fmt;
-
 use toml::Value;
 
 use super::Edit;
+use super::info::by_key;
 use crate::data::scenario::{FilterSettings, Scenario, option};
 use crate::data::signal::Force;
 use crate::mathematics::filter::Robust;
@@ -62,11 +61,7 @@ impl<T> ChoiceInfo<T> {
     }
 }
 
-impl<T> fmt::Debug for ChoiceInfo<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key)
-    }
-}
+by_key!(ChoiceInfo, T);
 
 static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "input",

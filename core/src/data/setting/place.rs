@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
 use crate::data::scenario::address::is_of_all;
-use crate::data::scenario::{Fault, FaultNumber, FilterSettings, Scenario, Sensor};
+use crate::data::scenario::{Fault, FilterSettings, Scenario, Sensor};
 use crate::mathematics::channel::Channel;
 use crate::mathematics::quantity::Quantity;
 
@@ -17,14 +17,10 @@ pub(super) enum Place {
     /// A number of the signal of a parameter that moves: the key behind that of the parameter.
     Signal(Channel, &'static str),
     Noise(Quantity),
-    Fault(Quantity, Fault, &'static FaultNumber),
-    Filters(Filters, Member),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Filters {
-    All,
-    Of(u32),
+    /// A number of a fault, by its place among them.
+    Fault(Quantity, Fault, usize),
+    /// A number of the filter with an id, or of all.
+    Filters(Option<u32>, Member),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +54,7 @@ impl Place {
             ["sensors", sensor, "faults", fault, number] => {
                 let (quantity, fault) = (quantity(scenario, sensor)?, Fault::from_key(fault)?);
                 let has = scenario.sensors.iter().any(|s| s.measures == quantity && s.faults.numbers(fault).is_some());
-                let number = fault.info().numbers.iter().find(|info| info.key == number).filter(|_| has)?;
+                let number = fault.info().numbers.iter().position(|info| info.key == number).filter(|_| has)?;
                 Some(Self::Fault(quantity, fault, number))
             }
             _ => Self::of_filters(scenario, text),
@@ -69,13 +65,11 @@ impl Place {
         let (places, key) = scenario.filters_at(text)?;
         let meant: Vec<&FilterSettings> = places.iter().filter_map(|&place| scenario.filters.get(place)).collect();
         let first = meant.first()?;
-        let filters = if is_of_all(text, key) {
-            Filters::All
-        } else {
-            // An id that several filters have would mean another one of them.
-            let is_unique = scenario.filters.iter().filter(|filter| filter.id == first.id).count() == 1;
-            is_unique.then_some(Filters::Of(first.id))?
-        };
+        let id = Some(first.id).filter(|_| !is_of_all(text, key));
+        // An id that several filters have would mean another one of them.
+        if id.is_some_and(|id| scenario.filters.iter().filter(|filter| filter.id == id).count() > 1) {
+            return None;
+        }
         let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key).map(|info| Member::Number(info));
         let member = number.or_else(|| {
             let (table, entry) = key.split_once('.').map_or((key, None), |(table, entry)| (table, Some(entry)));
@@ -93,7 +87,7 @@ impl Place {
             };
             meant.iter().all(has).then_some(Member::Entry(table, Entry::Channel(channel)))
         });
-        Some(Self::Filters(filters, member?))
+        Some(Self::Filters(id, member?))
     }
 
     /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.
@@ -141,19 +135,6 @@ fn quantity(scenario: &Scenario, sensor: &str) -> Option<Quantity> {
     match Quantity::from_key(sensor) {
         Some(quantity) => sensors.iter().any(|sensor| sensor.measures == quantity).then_some(quantity),
         None => sensors.get(sensor.parse::<usize>().ok()?).map(|sensor| sensor.measures),
-    }
-}
-
-impl Filters {
-    pub(super) fn has(self, filter: &FilterSettings) -> bool {
-        match self {
-            Self::All => true,
-            Self::Of(id) => filter.id == id,
-        }
-    }
-
-    pub(super) fn overlap(self, other: Self) -> bool {
-        self == other || self == Self::All || other == Self::All
     }
 }
 
