@@ -268,9 +268,9 @@ impl Scenario {
             first.map_or(channel.usual().mean, |filter| filter.initial_mean[channel])
         };
         let assumed = self.plant.kind.parameters().filter(|channel| is_own(channel) && !is_named(*channel));
-        let told: Vec<String> =
+        let named: Vec<String> =
             assumed.map(|channel| format!("{} (guess {})", channel.symbol(), guess(channel))).collect();
-        let (last, others) = told.split_last()?;
+        let (last, others) = named.split_last()?;
         let all = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
         let is = if others.is_empty() { "is taken for a parameter" } else { "are taken for parameters" };
         Some(format!("of the equation, {all} {is}: `parameters` can say name, unit, guess and range"))

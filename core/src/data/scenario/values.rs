@@ -115,26 +115,15 @@ impl Serialize for Values {
     }
 }
 
-pub(super) fn initial_mean<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    table(deserializer, Values::INITIAL_MEAN)
+macro_rules! tables {
+    ($($name:ident over $base:ident),*) => {
+        $(pub(super) fn $name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+            let entries: Vec<(Key, f64)> = entries(deserializer, "a table")?;
+            Ok(Values::$base.with(entries.into_iter().map(|(Key(channel), value)| (channel, value))))
+        })*
+    };
 }
-
-pub(super) fn initial_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    table(deserializer, Values::INITIAL_STD)
-}
-
-pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    table(deserializer, Values::PROCESS_STD)
-}
-
-pub(super) fn correlation_time<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    table(deserializer, Values::ZERO)
-}
-
-fn table<'de, D: Deserializer<'de>>(deserializer: D, base: Values) -> Result<Values, D::Error> {
-    let entries: Vec<(Key, f64)> = entries(deserializer, "a table")?;
-    Ok(base.with(entries.into_iter().map(|(Key(channel), value)| (channel, value))))
-}
+tables!(initial_mean over INITIAL_MEAN, initial_std over INITIAL_STD, process_std over PROCESS_STD, correlation_time over ZERO);
 
 /// The entries of a table, in their order. `expected` is the name of such a table in an error.
 pub(super) fn entries<'de, K: Deserialize<'de>, T: Deserialize<'de>, D: Deserializer<'de>>(

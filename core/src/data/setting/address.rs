@@ -170,26 +170,24 @@ impl Address {
     /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the first
     /// value. NaN where the scenario has no such number.
     pub fn get(&self, scenario: &Scenario) -> f64 {
-        let found = match &self.0 {
+        let sensor = |quantity| scenario.sensor_place(quantity).map(|place| &scenario.sensors[place]);
+        let number = match &self.0 {
             Place::Scenario(info) => Some((info.get)(scenario)),
             Place::Parameter(channel) => scenario.plant.parameter(*channel).map(|signal| signal.at(0.0)),
             Place::Signal(channel, key) => {
                 let numbers = scenario.plant.parameter(*channel).map(|signal| signal.numbers()).unwrap_or_default();
                 numbers.into_iter().find(|(own, _)| own == key).map(|(_, number)| number)
             }
-            Place::Noise(quantity) => {
-                scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
-            }
+            Place::Noise(quantity) => sensor(*quantity).map(|sensor| sensor.noise_std),
             Place::Fault(quantity, fault, place) => {
-                let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
-                sensor.and_then(|sensor| sensor.faults.numbers(*fault)?.get(*place).copied())
+                sensor(*quantity).and_then(|sensor| sensor.faults.numbers(*fault)?.get(*place).copied())
             }
             Place::Filters(id, member) => {
                 let filter = scenario.filters.iter().find(|filter| id.is_none_or(|id| filter.id == id));
                 filter.and_then(|filter| member.get(filter, &scenario.sensors))
             }
         };
-        found.unwrap_or(f64::NAN)
+        number.unwrap_or(f64::NAN)
     }
 
     /// Sets the value. A whole number is rounded; a signal becomes constant. The scenario may then be impossible.
@@ -351,37 +349,30 @@ mod tests {
 
     #[test]
     fn unknown_keys_are_refused() {
-        for key in [
-            "",
-            "plant.mass",
-            "plant.input_gain",
-            "plant.natural_frequency.ramp.to",
-            "plant.natural_frequency.step.by",
-            "filters.KF.fading",
-            "filters.EKF",
-            "filters.EKF.fadng",
-            "filters.EKF.sensor_std.acceleration",
-            "filters.EKF.sensor_std.2",
-            "filters.EKF.initial_mean.cubic_stiffness",
-            "sensors.acceleration.noise_std",
+        let a_filter = "; a filter has `fading`, `eta`, `jump`, ";
+        let its_plant = "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, ";
+        for (key, instead) in [
+            (
+                "",
+                "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`",
+            ),
+            ("plant.mass", its_plant),
+            ("plant.input_gain", its_plant),
+            ("plant.natural_frequency.ramp.to", its_plant),
+            ("plant.natural_frequency.step.by", its_plant),
+            ("filters.KF.fading", "; its filters are `EKF` and `UKF`"),
+            ("filters.EKF", ""),
+            ("filters.EKF.fadng", a_filter),
+            ("filters.EKF.sensor_std.acceleration", a_filter),
+            ("filters.EKF.sensor_std.2", a_filter),
+            ("filters.EKF.initial_mean.cubic_stiffness", a_filter),
+            (
+                "sensors.acceleration.noise_std",
+                "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`",
+            ),
         ] {
-            let unknown = Address::parse(&Scenario::default(), key).unwrap_err();
-            let instead = match key.strip_prefix("filters.") {
-                Some(rest) if rest.starts_with("KF.") => "; its filters are `EKF` and `UKF`",
-                Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `eta`, `jump`, ",
-                Some(_) => "",
-                None if key.starts_with("plant") => {
-                    "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "
-                }
-                None if key.starts_with("sensors") => {
-                    "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`"
-                }
-                None => {
-                    "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`"
-                }
-            };
-            let (begin, unknown) =
-                (format!("the scenario has no number `{key}` to vary{instead}"), unknown.to_string());
+            let unknown = Address::parse(&Scenario::default(), key).unwrap_err().to_string();
+            let begin = format!("the scenario has no number `{key}` to vary{instead}");
             assert!(if instead.ends_with(' ') { unknown.starts_with(&begin) } else { unknown == begin }, "{unknown}");
         }
     }

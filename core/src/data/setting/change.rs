@@ -5,7 +5,7 @@ use toml::Value;
 
 use super::edit::put;
 use super::{
-    Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, Entry, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
+    Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
     SettingInfo, TableInfo, of_scenario, symbol,
 };
 use crate::data::document::{self, Document};
@@ -44,7 +44,7 @@ struct Difference {
 }
 
 impl<'a> Change<'a> {
-    /// The change from `before` to `now`. An id tells which filter is which.
+    /// The change from `before` to `now`. Filters are the same where their ids are.
     pub fn between(before: &'a Scenario, now: &'a Scenario) -> Self {
         let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
         let mut change = Self { before, now, settings, added, removed };
@@ -219,12 +219,12 @@ fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
     }
 }
 
-/// A σ that is so many times the present one leaves its sensor out.
+/// A σ that is at least this many times the present one leaves its sensor out.
 const LEFT_OUT: f64 = 500.0;
 
 impl Edit {
     /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
-    /// What has no words is the line of a file.
+    /// An edit without words is the line of a file.
     ///
     /// ```
     /// use kalmanscope_core::{Scenario, setting::Edit};
@@ -296,13 +296,7 @@ impl Edit {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
                     return Some(format!("set {name} = {}", number(&self.value)?));
                 }
-                let (table, entry) = key.split_once('.')?;
-                let table = TableInfo::from_key(table)?;
-                let entry = if table.is_of_sensors() {
-                    Entry::Sensor(Quantity::from_key(entry)?)
-                } else {
-                    Entry::Channel(Channel::from_key(entry)?)
-                };
+                let (table, entry) = TableInfo::entry(key, &Quantity::from_key)?;
                 Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
             }
         }

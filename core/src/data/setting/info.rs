@@ -104,11 +104,12 @@ field! {
 }
 
 macro_rules! row {
-    ($key:literal, $($field:ident).+, $($data:tt)*) => {
+    ($($field:ident).+, $name:literal, $($data:tt)*) => {
         SettingInfo {
+            name: $name,
             $($data)*
             ..SettingInfo::new(
-                $key,
+                stringify!($($field).+),
                 |of| Field::number(of.$($field).+),
                 |of, value| of.$($field).+ = Field::from_number(value),
             )

@@ -39,16 +39,15 @@ impl Place {
         }
         let keys: Vec<&str> = text.split('.').collect();
         match keys[..] {
-            ["plant", parameter] => {
+            ["plant", parameter, ref rest @ ..] => {
                 let channel = Channel::from_key(parameter)?;
-                scenario.plant.parameters().find(|c| *c == channel).map(Self::Parameter)
-            }
-            ["plant", parameter, _, _] => {
-                let channel = Channel::from_key(parameter)?;
-                let signal =
-                    scenario.plant.parameters().find(|c| *c == channel).and_then(|c| scenario.plant.parameter(c))?;
+                let channel = scenario.plant.parameters().find(|own| *own == channel)?;
+                if rest.is_empty() {
+                    return Some(Self::Parameter(channel));
+                }
                 let key = text.strip_prefix(PLANT)?.strip_prefix(parameter)?;
-                signal.numbers().into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
+                let numbers = scenario.plant.parameter(channel)?.numbers();
+                numbers.into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
             }
             ["sensors", sensor, "noise_std"] => Some(Self::Noise(quantity(scenario, sensor)?)),
             ["sensors", sensor, "faults", fault, number] => {
@@ -70,24 +69,22 @@ impl Place {
         if id.is_some_and(|id| scenario.filters.iter().filter(|filter| filter.id == id).count() > 1) {
             return None;
         }
-        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key).map(|info| Member::Number(info));
-        let member = number.or_else(|| {
-            let (table, entry) = key.split_once('.').map_or((key, None), |(table, entry)| (table, Some(entry)));
-            let table = TableInfo::from_key(table)?;
-            let Some(entry) = entry else {
-                let bases = || meant.iter().copied().cloned().collect();
-                return table.factor.map(|_| Member::Factor(table, bases()));
+        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key);
+        let member = if let Some(info) = number {
+            Member::Number(info)
+        } else if let Some(table) = TableInfo::from_key(key).filter(|table| table.factor.is_some()) {
+            Member::Factor(table, meant.into_iter().cloned().collect())
+        } else {
+            let (table, entry) = TableInfo::entry(key, &|sensor| quantity(scenario, sensor))?;
+            let has = |filter: &&FilterSettings| match entry {
+                Entry::Channel(channel) => {
+                    filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
+                }
+                Entry::Sensor(_) => true,
             };
-            if table.is_of_sensors() {
-                return Some(Member::Entry(table, Entry::Sensor(quantity(scenario, entry)?)));
-            }
-            let channel = Channel::from_key(entry)?;
-            let has = |filter: &&FilterSettings| {
-                filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
-            };
-            meant.iter().all(has).then_some(Member::Entry(table, Entry::Channel(channel)))
-        });
-        Some(Self::Filters(id, member?))
+            meant.iter().all(has).then_some(Member::Entry(table, entry))?
+        };
+        Some(Self::Filters(id, member))
     }
 
     /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.

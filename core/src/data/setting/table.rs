@@ -135,6 +135,17 @@ impl TableInfo {
         TABLES.into_iter().find(|table| table.key == key)
     }
 
+    pub(super) fn entry(key: &str, sensor: &dyn Fn(&str) -> Option<Quantity>) -> Option<(&'static Self, Entry)> {
+        let (table, entry) = key.split_once('.')?;
+        let table = Self::from_key(table)?;
+        let entry = if table.is_of_sensors() {
+            Entry::Sensor(sensor(entry)?)
+        } else {
+            Entry::Channel(Channel::from_key(entry)?)
+        };
+        Some((table, entry))
+    }
+
     /// The unit of an entry, empty for a pure number.
     pub fn unit_of(&self, entry: Entry) -> &'static str {
         self.unit.unwrap_or(entry.unit())
