@@ -200,8 +200,12 @@ impl DocumentError {
     }
 
     /// The same error, as seen from one step further out.
-    pub(crate) fn at_key(mut self, key: &str) -> Self {
-        self.0.path.insert(0, Step::Key(key.to_owned()));
+    pub(crate) fn at_key(self, key: &str) -> Self {
+        self.within(Step::Key(key.to_owned()))
+    }
+
+    fn within(mut self, step: Step) -> Self {
+        self.0.path.insert(0, step);
         self
     }
 
@@ -237,11 +241,7 @@ fn start(root: Spanned<DeTable<'_>>, path: &[Step]) -> usize {
 
 /// The error for the first null of a document from TOML, which has no null: there stands a number that is not finite.
 pub(crate) fn not_finite(document: &Document) -> Option<DocumentError> {
-    let at = |step, inner| {
-        let mut error = not_finite(inner)?;
-        error.0.path.insert(0, step);
-        Some(error)
-    };
+    let at = |step, inner| Some(not_finite(inner)?.within(step));
     match document {
         Document::Null => Some(DocumentError::new("must be a finite number")),
         Document::Object(entries) => entries.iter().find_map(|(key, inner)| at(Step::Key(key.clone()), inner)),

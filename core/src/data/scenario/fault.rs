@@ -370,14 +370,6 @@ impl Fault {
     fn place(self) -> usize {
         Self::ALL.iter().position(|fault| *fault == self).unwrap_or(0)
     }
-
-    fn usual(self, quantity: Quantity) -> [f64; MOST] {
-        let mut numbers = [0.0; MOST];
-        for (number, info) in numbers.iter_mut().zip(self.0.numbers) {
-            *number = info.usual * info.scale.size(quantity);
-        }
-        numbers
-    }
 }
 
 impl Scale {
@@ -427,7 +419,13 @@ impl Faults {
 
     /// Adds a fault with numbers that are usual for a sensor of a quantity.
     pub fn add(&mut self, fault: Fault, quantity: Quantity) {
-        self.0[fault.place()].get_or_insert_with(|| fault.usual(quantity));
+        self.0[fault.place()].get_or_insert_with(|| {
+            let mut numbers = [0.0; MOST];
+            for (number, info) in numbers.iter_mut().zip(fault.0.numbers) {
+                *number = info.usual * info.scale.size(quantity);
+            }
+            numbers
+        });
     }
 
     /// Removes a fault.
