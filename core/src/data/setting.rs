@@ -23,6 +23,7 @@ pub use filter::{
     CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES,
     SMOOTHER, WALK,
 };
+pub(crate) use info::by_key;
 pub use info::{Allowed, SettingInfo};
 pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
 pub use table::{

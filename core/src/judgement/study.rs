@@ -105,7 +105,7 @@ impl Study {
             return false;
         }
         let scenario = run.scenario();
-        let costs = scenario.filters.iter().map(|filter| cost::of_step(filter, scenario));
+        let costs = scenario.filters.iter().map(|filter| filter.time_of_step(scenario));
         let chunk = cost::chunk(cost::OF_RECORD + costs.sum::<f64>());
         let is_measured = run.source().is_measured();
         while run.done() < samples.min(run.samples()) {

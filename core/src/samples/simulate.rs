@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::data::scenario::fault::{Act, Moment};
+use crate::data::scenario::fault::{Act, Moment, Stage};
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
@@ -51,7 +51,7 @@ pub struct Simulator {
     inputs: Inputs,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
-    faults: Vec<Vec<Box<dyn Act>>>,
+    faults: Vec<Vec<Act>>,
     model: Model,
     signals: Vec<Signal>,
     readings: Vec<Option<Reading>>,
@@ -189,13 +189,15 @@ impl Simulator {
         {
             let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
-            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.exact(exact));
-            let noise = faults.iter_mut().fold(noise.sample(), |noise, fault| fault.noise(noise, &moment));
+            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(Stage::Exact, exact, &moment));
+            let noise =
+                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(Stage::Noise, noise, &moment));
             let value = exact + sensor.noise_std * noise;
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            let reported = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
+            let reported =
+                faults.iter_mut().fold(value, |reading, fault| fault.apply(Stage::Reading, reading, &moment));
             if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }

@@ -68,12 +68,9 @@ impl Scenario {
 
     /// The same address by the filter's id, if it is of one filter of the scenario; else the address as it is.
     pub fn address_by_id(&self, address: &str) -> String {
-        match self.filters_at(address) {
-            Some((places, key)) if !is_of_all(address, key) => {
-                places.first().map_or_else(|| address.to_owned(), |&place| self.filters[place].address(key))
-            }
-            _ => address.to_owned(),
-        }
+        let one = self.filters_at(address).filter(|(_, key)| !is_of_all(address, key));
+        let by_id = one.and_then(|(places, key)| Some(self.filters.get(*places.first()?)?.address(key)));
+        by_id.unwrap_or_else(|| address.to_owned())
     }
 
     /// The same address by the filter's name, as people write it; one of no filter of the scenario is left as it is.

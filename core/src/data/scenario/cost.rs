@@ -13,21 +13,6 @@ const CHUNK: f64 = 1e6;
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub(crate) const OF_RECORD: f64 = 500.0;
 
-/// Time for one sample, to within a factor of three \[ns\]. It affects only the order and the portions of the work.
-pub(crate) fn of_step(settings: &FilterSettings, scenario: &Scenario) -> f64 {
-    let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
-    let one = (settings.kind.info().time)(&settings.method(truth), settings.model(truth, input).size());
-    let filters = settings.guesses.max(1) * settings.process_scales.max(1) * if settings.walk > 0.0 { 2 } else { 1 };
-    one * (settings.steps(truth, input, dt) * filters) as f64
-}
-
-impl FilterSettings {
-    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\].
-    pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
-        of_step(self, scenario)
-    }
-}
-
 /// Time that one member of an ensemble takes for one sample \[ns\]: by the number of its
 /// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
 const OF_COMPONENT: f64 = 250.0;
@@ -63,17 +48,26 @@ const LEAST: usize = 4;
 /// The initial standard deviations from the initial mean at which a motion may be: the slopes of its forces count there too.
 const REACH: f64 = 2.0;
 
-/// The number of steps over an angle `turn` \[rad\] that leave out little, if a record tells the frequency to a share `told`.
+/// The number of steps over an angle `turn` \[rad\] that leave out little, if a record has the frequency to a relative `accuracy`.
 ///
-/// A step of fourth order over an angle h turns by a share of h⁴ / 120 too little, which must be small beside `told`. Source: Hairer,
+/// A step of fourth order over an angle h turns by a share of h⁴ / 120 too little, which must be small beside `accuracy`. Source: Hairer,
 /// Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.2 (the terms of the exponential that four
 /// stages lack).
-pub(crate) fn steps_over(turn: f64, told: Option<f64>) -> usize {
-    let step = told.map_or(MOST, |told| libm::sqrt(libm::sqrt(120.0 * SMALL * told)).min(MOST));
+pub(crate) fn steps_over(turn: f64, accuracy: Option<f64>) -> usize {
+    let step = accuracy.map_or(MOST, |accuracy| libm::sqrt(libm::sqrt(120.0 * SMALL * accuracy)).min(MOST));
     libm::ceil(turn / step).clamp(1.0, MOST_STEPS) as usize
 }
 
 impl FilterSettings {
+    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\]. It
+    /// affects only the order and the portions of the work.
+    pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
+        let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
+        let one = (self.kind.info().time)(&self.method(truth), self.model(truth, input).size());
+        let filters = self.guesses.max(1) * self.process_scales.max(1) * if self.walk > 0.0 { 2 } else { 1 };
+        one * (self.steps(truth, input, dt) * filters) as f64
+    }
+
     /// The propagation of the mean of a KF, EKF or IEKF of a truth of this kind: that of the settings, else local linearisation where
     /// it is exact, and Runge-Kutta steps for a plant that is not linear.
     pub fn propagation_for(&self, truth: PlantKind) -> Propagation {

@@ -72,7 +72,7 @@ impl Scenario {
     }
 
     /// Reads a document; `locate` adds to an error its place in the text that the document was read from.
-    pub(super) fn read(
+    fn read(
         document: &Document,
         locate: impl FnOnce(DocumentError) -> DocumentError,
     ) -> Result<(Self, Vec<String>), ScenarioError> {
@@ -100,7 +100,7 @@ impl Scenario {
     }
 
     /// Without channels that no plant has, numbers with their default value, and ids that equal the filters' places.
-    pub(super) fn as_written(&self) -> Self {
+    fn as_written(&self) -> Self {
         let mut scenario = self.clone();
         let (truth, input) = (scenario.plant.kind, scenario.input);
         let are_in_order = (1..).zip(&scenario.filters).all(|(number, filter)| filter.id == number);
@@ -116,27 +116,7 @@ impl Scenario {
         }
         scenario
     }
-}
 
-/// Their parameters are then known wherever they stand in the file. A text that is none is reported where it is read.
-fn know_equations(document: &Document) {
-    if let Some(equation) = document.get("equation") {
-        let mut alone = json!({ "equation": equation });
-        if let Some(parameters) = document.get("parameters") {
-            alone["parameters"] = parameters.clone();
-        }
-        if let Ok(settings) = document::read(&alone) {
-            let _known = PlantKind::of_equation(&settings);
-        }
-    }
-    match document {
-        Document::Object(entries) => entries.values().for_each(know_equations),
-        Document::Array(values) => values.iter().for_each(know_equations),
-        _ => {}
-    }
-}
-
-impl Scenario {
     /// Reads a scenario file and checks it.
     ///
     /// # Errors
@@ -162,5 +142,23 @@ impl Scenario {
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         // The detour over a table puts subtables after plain values.
         Ok(document::to_toml(&self.as_written())?)
+    }
+}
+
+/// Their parameters are then known wherever they stand in the file. A text that is none is reported where it is read.
+fn know_equations(document: &Document) {
+    if let Some(equation) = document.get("equation") {
+        let mut alone = json!({ "equation": equation });
+        if let Some(parameters) = document.get("parameters") {
+            alone["parameters"] = parameters.clone();
+        }
+        if let Ok(settings) = document::read(&alone) {
+            let _known = PlantKind::of_equation(&settings);
+        }
+    }
+    match document {
+        Document::Object(entries) => entries.values().for_each(know_equations),
+        Document::Array(values) => values.iter().for_each(know_equations),
+        _ => {}
     }
 }

@@ -42,7 +42,7 @@ pub struct FilterSettings {
     /// (Schmidt 1966).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub consider: Vec<Channel>,
-    /// The least and the most that parameters and augmentations can be: what the filter tells are mean and covariance of its belief
+    /// The least and the most that parameters and augmentations can be: the estimates are mean and covariance of the belief
     /// between them.
     #[serde(skip_serializing_if = "Bounds::is_empty")]
     pub bounds: Bounds,
@@ -65,7 +65,7 @@ pub struct FilterSettings {
     /// its initial mean; the likeliest so far is reported. 1 for the initial mean alone.
     #[serde(skip_serializing_if = "is_one")]
     pub guesses: usize,
-    /// The number of filters that run side by side with Q as it is set, smaller and larger, √Q from 1/30 to 30 times; what is told is their
+    /// The number of filters that run side by side with Q as it is set, smaller and larger, √Q from 1/30 to 30 times; the estimates are their
     /// mixture, and how large Q is. It learns as [`Self::adaptation`] says. 1 for Q as it is set.
     #[serde(skip_serializing_if = "is_one")]
     pub process_scales: usize,
@@ -74,7 +74,7 @@ pub struct FilterSettings {
     /// Whether the filter learns R and Q from its innovations.
     pub adaptation: Adaptation,
     /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
-    /// change it learns anew, and before it forgets nothing.
+    /// change it learns again, and before it forgets nothing.
     #[serde(skip_serializing_if = "is_default")]
     pub jump: bool,
     /// w \[1/√s\] of a bank of two models: the parameters are still in the first, and walk by w initial standard deviations in a
@@ -96,11 +96,11 @@ pub struct FilterSettings {
     /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
     /// R. The sensors' true ones if the list is empty in a file.
     pub sensor_std: Vec<f64>,
-    /// The time by which each sensor is late, as the filter assumes, in their order \[s\]: a reading tells of so long before its own time;
+    /// The time by which each sensor is late, as the filter assumes, in their order \[s\]: a reading is of that time before its own;
     /// negative where it is early. Filters that count in samples take the nearest. No sensor is if the list is empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensor_delay: Vec<f64>,
-    /// The times at which the motion begins anew, pulled by an unknown force \[s\], in rising order: there the filter forgets it, and takes it
+    /// The times at which the motion begins again, pulled by an unknown force \[s\], in rising order: there the filter forgets it, and takes it
     /// for as uncertain as at the beginning. Parameters and augmentations are what they were.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plucks: Vec<f64>,
@@ -267,13 +267,6 @@ impl FilterColor {
 
     /// The name in running text.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Blue => "blue",
-            Self::Vermilion => "vermilion",
-            Self::Green => "green",
-            Self::Purple => "purple",
-            Self::Orange => "orange",
-            Self::Sky => "sky",
-        }
+        ["blue", "vermilion", "green", "purple", "orange", "sky"][self as usize]
     }
 }

@@ -40,7 +40,7 @@ impl Scenario {
 
     /// Gives filters with a name that another filter has one of their own. Returns a sentence for each.
     pub(super) fn part_names(&mut self) -> Vec<String> {
-        let mut told = Vec::new();
+        let mut sentences = Vec::new();
         for place in 0..self.filters.len() {
             let (before, rest) = self.filters.split_at(place);
             let name = &rest[0].name;
@@ -51,10 +51,10 @@ impl Scenario {
             let new = self.free_filter_name(name);
             let reason =
                 if name == ALL { "this name stands for all filters" } else { "an earlier filter has this name" };
-            told.push(format!("filter {} is called `{new}` in place of `{name}`: {reason}", place + 1));
+            sentences.push(format!("filter {} is called `{new}` in place of `{name}`: {reason}", place + 1));
             self.filters[place].name = new;
         }
-        told
+        sentences
     }
 
     /// Gives filters without a name that of their kind, with a number behind it where it is taken.
@@ -149,12 +149,12 @@ mod tests {
             (&["ekf=*", "ekf=EKF, smoothed", "ekf"], &["* 2", "EKF, smoothed", "EKF 2"], 1),
             (&["ekf=a", "ekf=a, smoothed"], &["a", "a, smoothed 2"], 1),
         ] {
-            let (names, told) = named(filters);
+            let (names, sentences) = named(filters);
             assert_eq!(names, expected, "{filters:?}");
-            assert_eq!(told.len(), remarks, "{told:?}");
+            assert_eq!(sentences.len(), remarks, "{sentences:?}");
         }
-        let (_, told) = named(&["ekf=a", "ukf=a"]);
-        assert_eq!(told, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
+        let (_, sentences) = named(&["ekf=a", "ukf=a"]);
+        assert_eq!(sentences, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
     }
 
     #[test]

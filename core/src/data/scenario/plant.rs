@@ -176,10 +176,10 @@ impl<'de> Deserialize<'de> for Plant {
                 let own = |settings: &EquationSettings| PlantKind::of_equation(settings).map_err(de::Error::custom);
                 let mut plant = Plant::default();
                 let mut equation: Option<EquationSettings> = None;
-                while let Some(key) = map.next_key()? {
-                    match key {
-                        Key::Kind => plant.kind = map.next_value()?,
-                        Key::Equation => {
+                while let Some(Key(key)) = map.next_key()? {
+                    match key.as_str() {
+                        "kind" => plant.kind = map.next_value()?,
+                        "equation" => {
                             let known = equation.get_or_insert_with(|| EquationSettings::new(""));
                             known.equation = map.next_value()?;
                             // The keys that follow are those of its parameters.
@@ -187,13 +187,16 @@ impl<'de> Deserialize<'de> for Plant {
                                 own(known)?;
                             }
                         }
-                        Key::Parameters => {
+                        "parameters" => {
                             equation.get_or_insert_with(|| EquationSettings::new("")).parameters = map.next_value()?;
                         }
-                        Key::Initial => plant.initial = map.next_value()?,
-                        Key::InputDelay => plant.input_delay = map.next_value()?,
-                        Key::DisturbanceStd => plant.disturbance_std = map.next_value()?,
-                        Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
+                        "initial" => plant.initial = map.next_value()?,
+                        "input_delay" => plant.input_delay = map.next_value()?,
+                        "disturbance_std" => plant.disturbance_std = map.next_value()?,
+                        other => {
+                            let signal = map.next_value::<Signal>()?;
+                            Channel::from_key(other).into_iter().for_each(|channel| plant.set(channel, signal));
+                        }
                     }
                 }
                 match &equation {
@@ -212,34 +215,18 @@ impl<'de> Deserialize<'de> for Plant {
 }
 
 /// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
-enum Key {
-    Kind,
-    Equation,
-    Parameters,
-    Initial,
-    DisturbanceStd,
-    InputDelay,
-    Parameter(Channel),
-}
+struct Key(String);
+
+const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "disturbance_std", "input_delay"];
 
 impl<'de> Deserialize<'de> for Key {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        match key.as_str() {
-            "kind" => Ok(Self::Kind),
-            "equation" => Ok(Self::Equation),
-            "parameters" => Ok(Self::Parameters),
-            "initial" => Ok(Self::Initial),
-            "input_delay" => Ok(Self::InputDelay),
-            "disturbance_std" => Ok(Self::DisturbanceStd),
-            other => match Channel::from_key(other).filter(|channel| channel.is_parameter()) {
-                Some(channel) => Ok(Self::Parameter(channel)),
-                None => Err(de::Error::custom(format!(
-                    "unknown field `{other}`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` or {}",
-                    expected_channels(Channel::is_parameter)
-                ))),
-            },
+        if OWN_KEYS.contains(&key.as_str()) || Channel::from_key(&key).is_some_and(Channel::is_parameter) {
+            return Ok(Self(key));
         }
+        let (own, channels) = (OWN_KEYS.join("`, `"), expected_channels(Channel::is_parameter));
+        Err(de::Error::custom(format!("unknown field `{key}`, expected `{own}` or {channels}")))
     }
 }
 
@@ -281,9 +268,9 @@ impl Scenario {
             first.map_or(channel.usual().mean, |filter| filter.initial_mean[channel])
         };
         let assumed = self.plant.kind.parameters().filter(|channel| is_own(channel) && !is_named(*channel));
-        let told: Vec<String> =
+        let named: Vec<String> =
             assumed.map(|channel| format!("{} (guess {})", channel.symbol(), guess(channel))).collect();
-        let (last, others) = told.split_last()?;
+        let (last, others) = named.split_last()?;
         let all = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
         let is = if others.is_empty() { "is taken for a parameter" } else { "are taken for parameters" };
         Some(format!("of the equation, {all} {is}: `parameters` can say name, unit, guess and range"))

@@ -109,7 +109,7 @@ impl Law {
 
 impl Scenario {
     /// The member of the population with a seed: its noise is that of the seed, its drawn numbers are set, and nothing of it is
-    /// drawn any more. Each number has a stream of its own by its address, so that one more changes no other. A member may be
+    /// drawn any more. Each number has its own stream by its address, so that one more changes no other. A member may be
     /// impossible, as with a damping ratio below 0.
     #[must_use]
     pub fn member(&self, seed: u64) -> Self {

@@ -103,22 +103,7 @@ const MOST_PLUCKS: usize = 1000;
 
 impl FilterSettings {
     fn validate(&self, path: Arguments<'_>, sensors: usize, dt: f64, truth: PlantKind) -> Result<(), ScenarioError> {
-        let Self {
-            kind,
-            plant,
-            augment,
-            consider,
-            bounds,
-            log_parameters,
-            substeps,
-            guesses,
-            ensemble_size,
-            sensor_std,
-            sensor_delay,
-            plucks,
-            initial_mean,
-            ..
-        } = self;
+        let Self { kind, plant, ensemble_size, sensor_std, sensor_delay, plucks, initial_mean, .. } = self;
         own_key(kind.is_impostor(), format_args!("{path}.kind"), kind.key())?;
         if let Some(plant) = plant {
             own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
@@ -127,9 +112,9 @@ impl FilterSettings {
             check(format_args!("{path}."), info, self)?;
         }
         require(
-            *guesses == 1 || self.has_frequency(truth),
+            self.guesses == 1 || self.has_frequency(truth),
             format_args!("{path}.guesses"),
-            guesses,
+            self.guesses,
             "1 for a filter without a natural frequency above 0 to estimate",
         )?;
         if let Some((other, first, reason)) = self.excluded() {
@@ -139,9 +124,9 @@ impl FilterSettings {
         }
         if kind.is_sampled() {
             let components = self.model(truth, InputKind::default()).size();
-            let most = largest_ensemble(components, (*substeps).max(1));
+            let steps = self.substeps.max(1);
+            let most = largest_ensemble(components, steps);
             if *ensemble_size > most.max(2) {
-                let steps = (*substeps).max(1);
                 let allowed =
                     format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
                 return Err(impossible(format_args!("{path}.ensemble_size"), ensemble_size, allowed));
@@ -150,17 +135,17 @@ impl FilterSettings {
         let is_considerable = |channel: Channel| self.considerable(truth).any(|known| known == channel);
         each_once(
             format_args!("{path}.augment"),
-            augment,
+            &self.augment,
             &Channel::is_augmentation,
             "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ or sensor_gain_ and a sensor",
         )?;
         each_once(
             format_args!("{path}.consider"),
-            consider,
+            &self.consider,
             &is_considerable,
             "a parameter that the filter does not know, or one of its augmentations but the white force, each once",
         )?;
-        for (channel, between) in bounds.iter() {
+        for (channel, between) in self.bounds.iter() {
             let key = format_args!("{path}.bounds.{}", channel.key());
             let [least, most] = between.ends();
             require(
@@ -181,7 +166,7 @@ impl FilterSettings {
                 return Err(impossible(key, mean, format_args!("between its bounds, {least} and {most}")));
             }
         }
-        if *log_parameters {
+        if self.log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
                 let key = format_args!("{path}.initial_mean.{}", channel.key());
                 number(key, initial_mean[channel], Allowed::Above(0.0))?;

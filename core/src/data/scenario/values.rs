@@ -1,14 +1,14 @@
 //! One number for each channel, or its bounds, as a table in scenario files.
 
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Channel;
-use crate::mathematics::catalogue::expected_channels;
-use crate::mathematics::channel::Usual;
+use crate::mathematics::channel::{Usual, expected_channels};
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
 /// numbers have their usual value.
@@ -115,42 +115,44 @@ impl Serialize for Values {
     }
 }
 
-pub(super) fn initial_mean<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    deserializer.deserialize_map(Table(Values::INITIAL_MEAN))
+macro_rules! tables {
+    ($($name:ident over $base:ident),*) => {
+        $(pub(super) fn $name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+            let entries: Vec<(Key, f64)> = entries(deserializer, "a table")?;
+            Ok(Values::$base.with(entries.into_iter().map(|(Key(channel), value)| (channel, value))))
+        })*
+    };
+}
+tables!(initial_mean over INITIAL_MEAN, initial_std over INITIAL_STD, process_std over PROCESS_STD, correlation_time over ZERO);
+
+/// The entries of a table, in their order. `expected` is the name of such a table in an error.
+pub(super) fn entries<'de, K: Deserialize<'de>, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+    expected: &'static str,
+) -> Result<Vec<(K, T)>, D::Error> {
+    deserializer.deserialize_map(Entries(expected, PhantomData))
 }
 
-pub(super) fn initial_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    deserializer.deserialize_map(Table(Values::INITIAL_STD))
-}
+struct Entries<E>(&'static str, PhantomData<E>);
 
-pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    deserializer.deserialize_map(Table(Values::PROCESS_STD))
-}
-
-pub(super) fn correlation_time<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-    deserializer.deserialize_map(Table(Values::ZERO))
-}
-
-struct Table(Values);
-
-impl<'de> Visitor<'de> for Table {
-    type Value = Values;
+impl<'de, K: Deserialize<'de>, T: Deserialize<'de>> Visitor<'de> for Entries<(K, T)> {
+    type Value = Vec<(K, T)>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a table")
+        f.write_str(self.0)
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Values, A::Error> {
-        let Self(mut values) = self;
-        while let Some(Key(channel)) = map.next_key()? {
-            values[channel] = map.next_value()?;
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut entries = Vec::new();
+        while let Some(entry) = map.next_entry()? {
+            entries.push(entry);
         }
-        Ok(values)
+        Ok(entries)
     }
 }
 
 /// A channel as a key. An unknown key fails here, as a key, so that the message names its line.
-pub(super) struct Key(pub(super) Channel);
+struct Key(Channel);
 
 impl<'de> Deserialize<'de> for Key {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -227,24 +229,10 @@ impl Serialize for Bounds {
 
 impl<'de> Deserialize<'de> for Bounds {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Table;
-
-        impl<'de> Visitor<'de> for Table {
-            type Value = Bounds;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table of channels")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Bounds, A::Error> {
-                let mut bounds = Bounds::default();
-                while let Some(Key(channel)) = map.next_key()? {
-                    bounds.set(channel, map.next_value()?);
-                }
-                Ok(bounds)
-            }
+        let mut bounds = Self::default();
+        for (Key(channel), between) in entries(deserializer, "a table of channels")? {
+            bounds.set(channel, between);
         }
-
-        deserializer.deserialize_map(Table)
+        Ok(bounds)
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::place::{Filters, Member, Place};
+use super::place::{Member, Place};
 use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::data::signal::Signal;
@@ -62,7 +62,7 @@ impl Address {
         match &self.0 {
             Place::Scenario(info) => info.allowed.is_whole(),
             Place::Filters(_, Member::Number(info)) => info.allowed.is_whole(),
-            Place::Fault(_, _, info) => info.allowed.is_whole(),
+            Place::Fault(_, fault, place) => fault.info().numbers[*place].allowed.is_whole(),
             _ => false,
         }
     }
@@ -126,7 +126,7 @@ impl Address {
             Place::Parameter(channel) => channel.unit(),
             Place::Signal(channel, key) => signal_words(key).1.unwrap_or(channel.unit()),
             Place::Noise(quantity) => quantity.unit(),
-            Place::Fault(quantity, _, info) => info.scale.unit(*quantity),
+            Place::Fault(quantity, fault, place) => fault.info().numbers[*place].scale.unit(*quantity),
             Place::Filters(_, Member::Number(info)) => info.unit,
             Place::Filters(_, Member::Entry(table, entry)) => table.unit_of(*entry),
             Place::Filters(_, Member::Factor(..)) => "",
@@ -141,7 +141,9 @@ impl Address {
             Place::Parameter(channel) => format!("true {}", channel.symbol()),
             Place::Signal(channel, key) => format!("{} of true {}", signal_words(key).0, channel.symbol()),
             Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
-            Place::Fault(quantity, _, info) => format!("{} of {}", info.name, quantity.symbol()),
+            Place::Fault(quantity, fault, place) => {
+                format!("{} of {}", fault.info().numbers[*place].name, quantity.symbol())
+            }
             Place::Filters(_, Member::Number(info)) => {
                 let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
                 let words = label.strip_prefix(info.symbol).unwrap_or(label);
@@ -158,7 +160,9 @@ impl Address {
     /// same or among all.
     pub fn overlaps(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
-            (Place::Filters(one, a), Place::Filters(two, b)) => one.overlap(*two) && a.overlaps(b),
+            (Place::Filters(one, a), Place::Filters(two, b)) => {
+                (one == two || one.is_none() || two.is_none()) && a.overlaps(b)
+            }
             (one, two) => one == two,
         }
     }
@@ -166,27 +170,24 @@ impl Address {
     /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the first
     /// value. NaN where the scenario has no such number.
     pub fn get(&self, scenario: &Scenario) -> f64 {
-        let found = match &self.0 {
+        let sensor = |quantity| scenario.sensor_place(quantity).map(|place| &scenario.sensors[place]);
+        let number = match &self.0 {
             Place::Scenario(info) => Some((info.get)(scenario)),
             Place::Parameter(channel) => scenario.plant.parameter(*channel).map(|signal| signal.at(0.0)),
             Place::Signal(channel, key) => {
                 let numbers = scenario.plant.parameter(*channel).map(|signal| signal.numbers()).unwrap_or_default();
                 numbers.into_iter().find(|(own, _)| own == key).map(|(_, number)| number)
             }
-            Place::Noise(quantity) => {
-                scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
+            Place::Noise(quantity) => sensor(*quantity).map(|sensor| sensor.noise_std),
+            Place::Fault(quantity, fault, place) => {
+                sensor(*quantity).and_then(|sensor| sensor.faults.numbers(*fault)?.get(*place).copied())
             }
-            Place::Fault(quantity, fault, info) => {
-                let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
-                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
-                sensor.zip(place).and_then(|(sensor, place)| sensor.faults.numbers(*fault)?.get(place).copied())
-            }
-            Place::Filters(filters, member) => {
-                let filter = scenario.filters.iter().find(|filter| filters.has(filter));
+            Place::Filters(id, member) => {
+                let filter = scenario.filters.iter().find(|filter| id.is_none_or(|id| filter.id == id));
                 filter.and_then(|filter| member.get(filter, &scenario.sensors))
             }
         };
-        found.unwrap_or(f64::NAN)
+        number.unwrap_or(f64::NAN)
     }
 
     /// Sets the value. A whole number is rounded; a signal becomes constant. The scenario may then be impossible.
@@ -202,15 +203,14 @@ impl Address {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
                 sensors.for_each(|sensor| sensor.noise_std = value);
             }
-            Place::Fault(quantity, fault, info) => {
-                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
+            Place::Fault(quantity, fault, place) => {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
-                let numbers = sensors.filter_map(|sensor| sensor.faults.numbers_mut(*fault)?.get_mut(place?));
+                let numbers = sensors.filter_map(|sensor| sensor.faults.numbers_mut(*fault)?.get_mut(*place));
                 numbers.for_each(|number| *number = value);
             }
-            Place::Filters(filters, member) => {
+            Place::Filters(id, member) => {
                 let Scenario { filters: all, sensors, .. } = scenario;
-                let meant = all.iter_mut().filter(|filter| filters.has(filter));
+                let meant = all.iter_mut().filter(|filter| id.is_none_or(|id| filter.id == id));
                 meant.enumerate().for_each(|(nth, filter)| member.set(filter, nth, value, sensors));
             }
         }
@@ -224,9 +224,11 @@ impl fmt::Display for Address {
             Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
             Place::Signal(channel, key) => write!(f, "plant.{}{key}", channel.key()),
             Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
-            Place::Fault(quantity, fault, info) => f.write_str(&fault.address(*quantity, info)),
-            Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
-            Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
+            Place::Fault(quantity, fault, place) => {
+                f.write_str(&fault.address(*quantity, &fault.info().numbers[*place]))
+            }
+            Place::Filters(None, member) => write!(f, "filters.*.{member}"),
+            Place::Filters(Some(id), member) => write!(f, "filters#{id}.{member}"),
         }
     }
 }
@@ -276,16 +278,8 @@ pub fn words_of(scenario: &Scenario, address: &Address) -> String {
     let key = address.to_string();
     let channel = address.channel().map_or("", crate::Channel::name);
     let words = format!("{} {} {channel} {}", scenario.address_by_name(&key), key, address.name());
-    let greek = [
-        ('λ', " lambda"),
-        ('η', " eta"),
-        ('ω', " omega"),
-        ('ζ', " zeta"),
-        ('μ', " mu"),
-        ('κ', " kappa"),
-        ('σ', " sigma"),
-    ];
-    let spelled: String = greek.iter().filter(|(letter, _)| words.contains(*letter)).map(|(_, name)| *name).collect();
+    let greek = "ληωζμκσ".chars().zip([" lambda", " eta", " omega", " zeta", " mu", " kappa", " sigma"]);
+    let spelled: String = greek.filter(|(letter, _)| words.contains(*letter)).map(|(_, name)| name).collect();
     (words + &spelled).replace(['_', '.'], " ").to_lowercase()
 }
 
@@ -355,37 +349,30 @@ mod tests {
 
     #[test]
     fn unknown_keys_are_refused() {
-        for key in [
-            "",
-            "plant.mass",
-            "plant.input_gain",
-            "plant.natural_frequency.ramp.to",
-            "plant.natural_frequency.step.by",
-            "filters.KF.fading",
-            "filters.EKF",
-            "filters.EKF.fadng",
-            "filters.EKF.sensor_std.acceleration",
-            "filters.EKF.sensor_std.2",
-            "filters.EKF.initial_mean.cubic_stiffness",
-            "sensors.acceleration.noise_std",
+        let a_filter = "; a filter has `fading`, `eta`, `jump`, ";
+        let its_plant = "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, ";
+        for (key, instead) in [
+            (
+                "",
+                "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`",
+            ),
+            ("plant.mass", its_plant),
+            ("plant.input_gain", its_plant),
+            ("plant.natural_frequency.ramp.to", its_plant),
+            ("plant.natural_frequency.step.by", its_plant),
+            ("filters.KF.fading", "; its filters are `EKF` and `UKF`"),
+            ("filters.EKF", ""),
+            ("filters.EKF.fadng", a_filter),
+            ("filters.EKF.sensor_std.acceleration", a_filter),
+            ("filters.EKF.sensor_std.2", a_filter),
+            ("filters.EKF.initial_mean.cubic_stiffness", a_filter),
+            (
+                "sensors.acceleration.noise_std",
+                "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`",
+            ),
         ] {
-            let unknown = Address::parse(&Scenario::default(), key).unwrap_err();
-            let instead = match key.strip_prefix("filters.") {
-                Some(rest) if rest.starts_with("KF.") => "; its filters are `EKF` and `UKF`",
-                Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `eta`, `jump`, ",
-                Some(_) => "",
-                None if key.starts_with("plant") => {
-                    "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "
-                }
-                None if key.starts_with("sensors") => {
-                    "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`"
-                }
-                None => {
-                    "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`"
-                }
-            };
-            let (begin, unknown) =
-                (format!("the scenario has no number `{key}` to vary{instead}"), unknown.to_string());
+            let unknown = Address::parse(&Scenario::default(), key).unwrap_err().to_string();
+            let begin = format!("the scenario has no number `{key}` to vary{instead}");
             assert!(if instead.ends_with(' ') { unknown.starts_with(&begin) } else { unknown == begin }, "{unknown}");
         }
     }

@@ -3,8 +3,9 @@
 use crate::mathematics::lists::sort_items;
 use toml::Value;
 
+use super::edit::put;
 use super::{
-    Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, Entry, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
+    Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
     SettingInfo, TableInfo, of_scenario, symbol,
 };
 use crate::data::document::{self, Document};
@@ -43,7 +44,7 @@ struct Difference {
 }
 
 impl<'a> Change<'a> {
-    /// The change from `before` to `now`. An id tells which filter is which.
+    /// The change from `before` to `now`. Filters are the same where their ids are.
     pub fn between(before: &'a Scenario, now: &'a Scenario) -> Self {
         let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
         let mut change = Self { before, now, settings, added, removed };
@@ -133,14 +134,7 @@ impl<'a> Change<'a> {
         }
         let mut document = document::of(scenario)?;
         for Difference { key, now, .. } in &self.settings {
-            let path = match (address::split_id(key), scenario.filters_at(key)) {
-                (Some(_), Some((places, key))) => places.first().map(|place| format!("filters.{place}.{key}")),
-                (Some(_), None) => None,
-                (None, _) => Some(key.clone()),
-            };
-            let is_found = path.is_some_and(|path| document::put(&mut document, &path, now));
-            let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{key}`"));
-            is_found.then_some(()).ok_or_else(unknown)?;
+            put(&mut document, scenario, key, now, "")?;
         }
         let mut changed: Scenario = document::read(&document)?;
         changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));
@@ -225,12 +219,12 @@ fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
     }
 }
 
-/// A σ that is so many times the present one leaves its sensor out.
+/// A σ that is at least this many times the present one leaves its sensor out.
 const LEFT_OUT: f64 = 500.0;
 
 impl Edit {
     /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
-    /// What has no words is the line of a file.
+    /// An edit without words is the line of a file.
     ///
     /// ```
     /// use kalmanscope_core::{Scenario, setting::Edit};
@@ -302,13 +296,7 @@ impl Edit {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
                     return Some(format!("set {name} = {}", number(&self.value)?));
                 }
-                let (table, entry) = key.split_once('.')?;
-                let table = TableInfo::from_key(table)?;
-                let entry = if table.is_of_sensors() {
-                    Entry::Sensor(Quantity::from_key(entry)?)
-                } else {
-                    Entry::Channel(Channel::from_key(entry)?)
-                };
+                let (table, entry) = TableInfo::entry(key, &Quantity::from_key)?;
                 Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
             }
         }

@@ -1,10 +1,9 @@
 //! The settings that are one of several words: one row each.
 
-use std::fmt;
-
 use toml::Value;
 
 use super::Edit;
+use super::info::by_key;
 use crate::data::scenario::{FilterSettings, Scenario, option};
 use crate::data::signal::Force;
 use crate::mathematics::filter::Robust;
@@ -62,11 +61,7 @@ impl<T> ChoiceInfo<T> {
     }
 }
 
-impl<T> fmt::Debug for ChoiceInfo<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key)
-    }
-}
+by_key!(ChoiceInfo, T);
 
 static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "input",
@@ -169,35 +164,27 @@ pub fn other_choices(scenario: &Scenario) -> Vec<Edit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::document::{self, Document};
+    use crate::data::document;
 
-    fn each<T>(info: &ChoiceInfo<T>, of: &mut T, file: impl Fn(&T) -> Value) {
-        for (place, option) in (info.options)().into_iter().enumerate() {
-            (info.set)(of, place);
-            assert_eq!(((info.get)(of), info.chosen(of)), (place, Some(option)), "{info:?}");
-            assert_eq!(file(of), (info.value)(place), "{info:?} in a file");
-            assert_eq!(info.name_of(&(info.value)(place)), Some(option.name));
+    fn each<T: Default + serde::Serialize + 'static>(all: &[&ChoiceInfo<T>]) {
+        for info in all {
+            // A file leaves out a default.
+            let default = (info.value)((info.get)(&T::default()));
+            let mut of = T::default();
+            for (place, option) in (info.options)().into_iter().enumerate() {
+                (info.set)(&mut of, place);
+                assert_eq!(((info.get)(&of), info.chosen(&of)), (place, Some(option)), "{info:?}");
+                let file = document::of(&of).unwrap().get(info.key).map(|value| Value::try_from(value).unwrap());
+                assert_eq!(file.as_ref().unwrap_or(&default), &(info.value)(place), "{info:?} in a file");
+                assert_eq!(info.name_of(&(info.value)(place)), Some(option.name));
+            }
         }
     }
 
     #[test]
     fn every_option_is_set_found_and_written_in_files_as_the_row_says() {
-        let value = |document: Document| Value::try_from(document).unwrap();
-        for info in CHOICES_OF_SCENARIO {
-            // A file leaves out a default.
-            let default = (info.value)((info.get)(&Scenario::default()));
-            let file = |scenario: &Scenario| {
-                document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
-            };
-            each(info, &mut Scenario::default(), file);
-        }
-        for info in CHOICES_OF_FILTER {
-            let default = (info.value)((info.get)(&FilterSettings::default()));
-            let file = |filter: &FilterSettings| {
-                document::of(filter).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
-            };
-            each(info, &mut FilterSettings::default(), file);
-        }
+        each(&CHOICES_OF_SCENARIO);
+        each(&CHOICES_OF_FILTER);
     }
 
     #[test]

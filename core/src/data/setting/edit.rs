@@ -102,48 +102,49 @@ impl Edit {
             if let Some(error) = document::not_finite(&value) {
                 return Err(ScenarioError::Syntax(format!("`{}`: {error}", edit.key)));
             }
-            let is_found = set(&mut document, scenario, &edit.key, &value);
-            is_found.then_some(()).ok_or_else(|| edit.unknown(&scenario.filters_instead_of(&edit.key)))?;
+            put(&mut document, scenario, &edit.key, &value, &scenario.filters_instead_of(&edit.key))?;
         }
         Scenario::from_document(&document)
     }
-
-    fn unknown(&self, reason: &str) -> ScenarioError {
-        ScenarioError::Syntax(format!("the scenario has no setting `{}`{reason}", self.key))
-    }
 }
 
-/// Sets the value of an address in the document of a scenario. Returns whether there is a place for it. A key that is new is
-/// written too: it may be one that is left out while it has its default, and the reader refuses all others.
-fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Document) -> bool {
+/// Sets the value of an address in the document of a scenario. A key that is new is written too: it may be one that is left out
+/// while it has its default, and the reader refuses all others. `instead` ends the error where there is no place for the value.
+pub(super) fn put(
+    document: &mut Document,
+    scenario: &Scenario,
+    address: &str,
+    value: &Document,
+    instead: &str,
+) -> Result<(), ScenarioError> {
     let sensor = |key: &str| match Quantity::from_key(key) {
         Some(quantity) => scenario.sensor_place(quantity).map(|at| at.to_string()),
         None => Some(key.to_owned()),
     };
+    let mut paths = Vec::new();
     if let Some((places, key)) = scenario.filters_at(address) {
-        let of_sensor = key.split_once('.').filter(|(table, _)| *table == SENSOR_STD.key);
-        let key = of_sensor.map_or(Some(key.to_owned()), |(table, key)| Some(format!("{table}.{}", sensor(key)?)));
-        return key.is_some_and(|key| {
-            let mut put = |place: &usize| {
-                // A table without numbers is left out.
-                let table = key.split_once('.').and_then(|(table, _)| TableInfo::from_key(table));
-                let path = |key: &str| format!("filters.{place}.{key}");
-                let is_left_out =
-                    |table: &&TableInfo| !table.is_of_sensors() && document["filters"][*place][table.key].is_null();
-                if let Some(table) = table.filter(is_left_out) {
-                    document::put(document, &path(table.key), &json!({}));
-                }
-                document::put(document, &path(&key), value)
-            };
-            places.iter().all(&mut put) && !places.is_empty()
-        });
-    }
-    match address.strip_prefix("sensors.").and_then(|rest| rest.split_once('.')) {
-        Some((key, rest)) => {
-            sensor(key).is_some_and(|at| document::put(document, &format!("sensors.{at}.{rest}"), value))
+        let (table, entry) = key.split_once('.').unwrap_or((key, ""));
+        let key = if table == SENSOR_STD.key && !entry.is_empty() {
+            sensor(entry).map(|at| format!("{table}.{at}"))
+        } else {
+            Some(key.to_owned())
+        };
+        let is_left_out = TableInfo::from_key(table).is_some_and(|table| !table.is_of_sensors()) && !entry.is_empty();
+        for place in places {
+            if is_left_out && document["filters"][place][table].is_null() {
+                document["filters"][place][table] = json!({});
+            }
+            paths.extend(key.iter().map(|key| format!("filters.{place}.{key}")));
         }
-        None => !address.starts_with("filters") && document::put(document, address, value),
+    } else if let Some((key, rest)) = address.strip_prefix("sensors.").and_then(|rest| rest.split_once('.')) {
+        paths.extend(sensor(key).map(|at| format!("sensors.{at}.{rest}")));
+    } else if !address.starts_with("filters") {
+        paths.push(address.to_owned());
     }
+    if paths.is_empty() || !paths.iter().all(|path| document::put(document, path, value)) {
+        return Err(ScenarioError::Syntax(format!("the scenario has no setting `{address}`{instead}")));
+    }
+    Ok(())
 }
 
 fn rounded(value: &Value) -> Value {

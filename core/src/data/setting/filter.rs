@@ -11,9 +11,8 @@ type Row = SettingInfo<FilterSettings>;
 pub(super) const MAX_DELAY: i64 = 100;
 
 /// λ: how fast the filter forgets.
-pub static FADING: Row = row! { "fading", fading,
+pub static FADING: Row = row! { fading, "fading factor",
     symbol: "λ",
-    name: "fading factor",
     label: |_| Some("λ fading factor"),
     allowed: Allowed::AtLeast(1.0),
     note: "1 forgets nothing",
@@ -23,8 +22,7 @@ pub static FADING: Row = row! { "fading", fading,
 };
 
 /// Whether the filter widens P once where its innovations grow at once. A KF that knows its parameters has none to widen.
-pub static JUMP: Row = row! { "jump", jump,
-    name: "jump at a sudden change",
+pub static JUMP: Row = row! { jump, "jump at a sudden change",
     allowed: Allowed::Flag,
     hint: "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
            forget nothing. A remark says when",
@@ -32,9 +30,8 @@ pub static JUMP: Row = row! { "jump", jump,
 };
 
 /// w: how far the parameters walk in the second model of a bank.
-pub static WALK: Row = row! { "walk", walk,
+pub static WALK: Row = row! { walk, "walk of a bank's second model",
     symbol: "w",
-    name: "walk of a bank's second model",
     label: |_| Some("w bank's walk"),
     unit: "1/√s",
     allowed: Allowed::AtLeast(0.0),
@@ -47,9 +44,8 @@ pub static WALK: Row = row! { "walk", walk,
 };
 
 /// η: how fast the parameters decay in the filter's model. Those of a KF are known and do not.
-pub static ETA: Row = row! { "eta", eta,
+pub static ETA: Row = row! { eta, "parameter decay",
     symbol: "η",
-    name: "parameter decay",
     label: |_| Some("η decay"),
     unit: "1/s",
     allowed: Allowed::AtLeast(0.0),
@@ -60,8 +56,7 @@ pub static ETA: Row = row! { "eta", eta,
 };
 
 /// The guesses of ωₙ that filters begin from side by side, where ωₙ is estimated and no smoother needs a single filter.
-pub static GUESSES: Row = row! { "guesses", guesses,
-    name: "guesses of ωₙ",
+pub static GUESSES: Row = row! { guesses, "guesses of ωₙ",
     allowed: Allowed::Whole(1, 8),
     slider: (1.0, 8.0),
     hint: "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
@@ -70,8 +65,7 @@ pub static GUESSES: Row = row! { "guesses", guesses,
 };
 
 /// The scales of Q with which filters run side by side.
-pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
-    name: "scales of Q",
+pub static PROCESS_SCALES: Row = row! { process_scales, "scales of Q",
     allowed: Allowed::Whole(1, 41),
     note: "1 for Q as it is set",
     slider: (1.0, 25.0),
@@ -80,8 +74,7 @@ pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
     serves: |filter, _| filter.can(&option::SCALED),
 };
 
-static SUBSTEPS: Row = row! { "substeps", substeps,
-    name: "steps a sample",
+static SUBSTEPS: Row = row! { substeps, "steps a sample",
     allowed: Allowed::Whole(0, 100),
     note: "0 for as many as its error asks for",
     slider: (0.0, 20.0),
@@ -89,8 +82,7 @@ static SUBSTEPS: Row = row! { "substeps", substeps,
            Runge-Kutta step asks for",
 };
 
-static ITERATIONS: Row = row! { "iterations", iterations,
-    name: "iterations",
+static ITERATIONS: Row = row! { iterations, "iterations",
     allowed: Allowed::Whole(1, 100),
     slider: (1.0, 20.0),
     hint: "Limit of the linearisations of the sensors in one update",
@@ -98,8 +90,7 @@ static ITERATIONS: Row = row! { "iterations", iterations,
 };
 
 /// The members of an ensemble, or particles. The slider ends where a frame can compute no more of them.
-pub static ENSEMBLE_SIZE: Row = row! { "ensemble_size", ensemble_size,
-    name: "members",
+pub static ENSEMBLE_SIZE: Row = row! { ensemble_size, "members",
     label: |filter| filter.kind.info().has_own_likelihood.then_some("particles"),
     allowed: Allowed::Whole(2, 100_000),
     slider: (2.0, 2000.0),
@@ -107,23 +98,20 @@ pub static ENSEMBLE_SIZE: Row = row! { "ensemble_size", ensemble_size,
     serves: |filter, _| filter.kind.is_sampled(),
 };
 
-static LOG_PARAMETERS: Row = row! { "log_parameters", log_parameters,
-    name: "logarithms of positive parameters",
+static LOG_PARAMETERS: Row = row! { log_parameters, "logarithms of positive parameters",
     allowed: Allowed::Flag,
     hint: "Estimate the logarithms of frequency, damping and stiffness, which then stay positive",
 };
 
 /// Whether the whole record is smoothed.
-pub static SMOOTHER: Row = row! { "smoother", smoother,
-    name: "hindsight",
+pub static SMOOTHER: Row = row! { smoother, "hindsight",
     allowed: Allowed::Flag,
     hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
            Rauch, Tung and Striebel (1965)",
     serves: |filter, _| filter.can(&option::SMOOTHED),
 };
 
-static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
-    name: "look-ahead of hindsight",
+static LOOK_AHEAD: Row = row! { look_ahead, "look-ahead of hindsight",
     label: |_| Some("look-ahead"),
     unit: "s",
     allowed: Allowed::AtLeast(0.0),
@@ -134,26 +122,22 @@ static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
     serves: |filter, _| filter.smoother,
 };
 
-static LEARNS_R: Row = row! { "adaptation.sensor_noise", adaptation.sensor_noise,
-    name: "learn R from the innovations",
+static LEARNS_R: Row = row! { adaptation.sensor_noise, "learn R from the innovations",
     allowed: Allowed::Flag,
     hint: "Akhlaghi, Zhou and Huang (2017)",
 };
 
-static LEARNS_Q: Row = row! { "adaptation.process_noise", adaptation.process_noise,
-    name: "learn Q from the innovations",
+static LEARNS_Q: Row = row! { adaptation.process_noise, "learn Q from the innovations",
     allowed: Allowed::Flag,
     hint: "Akhlaghi, Zhou and Huang (2017)",
 };
 
 /// The share of the last estimate that stays where a filter learns R or Q.
-pub static FORGETTING: Row = row! { "adaptation.forgetting", adaptation.forgetting,
-    name: "share that stays in learning",
+pub static FORGETTING: Row = row! { adaptation.forgetting, "share that stays in learning",
     allowed: Allowed::Between(0.0, 1.0),
 };
 
-static TRAINING: Row = row! { "adaptation.training", adaptation.training,
-    name: "training of the learnt noise",
+static TRAINING: Row = row! { adaptation.training, "training of the learnt noise",
     label: |_| Some("training"),
     unit: "s",
     allowed: Allowed::AtLeast(0.0),
@@ -163,8 +147,7 @@ static TRAINING: Row = row! { "adaptation.training", adaptation.training,
     serves: |filter, _| filter.adaptation.is_on() || filter.process_scales > 1,
 };
 
-static INPUT_DELAY: Row = row! { "input_delay", input_delay,
-    name: "delay of the input",
+static INPUT_DELAY: Row = row! { input_delay, "delay of the input",
     unit: "samples",
     allowed: Allowed::Whole(-MAX_DELAY, MAX_DELAY),
 };

@@ -59,72 +59,65 @@ impl<T> SettingInfo<T> {
     }
 }
 
-impl<T> PartialEq for SettingInfo<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.key == other.key
-    }
-}
+/// Rows are compared and written by their keys.
+macro_rules! by_key {
+    ($row:ident $(, $T:ident)?) => {
+        impl$(<$T>)? PartialEq for $row$(<$T>)? {
+            fn eq(&self, other: &Self) -> bool {
+                self.key == other.key
+            }
+        }
 
-impl<T> fmt::Debug for SettingInfo<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key)
-    }
+        impl$(<$T>)? std::fmt::Debug for $row$(<$T>)? {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.key)
+            }
+        }
+    };
 }
+by_key!(SettingInfo, T);
 
 pub(super) trait Field {
-    fn number(&self) -> f64;
-    fn put(&mut self, value: f64);
+    fn number(own: Self) -> f64;
+    fn from_number(number: f64) -> Self;
 }
 
 macro_rules! field {
-    ($($kind:ty: $number:expr),*) => {
+    ($($kind:ty: $own:ident => $to:expr, $number:ident => $from:expr;)*) => {
         $(impl Field for $kind {
-            fn number(&self) -> f64 {
-                let number: fn($kind) -> f64 = $number;
-                number(*self)
+            fn number($own: Self) -> f64 {
+                $to
             }
 
-            fn put(&mut self, value: f64) {
-                *self = libm::round(value) as $kind;
+            fn from_number($number: f64) -> Self {
+                $from
             }
         })*
     };
 }
-field!(u64: |whole| whole as f64, usize: |whole| whole as f64, i32: f64::from);
-
-impl Field for f64 {
-    fn number(&self) -> f64 {
-        *self
-    }
-
-    fn put(&mut self, value: f64) {
-        *self = value;
-    }
-}
-
-impl Field for bool {
-    fn number(&self) -> f64 {
-        f64::from(u8::from(*self))
-    }
-
-    fn put(&mut self, value: f64) {
-        *self = value != 0.0;
-    }
+field! {
+    f64: own => own, number => number;
+    bool: flag => f64::from(u8::from(flag)), number => number != 0.0;
+    i32: whole => f64::from(whole), number => libm::round(number) as i32;
+    u64: whole => whole as f64, number => libm::round(number) as u64;
+    usize: whole => whole as f64, number => libm::round(number) as usize;
 }
 
 macro_rules! row {
-    ($key:literal, $($field:ident).+, $($data:tt)*) => {
+    ($($field:ident).+, $name:literal, $($data:tt)*) => {
         SettingInfo {
+            name: $name,
             $($data)*
             ..SettingInfo::new(
-                $key,
-                |of| Field::number(&of.$($field).+),
-                |of, value| Field::put(&mut of.$($field).+, value),
+                stringify!($($field).+),
+                |of| Field::number(of.$($field).+),
+                |of, value| of.$($field).+ = Field::from_number(value),
             )
         }
     };
 }
 
+pub(crate) use by_key;
 pub(super) use row;
 
 /// The values that a setting may have. Its text ends the sentence that begins with "but must be".

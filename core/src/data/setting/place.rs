@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
 use crate::data::scenario::address::is_of_all;
-use crate::data::scenario::{Fault, FaultNumber, FilterSettings, Scenario, Sensor};
+use crate::data::scenario::{Fault, FilterSettings, Scenario, Sensor};
 use crate::mathematics::channel::Channel;
 use crate::mathematics::quantity::Quantity;
 
@@ -17,14 +17,10 @@ pub(super) enum Place {
     /// A number of the signal of a parameter that moves: the key behind that of the parameter.
     Signal(Channel, &'static str),
     Noise(Quantity),
-    Fault(Quantity, Fault, &'static FaultNumber),
-    Filters(Filters, Member),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Filters {
-    All,
-    Of(u32),
+    /// A number of a fault, by its place among them.
+    Fault(Quantity, Fault, usize),
+    /// A number of the filter with an id, or of all.
+    Filters(Option<u32>, Member),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -43,22 +39,21 @@ impl Place {
         }
         let keys: Vec<&str> = text.split('.').collect();
         match keys[..] {
-            ["plant", parameter] => {
+            ["plant", parameter, ref rest @ ..] => {
                 let channel = Channel::from_key(parameter)?;
-                scenario.plant.parameters().find(|c| *c == channel).map(Self::Parameter)
-            }
-            ["plant", parameter, _, _] => {
-                let channel = Channel::from_key(parameter)?;
-                let signal =
-                    scenario.plant.parameters().find(|c| *c == channel).and_then(|c| scenario.plant.parameter(c))?;
+                let channel = scenario.plant.parameters().find(|own| *own == channel)?;
+                if rest.is_empty() {
+                    return Some(Self::Parameter(channel));
+                }
                 let key = text.strip_prefix(PLANT)?.strip_prefix(parameter)?;
-                signal.numbers().into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
+                let numbers = scenario.plant.parameter(channel)?.numbers();
+                numbers.into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
             }
             ["sensors", sensor, "noise_std"] => Some(Self::Noise(quantity(scenario, sensor)?)),
             ["sensors", sensor, "faults", fault, number] => {
                 let (quantity, fault) = (quantity(scenario, sensor)?, Fault::from_key(fault)?);
                 let has = scenario.sensors.iter().any(|s| s.measures == quantity && s.faults.numbers(fault).is_some());
-                let number = fault.info().numbers.iter().find(|info| info.key == number).filter(|_| has)?;
+                let number = fault.info().numbers.iter().position(|info| info.key == number).filter(|_| has)?;
                 Some(Self::Fault(quantity, fault, number))
             }
             _ => Self::of_filters(scenario, text),
@@ -69,31 +64,27 @@ impl Place {
         let (places, key) = scenario.filters_at(text)?;
         let meant: Vec<&FilterSettings> = places.iter().filter_map(|&place| scenario.filters.get(place)).collect();
         let first = meant.first()?;
-        let filters = if is_of_all(text, key) {
-            Filters::All
+        let id = Some(first.id).filter(|_| !is_of_all(text, key));
+        // An id that several filters have would mean another one of them.
+        if id.is_some_and(|id| scenario.filters.iter().filter(|filter| filter.id == id).count() > 1) {
+            return None;
+        }
+        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key);
+        let member = if let Some(info) = number {
+            Member::Number(info)
+        } else if let Some(table) = TableInfo::from_key(key).filter(|table| table.factor.is_some()) {
+            Member::Factor(table, meant.into_iter().cloned().collect())
         } else {
-            // An id that several filters have would mean another one of them.
-            let is_unique = scenario.filters.iter().filter(|filter| filter.id == first.id).count() == 1;
-            is_unique.then_some(Filters::Of(first.id))?
+            let (table, entry) = TableInfo::entry(key, &|sensor| quantity(scenario, sensor))?;
+            let has = |filter: &&FilterSettings| match entry {
+                Entry::Channel(channel) => {
+                    filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
+                }
+                Entry::Sensor(_) => true,
+            };
+            meant.iter().all(has).then_some(Member::Entry(table, entry))?
         };
-        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key).map(|info| Member::Number(info));
-        let member = number.or_else(|| {
-            let (table, entry) = key.split_once('.').map_or((key, None), |(table, entry)| (table, Some(entry)));
-            let table = TableInfo::from_key(table)?;
-            let Some(entry) = entry else {
-                let bases = || meant.iter().copied().cloned().collect();
-                return table.factor.map(|_| Member::Factor(table, bases()));
-            };
-            if table.is_of_sensors() {
-                return Some(Member::Entry(table, Entry::Sensor(quantity(scenario, entry)?)));
-            }
-            let channel = Channel::from_key(entry)?;
-            let has = |filter: &&FilterSettings| {
-                filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
-            };
-            meant.iter().all(has).then_some(Member::Entry(table, Entry::Channel(channel)))
-        });
-        Some(Self::Filters(filters, member?))
+        Some(Self::Filters(id, member))
     }
 
     /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.
@@ -141,19 +132,6 @@ fn quantity(scenario: &Scenario, sensor: &str) -> Option<Quantity> {
     match Quantity::from_key(sensor) {
         Some(quantity) => sensors.iter().any(|sensor| sensor.measures == quantity).then_some(quantity),
         None => sensors.get(sensor.parse::<usize>().ok()?).map(|sensor| sensor.measures),
-    }
-}
-
-impl Filters {
-    pub(super) fn has(self, filter: &FilterSettings) -> bool {
-        match self {
-            Self::All => true,
-            Self::Of(id) => filter.id == id,
-        }
-    }
-
-    pub(super) fn overlap(self, other: Self) -> bool {
-        self == other || self == Self::All || other == Self::All
     }
 }
 

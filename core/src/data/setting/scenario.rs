@@ -9,17 +9,15 @@ use crate::data::signal::Force;
 type Row = SettingInfo<Scenario>;
 
 /// The seed of every random number.
-pub static SEED: Row = row! { "seed", seed,
-    name: "seed",
+pub static SEED: Row = row! { seed, "seed",
     allowed: Allowed::Whole(0, i64::MAX),
     hint: "The same seed gives the same noise, on every machine",
     is_varied: true,
 };
 
 /// Δt: the time between samples.
-pub static DT: Row = row! { "dt", dt,
+pub static DT: Row = row! { dt, "sampling time",
     symbol: "Δt",
-    name: "sampling time",
     label: |_| Some("Δt sampling"),
     unit: "s",
     allowed: Allowed::Above(0.0),
@@ -29,24 +27,21 @@ pub static DT: Row = row! { "dt", dt,
 };
 
 /// The length of the record.
-pub static DURATION: Row = row! { "duration", duration,
-    name: "duration",
+pub static DURATION: Row = row! { duration, "duration",
     unit: "s",
     allowed: Allowed::Above(0.0),
     slider: (5.0, 120.0),
     hint: "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten",
 };
 
-static DISPLACEMENT: Row = row! { "plant.initial.displacement", plant.initial.displacement,
-    name: "initial displacement",
+static DISPLACEMENT: Row = row! { plant.initial.displacement, "initial displacement",
     label: |_| Some("x at start"),
     unit: "m",
     slider: (-1.0, 1.0),
     hint: "At the start of the record",
 };
 
-static VELOCITY: Row = row! { "plant.initial.velocity", plant.initial.velocity,
-    name: "initial velocity",
+static VELOCITY: Row = row! { plant.initial.velocity, "initial velocity",
     label: |_| Some("v at start"),
     unit: "m/s",
     slider: (-5.0, 5.0),
@@ -54,8 +49,7 @@ static VELOCITY: Row = row! { "plant.initial.velocity", plant.initial.velocity,
 };
 
 /// The unmeasured force.
-pub static DISTURBANCE: Row = row! { "plant.disturbance_std", plant.disturbance_std,
-    name: "disturbance",
+pub static DISTURBANCE: Row = row! { plant.disturbance_std, "disturbance",
     unit: "m/s²",
     allowed: Allowed::AtLeast(0.0),
     slider: (0.0, 10.0),
@@ -63,8 +57,7 @@ pub static DISTURBANCE: Row = row! { "plant.disturbance_std", plant.disturbance_
     is_varied: true,
 };
 
-static INPUT_DELAY: Row = row! { "plant.input_delay", plant.input_delay,
-    name: "delay of the input",
+static INPUT_DELAY: Row = row! { plant.input_delay, "delay of the input",
     unit: "samples",
     allowed: Allowed::Whole(-MAX_DELAY, MAX_DELAY),
 };
@@ -98,8 +91,11 @@ pub fn of_scenario() -> impl Iterator<Item = &'static Row> {
 }
 
 macro_rules! of_shape {
-    ($key:literal, $shape:ident.$field:ident, $($data:tt)*) => {
+    ($key:literal, $shape:ident.$field:ident, $label:literal for $name:literal in $unit:literal, $($data:tt)*) => {
         SettingInfo {
+            name: $name,
+            label: |_| Some($label),
+            unit: $unit,
             serves: |scenario, _| matches!(scenario.force, Force::$shape { .. }),
             hint: "The filters are told the force exactly",
             $($data)*
@@ -118,80 +114,47 @@ macro_rules! of_shape {
 
 /// All numbers of all shapes.
 pub static FORCE: [Row; 11] = [
-    of_shape! { "force.white_noise.std", WhiteNoise.std,
-        name: "std of the force",
-        label: |_| Some("± σ"),
-        unit: "m/s²",
+    of_shape! { "force.white_noise.std", WhiteNoise.std, "± σ" for "std of the force" in "m/s²",
         allowed: Allowed::AtLeast(0.0),
         slider: (0.0, 50.0),
         is_varied: true,
     },
-    of_shape! { "force.sine.amplitude", Sine.amplitude,
-        name: "amplitude of the force",
-        label: |_| Some("amplitude"),
-        unit: "m/s²",
+    of_shape! { "force.sine.amplitude", Sine.amplitude, "amplitude" for "amplitude of the force" in "m/s²",
         slider: (0.0, 50.0),
         is_varied: true,
     },
-    of_shape! { "force.sine.frequency", Sine.frequency,
-        name: "frequency of the force",
-        label: |_| Some("frequency"),
-        unit: "rad/s",
+    of_shape! { "force.sine.frequency", Sine.frequency, "frequency" for "frequency of the force" in "rad/s",
         slider: (0.1, 30.0),
         is_varied: true,
     },
-    of_shape! { "force.chirp.amplitude", Chirp.amplitude,
-        name: "amplitude of the force",
-        label: |_| Some("amplitude"),
-        unit: "m/s²",
+    of_shape! { "force.chirp.amplitude", Chirp.amplitude, "amplitude" for "amplitude of the force" in "m/s²",
         slider: (0.0, 50.0),
         is_varied: true,
     },
-    of_shape! { "force.chirp.from", Chirp.from,
-        name: "first frequency of the force",
-        label: |_| Some("from"),
-        unit: "rad/s",
+    of_shape! { "force.chirp.from", Chirp.from, "from" for "first frequency of the force" in "rad/s",
         slider: (0.1, 30.0),
     },
-    of_shape! { "force.chirp.to", Chirp.to,
-        name: "last frequency of the force",
-        label: |_| Some("to"),
-        unit: "rad/s",
+    of_shape! { "force.chirp.to", Chirp.to, "to" for "last frequency of the force" in "rad/s",
         slider: (0.1, 30.0),
     },
-    of_shape! { "force.chirp.sweep", Chirp.sweep,
-        name: "time of a sweep",
-        label: |_| Some("sweep time"),
-        unit: "s",
+    of_shape! { "force.chirp.sweep", Chirp.sweep, "sweep time" for "time of a sweep" in "s",
         allowed: Allowed::Above(0.0),
         slider: (1.0, 60.0),
     },
-    of_shape! { "force.impulse_train.impulse", ImpulseTrain.impulse,
-        name: "impulse of a blow",
-        label: |_| Some("impulse"),
-        unit: "m/s",
+    of_shape! { "force.impulse_train.impulse", ImpulseTrain.impulse, "impulse" for "impulse of a blow" in "m/s",
         slider: (0.0, 5.0),
         is_varied: true,
     },
-    of_shape! { "force.impulse_train.period", ImpulseTrain.period,
-        name: "time between blows",
-        label: |_| Some("every"),
-        unit: "s",
+    of_shape! { "force.impulse_train.period", ImpulseTrain.period, "every" for "time between blows" in "s",
         allowed: Allowed::Above(0.0),
         slider: (0.5, 30.0),
         is_varied: true,
     },
-    of_shape! { "force.step.amplitude", Step.amplitude,
-        name: "amplitude of the force",
-        label: |_| Some("amplitude"),
-        unit: "m/s²",
+    of_shape! { "force.step.amplitude", Step.amplitude, "amplitude" for "amplitude of the force" in "m/s²",
         slider: (-50.0, 50.0),
         is_varied: true,
     },
-    of_shape! { "force.step.at", Step.at,
-        name: "time of the force's step",
-        label: |_| Some("at"),
-        unit: "s",
+    of_shape! { "force.step.at", Step.at, "at" for "time of the force's step" in "s",
         slider: (0.0, 60.0),
     },
 ];

@@ -1,11 +1,10 @@
 //! The tables of a filter: a number for each channel, or one for each sensor.
 
-use crate::mathematics::lists::mapped;
-use std::fmt;
-
 use super::Allowed;
+use super::info::by_key;
 use crate::data::scenario::{FilterSettings, Sensor, Values};
 use crate::mathematics::channel::Channel;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::quantity::Quantity;
 
 /// A table of a filter.
@@ -46,86 +45,64 @@ pub enum Entry {
     Sensor(Quantity),
 }
 
+macro_rules! table {
+    ($field:ident in $column:ident, $symbol:literal, $($data:tt)*) => {
+        TableInfo {
+            $($data)*
+            ..TableInfo::new(
+                stringify!($field),
+                $symbol,
+                Column::$column(|filter| &filter.$field, |filter| &mut filter.$field),
+            )
+        }
+    };
+}
+
 /// The mean of the initial belief.
-pub static INITIAL_MEAN: TableInfo = TableInfo {
-    key: "initial_mean",
-    symbol: "guess",
-    words: "guess",
+pub static INITIAL_MEAN: TableInfo = table! { initial_mean in Channels, "guess",
     name: "initial guess",
-    factor: None,
-    allowed: Allowed::Finite,
     hint: "Mean of the initial belief",
-    column: Column::Channels(|filter| &filter.initial_mean, |filter| &mut filter.initial_mean),
-    otherwise: None,
-    unit: None,
 };
 
 /// The standard deviations of the initial belief.
-pub static INITIAL_STD: TableInfo = TableInfo {
-    key: "initial_std",
-    symbol: "± σ",
+pub static INITIAL_STD: TableInfo = table! { initial_std in Channels, "± σ",
     words: "σ of the guess",
     name: "initial std",
     factor: Some("√P₀"),
     allowed: Allowed::AtLeast(0.0),
     hint: "How sure the filter is of its guess",
-    column: Column::Channels(|filter| &filter.initial_std, |filter| &mut filter.initial_std),
-    otherwise: None,
-    unit: None,
 };
 
 /// The standard deviations of the process noise per step.
-pub static PROCESS_STD: TableInfo = TableInfo {
-    key: "process_std",
-    symbol: "√Q",
-    words: "√Q",
+pub static PROCESS_STD: TableInfo = table! { process_std in Channels, "√Q",
     name: "process std",
     factor: Some("√Q"),
     allowed: Allowed::AtLeast(0.0),
     hint: "0: the model is exact",
-    column: Column::Channels(|filter| &filter.process_std, |filter| &mut filter.process_std),
-    otherwise: None,
-    unit: None,
 };
 
 /// The times over which the noise of a sensor's bias, or a force that is not recorded, is correlated.
-pub static CORRELATION_TIME: TableInfo = TableInfo {
-    key: "correlation_time",
-    symbol: "τ",
+pub static CORRELATION_TIME: TableInfo = table! { correlation_time in Channels, "τ",
     words: "correlation time",
     name: "correlation time",
-    factor: None,
     allowed: Allowed::AtLeast(0.0),
     hint: "A bias that is forgotten in this time stands for coloured noise; 0: it lasts",
-    column: Column::Channels(|filter| &filter.correlation_time, |filter| &mut filter.correlation_time),
-    otherwise: None,
     unit: Some("s"),
 };
 
 /// The standard deviations that the filter assumes of the sensors.
-pub static SENSOR_STD: TableInfo = TableInfo {
-    key: "sensor_std",
-    symbol: "√R",
-    words: "√R",
+pub static SENSOR_STD: TableInfo = table! { sensor_std in Sensors, "√R",
     name: "sensor std",
     factor: Some("√R"),
     allowed: Allowed::Above(0.0),
     hint: "Standard deviation that the filter ascribes to the sensor",
-    column: Column::Sensors(|filter| &filter.sensor_std, |filter| &mut filter.sensor_std),
-    otherwise: None,
-    unit: None,
 };
 
 /// The times by which the filter takes the sensors to be late.
-pub static SENSOR_DELAY: TableInfo = TableInfo {
-    key: "sensor_delay",
-    symbol: "delay",
-    words: "delay",
+pub static SENSOR_DELAY: TableInfo = table! { sensor_delay in Sensors, "delay",
     name: "sensor delay",
-    factor: None,
     allowed: Allowed::Within(-LATEST, LATEST),
     hint: "A reading tells of so long before its own time; negative where it is early",
-    column: Column::Sensors(|filter| &filter.sensor_delay, |filter| &mut filter.sensor_delay),
     otherwise: Some(0.0),
     unit: Some("s"),
 };
@@ -138,9 +115,35 @@ pub static TABLES: [&TableInfo; 6] =
     [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &CORRELATION_TIME, &SENSOR_STD, &SENSOR_DELAY];
 
 impl TableInfo {
+    const fn new(key: &'static str, symbol: &'static str, column: Column) -> Self {
+        Self {
+            key,
+            symbol,
+            words: symbol,
+            name: symbol,
+            factor: None,
+            allowed: Allowed::Finite,
+            hint: "",
+            column,
+            otherwise: None,
+            unit: None,
+        }
+    }
+
     /// The table with a key.
     pub fn from_key(key: &str) -> Option<&'static Self> {
         TABLES.into_iter().find(|table| table.key == key)
+    }
+
+    pub(super) fn entry(key: &str, sensor: &dyn Fn(&str) -> Option<Quantity>) -> Option<(&'static Self, Entry)> {
+        let (table, entry) = key.split_once('.')?;
+        let table = Self::from_key(table)?;
+        let entry = if table.is_of_sensors() {
+            Entry::Sensor(sensor(entry)?)
+        } else {
+            Entry::Channel(Channel::from_key(entry)?)
+        };
+        Some((table, entry))
     }
 
     /// The unit of an entry, empty for a pure number.
@@ -224,17 +227,7 @@ impl TableInfo {
     }
 }
 
-impl PartialEq for TableInfo {
-    fn eq(&self, other: &Self) -> bool {
-        self.key == other.key
-    }
-}
-
-impl fmt::Debug for TableInfo {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.key)
-    }
-}
+by_key!(TableInfo);
 
 impl Entry {
     /// The key in scenario files and addresses.

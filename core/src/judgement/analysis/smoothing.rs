@@ -47,7 +47,7 @@ impl Smoothing {
             });
             let Some(at) = at else { continue };
             let Some(smoother) = &mut self.smoothers[at] else { continue };
-            let chunk = cost::chunk(2.0 * cost::of_step(filter, scenario));
+            let chunk = cost::chunk(2.0 * filter.time_of_step(scenario));
             while !smoother.advance(record, done, whole, chunk, &mut self.estimates[at]) {
                 if !while_time() {
                     return false;
@@ -113,7 +113,7 @@ impl Smoothing {
         if !is_wanted(filter, subject, wanted) || !filter.kind.is_gaussian() {
             return (0.0, 0.0);
         }
-        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, &subject.bank.scenario);
+        let cost = 2.0 * subject.done as f64 * filter.time_of_step(&subject.bank.scenario);
         let share = match self.estimates.iter().position(|of| of.id() == filter.id) {
             None => 0.0,
             Some(at) => self.smoothers[at].as_ref().map_or(1.0, |smoother| smoother.progress(subject.done)),

@@ -55,7 +55,7 @@ impl Revision {
                 bank.add(current.record(), samples, spare.estimates.pop());
             }
         }
-        let cost = |place: usize| cost::of_step(&scenario.filters[place], scenario);
+        let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
         let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
         order.retain(|&place| kept[place].is_none());
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
@@ -121,7 +121,7 @@ impl Revision {
         let goal = goal.min(*all);
         let record = recording.as_ref().map_or(record, Recording::record);
         for &place in order.iter().filter(|place| !away.contains(place)) {
-            let step = cost::of_step(&bank.scenario.filters[place], &bank.scenario);
+            let step = bank.scenario.filters[place].time_of_step(&bank.scenario);
             let chunk = cost::chunk(step);
             while bank.passes[place].done() < goal {
                 let next = (bank.passes[place].done() + chunk).min(goal);
