@@ -104,6 +104,7 @@ pub use mathematics::channel::Channel;
 pub use mathematics::filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
 };
+pub use mathematics::filter_error::Stop;
 pub use mathematics::model::{Hold, InputKind, Model};
 pub use mathematics::plant::PlantKind;
 pub use mathematics::quantity::{Aspect, AspectInfo, Quantity, Term};
@@ -114,7 +115,7 @@ pub use numbers::model_classes::{Evidence, ModelClasses};
 pub use numbers::score::Scores;
 pub use numbers::spectrogram::{Spectrogram, Windows};
 pub use numbers::spectrum::Spectrum;
-pub use samples::estimates::{Estimates, Stop};
+pub use samples::estimates::Estimates;
 pub use samples::events::{EventError, EventFilter, EventSetupError};
 pub use samples::pass::{OnlineFilter, Pass};
 pub use samples::remarks::{Remark, Trouble};

@@ -260,7 +260,7 @@ impl Job {
             all += cost::OF_RECORD * goal as f64;
         }
         for &place in &revision.order {
-            let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario);
+            let cost = goal as f64 * scenario.filters[place].time_of_step(scenario);
             so_far += filters[place] * cost;
             all += cost;
         }
@@ -289,7 +289,7 @@ impl Job {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples && *stage == *goal;
         let scenario = &revision.bank.scenario;
-        let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario);
+        let time = |place: usize| 1e-9 * *goal as f64 * scenario.filters[place].time_of_step(scenario);
         let is_long = |place: &usize| is_whole && revision.done(*place) == 0 && time(*place) > seconds;
         let places: Vec<usize> = revision.order.iter().copied().filter(is_long).collect();
         revision.away.clone_from(&places);

@@ -1,4 +1,4 @@
-//! Why a filter cannot continue.
+//! Why a filter cannot continue, and where it stopped.
 
 use thiserror::Error;
 
@@ -31,4 +31,18 @@ pub enum FilterError {
     /// The force is infinite or undefined.
     #[error("the force is not a finite number")]
     UndefinedForce,
+}
+
+/// Why and where a filter stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop {
+    /// The number, counted from the run's beginning, of the first sample without an estimate.
+    pub sample: usize,
+    /// The error.
+    pub reason: FilterError,
+}
+
+/// Why a covariance has no square root.
+pub(crate) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
+    if is_finite { indefinite } else { FilterError::NotFinite }
 }

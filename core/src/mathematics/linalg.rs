@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::mathematics::engine::columns::{self, Rooted};
 use crate::mathematics::engine::level::Baseline;
-use crate::mathematics::engine::update::of_root;
-use crate::mathematics::filter::FilterError;
+
+use crate::mathematics::filter_error::{FilterError, of_root};
 
 /// A column of numbers.
 pub type Vector = DVector<f64>;

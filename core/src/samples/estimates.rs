@@ -8,18 +8,9 @@ use crate::mathematics::gaussian_likelihood;
 use crate::record::Delays;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
 use crate::samples::sink::readings;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record};
+use crate::{Channel, FilterColor, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record, Stop};
 
 use growth::History;
-
-/// Why and where a filter stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stop {
-    /// The number, counted from the run's beginning, of the first sample without an estimate.
-    pub sample: usize,
-    /// The error.
-    pub reason: FilterError,
-}
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.
 ///

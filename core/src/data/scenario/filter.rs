@@ -205,7 +205,7 @@ impl FilterSettings {
     }
 
     /// Whether the filter estimates a natural frequency, from above 0 on.
-    pub fn has_frequency(&self, truth: PlantKind) -> bool {
+    pub(crate) fn has_frequency(&self, truth: PlantKind) -> bool {
         let frequency = Channel::NATURAL_FREQUENCY;
         let channels = self.plant.unwrap_or(truth).channels();
         channels.contains(&frequency) && !self.knows(frequency) && self.initial_mean[frequency] > 0.0

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::FilterSettings;
+use crate::PlantKind;
 use crate::mathematics::filter::FilterKind;
 
 /// An option that excludes others, or that others exclude.
@@ -101,8 +102,11 @@ impl FilterSettings {
         None
     }
 
-    /// Turns off the options that others exclude.
-    pub fn turn_off_excluded(&mut self) {
+    /// Turns off the options that others exclude, and the guesses of a frequency that a filter of this truth does not estimate.
+    pub fn turn_off_excluded(&mut self, truth: PlantKind) {
+        if !self.has_frequency(truth) {
+            self.guesses = OFF.guesses;
+        }
         while let Some((other, ..)) = self.excluded() {
             (other.turn_off)(self);
         }
@@ -164,7 +168,8 @@ mod tests {
                     if let Some(words) = words {
                         let error = scenario.validate().expect_err(&name).to_string();
                         assert!(error.ends_with(&words), "{name}: {error}");
-                        scenario.filters[0].turn_off_excluded();
+                        let truth = scenario.plant.kind;
+                        scenario.filters[0].turn_off_excluded(truth);
                         refused += 1;
                     }
                     let mut run = Run::new(&scenario).expect(&name);

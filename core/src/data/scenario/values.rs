@@ -8,7 +8,8 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Channel;
-use crate::mathematics::channel::{Usual, expected_channels};
+use crate::mathematics::catalogue::expected_channels;
+use crate::mathematics::channel::Usual;
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
 /// numbers have their usual value.

@@ -16,8 +16,9 @@ use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::update::{Checks, Observation, Target, Update, UpdateResult, of_root};
+use super::update::{Checks, Observation, Target, Update, UpdateResult};
 use crate::FilterError;
+use crate::mathematics::filter_error::of_root;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
 /// takes that level; the rest is in the program once.

@@ -14,6 +14,7 @@ use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
 use super::weights::Innovations;
 use crate::FilterError;
+use crate::mathematics::filter_error::of_root;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UpdateResult<T: Number> {
@@ -447,8 +448,4 @@ impl<M: Mask> Checks<M> {
             FilterError::NotFinite
         }
     }
-}
-
-pub(crate) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
-    if is_finite { indefinite } else { FilterError::NotFinite }
 }
