@@ -17,7 +17,7 @@ use crate::session::Library;
 use crate::theme::{self, Palette};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum PanelRequest {
     Columns,
     Equation,
     Fewer,
@@ -43,7 +43,7 @@ pub fn controls_ui(
     library: &Library,
     palette: &Palette,
     lit: Vec<String>,
-) -> Vec<Asked> {
+) -> Vec<PanelRequest> {
     lit::light(ui, lit, scenario);
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -52,7 +52,7 @@ pub fn controls_ui(
             .on_hover_text("Only those that the sentence above the plots names")
             .clicked()
         {
-            asked.push(Asked::Fewer);
+            asked.push(PanelRequest::Fewer);
         }
         // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);

@@ -28,7 +28,7 @@ const MARGIN: f32 = 4.0;
 const TARGET: f32 = 24.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum PaneArrangement {
     /// As the layout has them, if there is room.
     Tiles,
     Column,
@@ -43,19 +43,19 @@ pub(crate) fn panes_ui(
     layout: &Layout,
     context: &ViewContext<'_>,
     requests: &mut Vec<Request>,
-    way: Way,
+    way: PaneArrangement,
     above: impl FnOnce(&mut Ui, &mut Vec<Request>),
 ) {
     let area = ui.available_size();
     if area.x < 1.0 || area.y < 1.0 {
         return;
     }
-    let narrow = way != Way::Tiles;
+    let narrow = way != PaneArrangement::Tiles;
     let mut panes = Panes { context, requests, pointed: None, draggable: !narrow, clip: ui.clip_rect() };
     if let Some(kind) = layout.enlarged() {
         panes.draggable = false;
         panes.show(ui, kind);
-    } else if way == Way::Plots {
+    } else if way == PaneArrangement::Plots {
         panes.show_plots(ui, &layout.in_order());
     } else if narrow || area.y < LOW {
         panes.draggable = false;

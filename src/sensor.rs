@@ -86,7 +86,7 @@ impl<T> Clone for Readings<T> {
 
 impl<T: Reading> Readings<T> {
     pub fn put(&self, readings: &[T], ctx: &Context) -> bool {
-        let mut told = self.told();
+        let mut told = self.readings();
         let room = T::MOST - told.readings.len();
         told.count += readings.len().min(room);
         told.readings.extend_from_slice(&readings[..readings.len().min(room)]);
@@ -96,28 +96,28 @@ impl<T: Reading> Readings<T> {
     }
 
     pub fn set_rate(&self, rate: f64) {
-        self.told().rate = Some(rate);
+        self.readings().rate = Some(rate);
     }
 
     pub fn count(&self) -> usize {
-        self.told().count
+        self.readings().count
     }
 
     pub fn end(&self, ctx: &Context) {
-        self.told().has_ended = true;
+        self.readings().has_ended = true;
         ctx.request_repaint();
     }
 
     pub fn refusal(&self) -> Option<String> {
-        self.told().refusal.clone()
+        self.readings().refusal.clone()
     }
 
     pub fn refuse(&self, reason: String, ctx: &Context) {
-        self.told().refusal = Some(reason);
+        self.readings().refusal = Some(reason);
         ctx.request_repaint();
     }
 
-    pub(crate) fn told(&self) -> MutexGuard<'_, ReadingBuffer<T>> {
+    pub(crate) fn readings(&self) -> MutexGuard<'_, ReadingBuffer<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

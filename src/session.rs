@@ -17,7 +17,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use free_runs::FreeRuns;
-use judging::{Hand, Judged};
+use judging::{Hand, LiveVerdicts};
 use kalmanscope_core::{
     Diagnostics, Estimates, Evidence, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study,
 };
@@ -72,7 +72,7 @@ pub struct Session {
     clock: f64,
     generation: u64,
     problem: Option<String>,
-    judged: Judged,
+    judged: LiveVerdicts,
     before: Option<Before>,
     setting: Setting,
     other: Option<Arc<Scenario>>,
@@ -134,7 +134,7 @@ impl Session {
             clock: 0.0,
             generation: 0,
             problem,
-            judged: Judged::default(),
+            judged: LiveVerdicts::default(),
             before: None,
             setting: Setting::A,
             other: None,

@@ -9,7 +9,7 @@ use kalmanscope_cli::{causes, significant};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::document::{self, Document, DocumentError, json};
 use kalmanscope_core::{Analysis, Channel, Measure, Run, Scenario, Source, VerdictKind, Wanted};
-use kalmanscope_lab::{Judged, LastError, MonteCarlo, Priority, Runner, Slice, Threads, share_interval};
+use kalmanscope_lab::{LastError, MonteCarlo, Priority, RunVerdicts, Runner, Slice, Threads, share_interval};
 
 use crate::args::PopulationArgs;
 use crate::files::{InputError, print};
@@ -35,7 +35,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     scenario.keep_draws();
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let all = (0..scenario.filters.len()).collect();
-    let ensemble = MonteCarlo::ensemble(scenario, all, *members as usize, 0, Judged::Verdicts);
+    let ensemble = MonteCarlo::ensemble(scenario, all, *members as usize, 0, RunVerdicts::Verdicts);
     let runner = ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(&error))?;
     let runner = Arc::new(runner);
     let threads = (*threads).min(MOST_THREADS).min(*members as usize);
@@ -255,9 +255,9 @@ fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) ->
             found.extend(of_member(runner, cell));
         }
     };
-    let found: Vec<Vec<Option<Found>>> = std::thread::scope(|scope| {
+    let found: Vec<Vec<Option<CellCauses>>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<Found>>>>| {
+        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<CellCauses>>>>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         threads.into_iter().flat_map(join).collect()
@@ -283,7 +283,7 @@ fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) ->
     (0..ensemble.plan().filters.len()).map(of_filter).collect()
 }
 
-struct Found {
+struct CellCauses {
     causes: Vec<&'static str>,
     is_explained: bool,
     /// The probability of the first one; 0 where there is none.
@@ -306,7 +306,7 @@ fn kind(number: f64) -> Option<VerdictKind> {
 }
 
 /// The causes of the verdict on each filter of a member; `None` where the verdict is good, or where there is none.
-fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
+fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<CellCauses>>> {
     let scenario = runner.ensemble().at(cell);
     let run = match runner.source() {
         Source::Measured(record) | Source::Live(record) => Run::on_record(&scenario, record.clone()),
@@ -323,7 +323,7 @@ fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
         }
         let causes = remedies.iter().take(2).map(|remedy| remedy.first.cause.name).collect();
         let said = Remedy::probabilities(remedies).first().copied().unwrap_or_default();
-        Some(Found { causes, is_explained: Remedy::is_explained(remedies), said })
+        Some(CellCauses { causes, is_explained: Remedy::is_explained(remedies), said })
     };
     Some(remedies.iter().enumerate().map(of).collect())
 }

@@ -120,7 +120,7 @@ fn take(filters: &mut [Followed], row: &StreamRow) -> Option<EventError> {
     let mut refused = None;
     for one in filters.iter_mut().filter(|one| !one.has_stopped) {
         match one.filter.take(row.time, row.input, &row.readings) {
-            Ok(sample) => one.watch.look(&sample),
+            Ok(sample) => one.watch.watch(&sample),
             Err(EventError::Stopped { time, reason }) => {
                 say(&format_args!("{} has stopped at {time} s: {reason}", one.name));
                 one.has_stopped = true;
@@ -142,7 +142,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn look(&mut self, sample: &Sample<'_>) {
+    fn watch(&mut self, sample: &Sample<'_>) {
         self.nis = sample.nis;
         let readings = sample.readings();
         if readings == 0 || !sample.nis.is_finite() {

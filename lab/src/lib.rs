@@ -27,7 +27,7 @@ mod threads;
 pub mod tune;
 
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
-pub use monte_carlo::{Judged, LastError, MonteCarlo, share_interval};
+pub use monte_carlo::{LastError, MonteCarlo, RunVerdicts, share_interval};
 pub use runner::{CellRun, CellTask, Runner};
 pub use sheet::{Sheet, Slice};
 pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, in_parts, processors};

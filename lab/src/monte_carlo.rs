@@ -26,7 +26,7 @@ pub struct MonteCarlo {
 
 /// The judgement on each run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Judged {
+pub enum RunVerdicts {
     /// Nothing.
     Not,
     /// Its verdict, which takes longer than the run.
@@ -62,13 +62,13 @@ impl MonteCarlo {
         filters: Vec<usize>,
         seeds: usize,
         times: usize,
-        judged: Judged,
+        judged: RunVerdicts,
     ) -> Result<Ensemble, EnsembleError> {
         let channels = crate::channels(&scenario, &filters);
         let judged: &[Measure] = match judged {
-            Judged::Not => &[],
-            Judged::Verdicts => &[Measure::VERDICT],
-            Judged::Causes => &[Measure::VERDICT, Measure::CAUSE],
+            RunVerdicts::Not => &[],
+            RunVerdicts::Verdicts => &[Measure::VERDICT],
+            RunVerdicts::Causes => &[Measure::VERDICT, Measure::CAUSE],
         };
         let flags = [Measure::DIVERGED, Measure::STOPPED].into_iter().chain(judged.iter().copied());
         let of = |channel| [Measure::estimate(channel), Measure::error(channel), Measure::std(channel)];

@@ -4,7 +4,7 @@ use egui::{Align, Frame, Layout, Panel, RichText, Ui};
 
 use super::App;
 use crate::bar;
-use crate::controls::{Asked, controls_ui, few_controls_ui};
+use crate::controls::{PanelRequest, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
 use crate::request::{Request, ViewKind};
@@ -42,9 +42,9 @@ impl App {
             let asked = controls_ui(ui, &mut scenario, session.library(), palette, lit);
             requests.extend(Request::edit(session.scenario(), scenario));
             requests.extend(asked.into_iter().map(|asked| match asked {
-                Asked::Columns => Request::ChangeColumns,
-                Asked::Equation => Request::EditEquation,
-                Asked::Fewer => Request::ShowAllSettings(false),
+                PanelRequest::Columns => Request::ChangeColumns,
+                PanelRequest::Equation => Request::EditEquation,
+                PanelRequest::Fewer => Request::ShowAllSettings(false),
             }));
         };
         let Some(height) = drawer else {

@@ -6,7 +6,7 @@ use super::App;
 use crate::bar::Bar;
 use crate::legend::{self, Legend};
 use crate::notice;
-use crate::panes::{Way, panes_ui};
+use crate::panes::{PaneArrangement, panes_ui};
 use crate::reading::{self, Reading};
 use crate::request::Request;
 use crate::story;
@@ -179,9 +179,9 @@ impl App {
         let Self { session, axis, ruler, visible, layout, laboratory, requests, story, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
         let way = match (narrow, is_tuning || (self.low && !narrow)) {
-            (_, true) => Way::Plots,
-            (true, false) => Way::Column,
-            (false, false) => Way::Tiles,
+            (_, true) => PaneArrangement::Plots,
+            (true, false) => PaneArrangement::Column,
+            (false, false) => PaneArrangement::Tiles,
         };
         panes_ui(ui, layout, &context, requests, way, |ui, requests| {
             if is_told {

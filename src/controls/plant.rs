@@ -6,7 +6,7 @@ use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, Signal};
 
-use super::Asked;
+use super::PanelRequest;
 use super::lit::lit;
 use super::number::Number;
 use super::row::scenario_row_ui;
@@ -18,7 +18,7 @@ use crate::widgets::named;
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
 
-pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
+pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) {
     lit(ui, "plant.kind", |ui| kind_ui(ui, scenario, asked));
     let plant = &mut scenario.plant;
     for channel in plant.parameters().collect::<Vec<_>>() {
@@ -31,14 +31,14 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Ask
     }
 }
 
-fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
+fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) {
     let mut kind = scenario.plant.kind;
     let combo =
         ComboBox::from_id_salt("plant").selected_text(kind.name()).width(ui.available_width()).show_ui(ui, |ui| {
             let is_own = kind.own_equation().is_some();
             if ui.selectable_label(is_own, equation::NAME).clicked() && !is_own {
                 kind = equation::first().unwrap_or(kind);
-                asked.push(Asked::Equation);
+                asked.push(PanelRequest::Equation);
             }
             for other in PlantKind::ALL {
                 ui.selectable_value(&mut kind, other, other.name());
@@ -184,13 +184,13 @@ fn reshaped(signal: &Signal, shape: usize) -> Signal {
     }
 }
 
-pub(super) fn equation_ui(ui: &mut Ui, scenario: &Scenario, asked: &mut Vec<Asked>) {
+pub(super) fn equation_ui(ui: &mut Ui, scenario: &Scenario, asked: &mut Vec<PanelRequest>) {
     let Some(own) = scenario.plant.kind.own_equation() else { return };
     let font = TextStyle::Body.resolve(ui.style());
     let printed = job(&own.settings().equation, &font, ui.visuals().text_color());
     let button = Button::new(printed).wrap().min_size(egui::vec2(ui.available_width(), 0.0));
     let button = named(ui.add(button).on_hover_text("Edit the equation and its parameters"), "Edit the equation");
     if button.clicked() {
-        asked.push(Asked::Equation);
+        asked.push(PanelRequest::Equation);
     }
 }

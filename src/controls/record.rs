@@ -5,7 +5,7 @@ use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
 use kalmanscope_core::{Hold, Scenario};
 
-use super::Asked;
+use super::PanelRequest;
 use super::lit::lit;
 use super::number::{REMARK, limit};
 use super::plant::equation_ui;
@@ -14,7 +14,7 @@ use crate::session::{Library, name_of};
 use crate::text::sentence;
 use crate::widgets::named;
 
-pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
+pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<PanelRequest>) {
     equation_ui(ui, scenario, asked);
     let Scenario { record: Some(mapping), hold, .. } = scenario else { return };
     let name = name_of(mapping).to_owned();
@@ -33,7 +33,7 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
     ui.horizontal_wrapped(|ui| {
         if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked()
         {
-            asked.push(Asked::Columns);
+            asked.push(PanelRequest::Columns);
         }
         if ui.button("Simulate instead").on_hover_text("Leave the record and simulate the truth").clicked() {
             scenario.record = None;

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::{Channel, Run, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Judged, MonteCarlo, Runner, Slice};
+use kalmanscope_lab::{Ensemble, MonteCarlo, RunVerdicts, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::WorkState;
@@ -53,11 +53,11 @@ impl Default for SeedChoice {
 }
 
 impl SeedChoice {
-    fn judged(&self) -> Judged {
+    fn judged(&self) -> RunVerdicts {
         match (self.verdicts, self.causes) {
-            (_, true) => Judged::Causes,
-            (true, false) => Judged::Verdicts,
-            (false, false) => Judged::Not,
+            (_, true) => RunVerdicts::Causes,
+            (true, false) => RunVerdicts::Verdicts,
+            (false, false) => RunVerdicts::Not,
         }
     }
 
@@ -74,7 +74,7 @@ impl SeedChoice {
 
 pub struct SeedRuns {
     ensemble: Ensemble,
-    judged: Judged,
+    judged: RunVerdicts,
     pub filters: Vec<u32>,
     pub statistics: MonteCarlo,
     known: Vec<bool>,

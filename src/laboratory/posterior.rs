@@ -74,7 +74,7 @@ impl Shown {
     }
 }
 
-struct Seen {
+struct WatchedSubject {
     subject: Subject,
     key: (u64, usize),
     /// The time since when it has been there \[s\].
@@ -84,7 +84,7 @@ struct Seen {
 #[derive(Default)]
 pub struct Posteriors {
     pub chosen: Option<u32>,
-    seen: Option<Seen>,
+    seen: Option<WatchedSubject>,
     search: Option<Running<Posterior>>,
     pub shown: Option<Shown>,
     pub problem: Option<String>,
@@ -111,7 +111,7 @@ impl Posteriors {
     pub(super) fn follow(&mut self, team: &dyn Team, session: &Session, budget: Budget, ctx: &Context) {
         let Some(filter) = self.chosen else { return };
         let (now, key) = (ctx.input(|input| input.time), (session.generation(), session.index()));
-        if self.seen.as_ref().is_none_or(|seen| seen.key != key) && !self.look(session, filter, key, now) {
+        if self.seen.as_ref().is_none_or(|seen| seen.key != key) && !self.watch(session, filter, key, now) {
             return self.choose(None);
         }
         if self.search.is_none() && !self.is_done() {
@@ -120,7 +120,7 @@ impl Posteriors {
         self.go_on(budget, ctx);
     }
 
-    fn look(&mut self, session: &Session, filter: u32, key: (u64, usize), now: f64) -> bool {
+    fn watch(&mut self, session: &Session, filter: u32, key: (u64, usize), now: f64) -> bool {
         let Some(subject) = Subject::of(session, filter) else { return false };
         match &mut self.seen {
             Some(seen) if seen.subject.is_same(&subject) => seen.key = key,
@@ -130,7 +130,7 @@ impl Posteriors {
                 if let Some(shown) = &mut self.shown {
                     shown.is_of_now = shown.subject.is_same(&subject);
                 }
-                *seen = Some(Seen { subject, key, since: now });
+                *seen = Some(WatchedSubject { subject, key, since: now });
             }
         }
         true
@@ -141,7 +141,7 @@ impl Posteriors {
     }
 
     fn begin(&mut self, team: &dyn Team, session: &Session, now: f64, ctx: &Context) {
-        let Some(Seen { subject, since, .. }) = &self.seen else { return };
+        let Some(WatchedSubject { subject, since, .. }) = &self.seen else { return };
         if session.run().samples() > Session::LONGEST_WHOLE + 1 {
             let count = session.run().samples();
             return self.fail(format!("The record has {count} samples: too many to run it for every point."));
@@ -167,7 +167,7 @@ impl Posteriors {
             Ok(Some(sampled)) => {
                 self.search = None;
                 match (sampled, &self.seen) {
-                    (Some(sampled), Some(Seen { subject, .. })) => {
+                    (Some(sampled), Some(WatchedSubject { subject, .. })) => {
                         let (subject, solutions) = (subject.clone(), sampled.solutions());
                         self.shown = Some(Shown { subject, sampled, solutions, is_of_now: true });
                     }

@@ -56,14 +56,14 @@ impl Live {
         let Some(now) = readings.last().map(|reading| reading[0]) else { return };
         if self.looked.is_none_or(|looked| now >= looked + LOOK) {
             self.looked = Some(now);
-            self.look(readings, now);
+            self.estimate(readings, now);
         }
         if let Some(following) = &mut self.following {
             following.take(readings, AT_ONCE);
         }
     }
 
-    fn look(&mut self, readings: &[[f64; 4]], now: f64) {
+    fn estimate(&mut self, readings: &[[f64; 4]], now: f64) {
         let first = self.from.map_or(0, |from| readings.partition_point(|reading| reading[0] <= from));
         let decays = match Decay::all(&readings[first..]) {
             Ok(decays) => decays,

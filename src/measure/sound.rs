@@ -41,7 +41,7 @@ impl Listener {
     }
 
     fn sound(&self) -> Result<RawFile, String> {
-        let told = self.readings.told();
+        let told = self.readings.readings();
         let rate = told.rate.unwrap_or_default();
         let samples: Vec<f64> = told.readings.iter().map(|x| f64::from(*x)).collect();
         Ring::in_samples(rate, &samples)
@@ -70,7 +70,7 @@ impl Instrument for Listener {
     }
 
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
-        let told = self.readings.told();
+        let told = self.readings.readings();
         let (Some(rate), false) = (told.rate, told.readings.is_empty()) else {
             waiting_ui(ui, since, "Waiting for the microphone …", &self.device.hint());
             return;

@@ -80,7 +80,7 @@ impl Instrument for Stream {
         let Self { readings, live, record, taken, refused, refusal, times, has_ended, .. } = self;
         // They are kept in the record.
         let told = {
-            let mut all = readings.told();
+            let mut all = readings.readings();
             *has_ended = all.has_ended;
             std::mem::take(&mut all.readings)
         };

@@ -68,7 +68,7 @@ impl Instrument for Swing {
     }
 
     fn follow(&mut self) {
-        let told = self.readings.told();
+        let told = self.readings.readings();
         self.live.follow(&told.readings);
         self.health.follow(&told.readings);
     }
@@ -84,7 +84,7 @@ impl Instrument for Swing {
     }
 
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
-        let told = self.readings.told();
+        let told = self.readings.readings();
         let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
             waiting_ui(ui, since, "Waiting for the accelerometer …", &self.device.hint());
             return;
@@ -110,7 +110,7 @@ impl Instrument for Swing {
     }
 
     fn file(&self) -> Option<Result<RawFile, String>> {
-        let decays = Decay::alike(&self.readings.told().readings).map_err(|reason| reason.to_string());
+        let decays = Decay::alike(&self.readings.readings().readings).map_err(|reason| reason.to_string());
         Some(decays.map(|decays| RawFile { name: FILE.to_owned(), bytes: Decay::file(&decays).into_bytes() }))
     }
 }

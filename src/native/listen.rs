@@ -36,9 +36,9 @@ pub(super) struct Listened<P: Parser> {
     thread: RefCell<Option<JoinHandle<()>>>,
 }
 
-struct Shared<T>(Mutex<Heard<T>>);
+struct Shared<T>(Mutex<ListenerState<T>>);
 
-struct Heard<T> {
+struct ListenerState<T> {
     lines: usize,
     left_out: (usize, String),
     to: Option<(Context, Readings<T>)>,
@@ -46,7 +46,7 @@ struct Heard<T> {
 }
 
 impl<T: Reading> Shared<T> {
-    fn heard(&self) -> MutexGuard<'_, Heard<T>> {
+    fn heard(&self) -> MutexGuard<'_, ListenerState<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -94,7 +94,7 @@ impl<T: Reading> Shared<T> {
 
 impl<P: Parser> Listened<P> {
     pub(super) fn new(name: &str, parser: P, keep: Option<(String, File)>) -> Self {
-        let heard = Heard { lines: 0, left_out: (0, String::new()), to: None, unkept: String::new() };
+        let heard = ListenerState { lines: 0, left_out: (0, String::new()), to: None, unkept: String::new() };
         Self {
             name: name.to_owned(),
             shared: Arc::new(Shared(Mutex::new(heard))),

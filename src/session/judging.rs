@@ -13,7 +13,7 @@ const EVERY_WHILE_HELD: f64 = 0.15;
 const MOST: usize = 20_000;
 
 #[derive(Default)]
-pub(super) struct Judged {
+pub(super) struct LiveVerdicts {
     diagnoses: Vec<Option<Diagnosis>>,
     /// The sums of each filter, which the next diagnosis uses again if the picture has the same number.
     live: Vec<LiveDiagnosis>,
@@ -86,7 +86,7 @@ impl Session {
         self.judged.diagnoses.get(place)?.as_ref()
     }
 
-    pub(super) fn judge(&mut self, elapsed: f64) {
+    pub(super) fn diagnose(&mut self, elapsed: f64) {
         self.judged.age += elapsed;
         let (run, diagnostics) = (self.study.run(), self.study.analysis().diagnostics());
         if self.is_whole() || self.job.is_some() || !self.complete {

@@ -65,7 +65,7 @@ impl Session {
             self.compute();
         }
         self.diagnose_in_time(elapsed);
-        self.judge(elapsed);
+        self.diagnose(elapsed);
         self.follow_before(&mut while_time);
         self.try_causes(&mut while_time);
         self.run_freely();

@@ -20,7 +20,7 @@ use kalmanscope_worker::{
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use worker::{AT_ONCE, Given, Left, Program, Worker};
+use worker::{AT_ONCE, Left, Program, Worker, WorkerTask};
 
 const MOST: usize = 8;
 
@@ -33,7 +33,7 @@ struct Workers {
 #[derive(Default)]
 struct State {
     workers: Vec<Worker>,
-    tasks: Vec<Given>,
+    tasks: Vec<WorkerTask>,
     last: u32,
     broken: Option<String>,
 }
@@ -105,7 +105,7 @@ impl Workers {
         let is_for_all = matches!(left, Left::Cells { .. });
         if is_for_all {
             // The workers have one map at a time.
-            present.end(Given::is_for_all);
+            present.end(WorkerTask::is_for_all);
         }
         let count = 1 + present.tasks.iter().filter(|task| !task.is_for_all()).count();
         muster(&self.state, &mut present, if is_for_all { MOST } else { count });
@@ -119,7 +119,7 @@ impl Workers {
         let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number) };
         *last += 1;
         let number = *last;
-        tasks.push(Given::new(number, message(number), left, (worker, AT_ONCE), &self.ctx));
+        tasks.push(WorkerTask::new(number, message(number), left, (worker, AT_ONCE), &self.ctx));
         (0..workers.len()).for_each(|place| present.feed(place));
         Some(number)
     }
@@ -161,7 +161,7 @@ impl State {
     }
 
     /// Ends the tasks that some are. Those with portions under way stay until these are done.
-    fn end(&mut self, which: impl Fn(&Given) -> bool) {
+    fn end(&mut self, which: impl Fn(&WorkerTask) -> bool) {
         let Self { workers, tasks, .. } = self;
         tasks.iter_mut().filter(|task| which(task)).for_each(|task| task.end(workers));
         self.sweep();
@@ -194,13 +194,13 @@ impl State {
         log::warn!("A worker of the page has failed: {reason}");
         let Self { workers, tasks, broken, .. } = self;
         let worker = &mut workers[place];
-        let is_its = |task: &Given| task.is_of(worker);
+        let is_its = |task: &WorkerTask| task.is_of(worker);
         let has_cells = tasks.iter().any(|task| task.is_for_all() && task.is_at(worker));
         if !(tasks.iter().any(is_its) && worker.is_ready && !has_cells) {
             *broken = Some(reason);
         }
         // The next frame notices the loss.
-        tasks.iter().for_each(Given::wake);
+        tasks.iter().for_each(WorkerTask::wake);
         tasks.retain(|task| !is_its(task));
         worker.end();
     }

@@ -6,7 +6,7 @@ use kalmanscope::laboratory::SeedChoice;
 use kalmanscope::team::Frames;
 use kalmanscope_core::Source;
 use kalmanscope_core::scenario::Law;
-use kalmanscope_lab::{Judged, MonteCarlo, Runner, Slice};
+use kalmanscope_lab::{MonteCarlo, RunVerdicts, Runner, Slice};
 
 use super::*;
 
@@ -31,7 +31,8 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
     let seeds = &screen.state().laboratory.seeds;
     assert_eq!((seeds.progress(), seeds.state.problem.as_deref()), (None, None));
     let shown = &seeds.shown().expect("there are some").statistics;
-    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), Judged::Not);
+    let ensemble =
+        MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), RunVerdicts::Not);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
     let mut expected = MonteCarlo::new(&ensemble);

@@ -18,7 +18,7 @@ use crate::{Channel, Diagnosis, Diagnostics, Estimates, Quantity, Record, Scenar
 pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
 
-use info::Of;
+use info::MeasureSubject;
 use rows::{ROWS, Row};
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
@@ -51,12 +51,12 @@ pub struct MeasureKind(Row);
 /// The reason why a text is no measure.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("`{0}` is no score; there are {plain}, and with a channel behind a dot {of_channels}, with a sensor {of_sensors}",
-    plain = words(|of| matches!(of, Of::Filter)),
-    of_channels = words(|of| matches!(of, Of::Channel(_) | Of::Gain)),
-    of_sensors = words(|of| matches!(of, Of::Sensor(_))))]
+    plain = words(|of| matches!(of, MeasureSubject::Filter)),
+    of_channels = words(|of| matches!(of, MeasureSubject::Channel(_) | MeasureSubject::Gain)),
+    of_sensors = words(|of| matches!(of, MeasureSubject::Sensor(_))))]
 pub struct UnknownMeasure(pub String);
 
-fn words(is_it: fn(&Of) -> bool) -> String {
+fn words(is_it: fn(&MeasureSubject) -> bool) -> String {
     ROWS.iter()
         .map(|row| row.info())
         .filter(|info| is_it(&info.of))
@@ -115,10 +115,10 @@ impl Measure {
     /// A measure of a channel or a sensor, as far as its kind has one. `None` if it needs a channel or a sensor that is not given.
     pub fn new(kind: MeasureKind, channel: Option<Channel>, sensor: Option<Quantity>) -> Option<Self> {
         let (channel, sensor) = match kind.info().of {
-            Of::Filter => (None, None),
-            Of::Channel(_) => (Some(channel?), None),
-            Of::Sensor(_) => (None, Some(sensor?)),
-            Of::Gain => (Some(channel?), sensor),
+            MeasureSubject::Filter => (None, None),
+            MeasureSubject::Channel(_) => (Some(channel?), None),
+            MeasureSubject::Sensor(_) => (None, Some(sensor?)),
+            MeasureSubject::Gain => (Some(channel?), sensor),
         };
         Some(Self { kind, channel, sensor })
     }
@@ -147,8 +147,8 @@ impl Measure {
     /// The unit, empty for a pure number.
     pub fn unit(self) -> &'static str {
         match (self.info().of, self.channel, self.sensor) {
-            (Of::Channel(unit), Some(channel), _) => unit.unwrap_or(channel.unit()),
-            (Of::Sensor(unit), _, Some(sensor)) => unit.unwrap_or(sensor.unit()),
+            (MeasureSubject::Channel(unit), Some(channel), _) => unit.unwrap_or(channel.unit()),
+            (MeasureSubject::Sensor(unit), _, Some(sensor)) => unit.unwrap_or(sensor.unit()),
             _ => "",
         }
     }
@@ -156,13 +156,15 @@ impl Measure {
     /// All measures with a number of filters with these channels, beside these sensors.
     pub fn all(channels: &[Channel], sensors: &[Quantity]) -> Vec<Self> {
         let mut all = Vec::new();
-        let mut add = |is_it: fn(&Of) -> bool, channel: Option<Channel>, sensor: Option<Quantity>| {
+        let mut add = |is_it: fn(&MeasureSubject) -> bool, channel: Option<Channel>, sensor: Option<Quantity>| {
             let rows = ROWS.iter().filter(|row| row.info().is_number() && is_it(&row.info().of));
             all.extend(rows.map(|row| Self::row(*row, channel, sensor)));
         };
-        add(|of| matches!(of, Of::Filter), None, None);
-        channels.iter().for_each(|channel| add(|of| matches!(of, Of::Channel(_) | Of::Gain), Some(*channel), None));
-        sensors.iter().for_each(|sensor| add(|of| matches!(of, Of::Sensor(_)), None, Some(*sensor)));
+        add(|of| matches!(of, MeasureSubject::Filter), None, None);
+        channels.iter().for_each(|channel| {
+            add(|of| matches!(of, MeasureSubject::Channel(_) | MeasureSubject::Gain), Some(*channel), None);
+        });
+        sensors.iter().for_each(|sensor| add(|of| matches!(of, MeasureSubject::Sensor(_)), None, Some(*sensor)));
         all
     }
 
@@ -202,12 +204,12 @@ impl MeasureKind {
 
     /// Whether it is of a channel.
     pub fn needs_channel(self) -> bool {
-        matches!(self.info().of, Of::Channel(_) | Of::Gain)
+        matches!(self.info().of, MeasureSubject::Channel(_) | MeasureSubject::Gain)
     }
 
     /// Whether it is of a sensor.
     pub fn needs_sensor(self) -> bool {
-        matches!(self.info().of, Of::Sensor(_))
+        matches!(self.info().of, MeasureSubject::Sensor(_))
     }
 }
 

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Axis, FilterKind, Measure, PlantKind, Quantity, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Ensemble, Judged, MonteCarlo, Plan, Priority, Runner, Sheet, Threads, channels};
+use kalmanscope_lab::{Ensemble, MonteCarlo, Plan, Priority, RunVerdicts, Runner, Sheet, Threads, channels};
 
 /// Cells along each axis of the maps, and of the largest one, and samples of a simulated record.
 const SIDE: usize = 128;
@@ -139,7 +139,7 @@ fn line(name: &str, runner: &Arc<Runner>, team: &Threads, gpu: Option<&Gpu>) {
 fn monte_carlo(team: &Threads) {
     let scenario = Scenario { duration: LONG as f64 * 0.01, ..Scenario::default() };
     for times in [0, 60] {
-        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times, Judged::Not)
+        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times, RunVerdicts::Not)
             .expect("Monte Carlo is possible");
         let runner = Arc::new(Runner::new(ensemble, Source::Simulated).expect("Monte Carlo can run"));
         let (_, all) = fill(team, &runner);

@@ -20,7 +20,7 @@ fn scenario(noise: f64) -> Scenario {
 }
 
 fn statistics(scenario: Scenario, seeds: usize) -> (MonteCarlo, Ensemble) {
-    let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20, Judged::Not).unwrap();
+    let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20, RunVerdicts::Not).unwrap();
     let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
     let mut statistics = MonteCarlo::new(&ensemble);
     for cell in 0..seeds {
@@ -73,7 +73,7 @@ fn a_trace_has_the_numbers_of_the_run_on_a_screen() {
 #[test]
 fn times_are_no_more_than_the_samples() {
     let short = Scenario { duration: 0.1, ..Scenario::default() };
-    let ensemble = MonteCarlo::ensemble(short, vec![0, 1], 3, 200, Judged::Not).unwrap();
+    let ensemble = MonteCarlo::ensemble(short, vec![0, 1], 3, 200, RunVerdicts::Not).unwrap();
     assert_eq!(ensemble.trace().samples(), (1..=10).collect::<Vec<_>>());
     assert_eq!(ensemble.width(), 2 * (2 + 3 * 4) + 2 * 10 * 10);
 }
@@ -85,7 +85,7 @@ fn a_population_is_counted() {
     let law = |text: &str| (text.to_owned(), kalmanscope_core::scenario::Law::Normal([0.05, 0.05]));
     scenario.draw.extend([law("plant.damping_ratio"), law("filters.1.initial_mean.damping_ratio")]);
     let seeds = 200;
-    let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, Judged::Verdicts).unwrap();
+    let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, RunVerdicts::Verdicts).unwrap();
     let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
     let mut statistics = MonteCarlo::new(&ensemble);
     let cells: Vec<usize> = (0..seeds).collect();
@@ -120,11 +120,11 @@ fn guesses_are_drawn_over_a_given_record() {
     let record = std::sync::Arc::new(kalmanscope_core::simulate(&scenario));
     let law = kalmanscope_core::scenario::Law::LogUniform([3.0, 20.0]);
     scenario.draw.insert("filters.*.initial_mean.natural_frequency".to_owned(), law);
-    let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0, 1], 12, 0, Judged::Not).unwrap();
+    let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0, 1], 12, 0, RunVerdicts::Not).unwrap();
     let runner = Runner::new(ensemble, Source::Measured(std::sync::Arc::clone(&record))).unwrap();
     assert!(runner.runs(&[0, 5, 11]).iter().flatten().all(|run| std::sync::Arc::ptr_eq(&run.record, &record)));
     scenario.draw.insert("plant.damping_ratio".to_owned(), law);
-    let ensemble = MonteCarlo::ensemble(scenario, vec![0], 12, 0, Judged::Not).unwrap();
+    let ensemble = MonteCarlo::ensemble(scenario, vec![0], 12, 0, RunVerdicts::Not).unwrap();
     let error = Runner::new(ensemble, Source::Measured(record)).err().unwrap().to_string();
     assert!(error.contains("`seed` is none"), "{error}");
 }
@@ -134,7 +134,7 @@ fn first_causes_are_counted() {
     let mut scenario = Scenario::from_toml(include_str!("../../../assets/populations/input-gain.toml")).unwrap();
     scenario.duration = 30.0;
     scenario.number_filters();
-    let ensemble = MonteCarlo::ensemble(scenario, vec![0], 3, 0, Judged::Causes).unwrap();
+    let ensemble = MonteCarlo::ensemble(scenario, vec![0], 3, 0, RunVerdicts::Causes).unwrap();
     let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
     let mut statistics = MonteCarlo::new(&ensemble);
     statistics.take(&ensemble, &Slice { cells: vec![0, 1, 2], rows: runner.rows(&[0, 1, 2]) });

@@ -44,7 +44,7 @@ fn the_statistics_are_those_of_the_ensemble() {
     follow(&mut laboratory, &session, 10);
     assert_eq!((done(&laboratory), laboratory.seeds.progress()), (12, None));
     assert!(!laboratory.seeds.is_working());
-    let ensemble = MonteCarlo::ensemble(session.scenario().clone(), vec![0, 1], 12, TIMES, Judged::Not).unwrap();
+    let ensemble = MonteCarlo::ensemble(session.scenario().clone(), vec![0, 1], 12, TIMES, RunVerdicts::Not).unwrap();
     let rows = Runner::new(ensemble.clone(), Source::Simulated).unwrap().rows(&(0..12).collect::<Vec<_>>());
     let mut expected = MonteCarlo::new(&ensemble);
     expected.take(&ensemble, &Slice { cells: (0..12).collect(), rows });

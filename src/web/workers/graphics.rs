@@ -14,7 +14,7 @@ use web_sys::MessageEvent;
 
 use super::super::object::{awaited, call, get};
 
-use super::worker::{Given, Left, Program, Worker};
+use super::worker::{Left, Program, Worker, WorkerTask};
 
 /// The worker computes this many cells at once.
 const PORTION: usize = 1024;
@@ -31,7 +31,7 @@ struct State {
     worker: Option<Worker>,
     name: Arc<str>,
     number: u32,
-    task: Option<Given>,
+    task: Option<WorkerTask>,
     ctx: Context,
 }
 
@@ -70,7 +70,7 @@ impl Graphics for Processor {
         state.number += 1;
         let number = state.number;
         let left = Left::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
-        let mut task = Given::new(number, cells_message(number, &cells.runner), left, (None, 1), ctx);
+        let mut task = WorkerTask::new(number, cells_message(number, &cells.runner), left, (None, 1), ctx);
         task.feed(state.worker.as_ref()?);
         state.task = Some(task);
         let working = Working { state: Rc::clone(&self.state), number };

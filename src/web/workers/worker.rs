@@ -95,7 +95,7 @@ const PORTION: f64 = 0.01;
 const MOST: usize = 512;
 
 /// A task that one worker does, or all of them, and the parts that have come.
-pub(super) struct Given {
+pub(super) struct WorkerTask {
     /// No other task has the same.
     pub(super) number: u32,
     message: Array,
@@ -144,7 +144,7 @@ impl Left {
     }
 }
 
-impl Given {
+impl WorkerTask {
     pub(super) fn new(
         number: u32,
         message: Array,

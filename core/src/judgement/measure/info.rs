@@ -23,7 +23,7 @@ pub struct MeasureInfo {
     pub needs_others: bool,
     /// Whether it is for tables and lessons, and in no menu of a map.
     pub is_special: bool,
-    pub(super) of: Of,
+    pub(super) of: MeasureSubject,
     pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
 }
 
@@ -102,7 +102,7 @@ impl Best {
 
 /// The subject of a measure, with its unit if that is another than the channel's or the sensor's.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Of {
+pub(super) enum MeasureSubject {
     Filter,
     Channel(Option<&'static str>),
     Sensor(Option<&'static str>),
@@ -110,7 +110,7 @@ pub(super) enum Of {
     Gain,
 }
 
-pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: Of) -> MeasureInfo {
+pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: MeasureSubject) -> MeasureInfo {
     MeasureInfo {
         word,
         name,

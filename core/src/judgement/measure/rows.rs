@@ -1,6 +1,6 @@
 //! The table of measures: a row each, with its formulas.
 
-use super::info::{Best, MeasureInfo, Of, ValueKind, row};
+use super::info::{Best, MeasureInfo, MeasureSubject, ValueKind, row};
 use super::observed::{Observed, Part};
 use super::{FirstCause, Value, observed};
 use crate::free_run::one_step;
@@ -35,23 +35,23 @@ impl Row {
 }
 
 measures! {
-    Nis = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, Of::Filter)
+    Nis = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, MeasureSubject::Filter)
         .best(Best::One)
         .with_sums(|sums| sums.whole.outcome.nis.per_degree())
         => |part| number(nis(part).per_degree());
 
-    Nees = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, Of::Filter)
+    Nees = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, MeasureSubject::Filter)
         .best(Best::One)
         .with_truth()
         .with_sums(|sums| sums.whole.outcome.nees.per_degree())
         => |part| number(part.run.diagnostics().nees_within(part.range()).per_degree());
 
-    Consistency = row("consistency", "mean NIS, distance in σ", ValueKind::Distance, Of::Filter)
+    Consistency = row("consistency", "mean NIS, distance in σ", ValueKind::Distance, MeasureSubject::Filter)
         .best(Best::Zero)
         .with_sums(|sums| distance(sums.whole.outcome.nis))
         => |part| number(distance(nis(part)));
 
-    LogLikelihood = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, Of::Filter)
+    LogLikelihood = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, MeasureSubject::Filter)
         .best(Best::Largest)
         .with_sums(|sums| sums.whole.outcome.log_likelihood)
         => |part| number(log_likelihood(part).0);
@@ -60,7 +60,7 @@ measures! {
             "log_likelihood_per_sample",
             "log likelihood per measured sample",
             ValueKind::LogLikelihood,
-            Of::Filter,
+            MeasureSubject::Filter,
         )
         .best(Best::Largest)
         .special()
@@ -69,31 +69,31 @@ measures! {
             number(sum / f64::from(samples))
         };
 
-    Diverged = row("diverged", "lost the truth", ValueKind::Flag, Of::Filter)
+    Diverged = row("diverged", "lost the truth", ValueKind::Flag, MeasureSubject::Filter)
         .with_sums(|sums| Value::Flag(sums.whole.outcome.diverged).number())
         => |part| {
             let diagnostics = part.run.diagnostics();
             Value::Flag(diagnostics.stop().is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
         };
 
-    Stopped = row("stopped", "stopped", ValueKind::Flag, Of::Filter)
+    Stopped = row("stopped", "stopped", ValueKind::Flag, MeasureSubject::Filter)
         .with_sums(|sums| Value::Flag(sums.whole.outcome.stop.is_some()).number())
         => |part| Value::Flag(part.run.estimates.stop().is_some());
 
-    Verdict = row("verdict", "verdict", ValueKind::Verdict, Of::Filter)
+    Verdict = row("verdict", "verdict", ValueKind::Verdict, MeasureSubject::Filter)
         => |part| {
             let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
             Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
         };
 
-    Cause = row("cause", "first cause of a bad verdict", ValueKind::Cause, Of::Filter)
+    Cause = row("cause", "first cause of a bad verdict", ValueKind::Cause, MeasureSubject::Filter)
         .special()
         => |part| {
             let Observed { scenario, place, record, estimates, .. } = *part.run;
             Value::Cause(FirstCause::new(scenario, place, estimates, record).run())
         };
 
-    Remark = row("remark", "remarks", ValueKind::Words, Of::Filter)
+    Remark = row("remark", "remarks", ValueKind::Words, MeasureSubject::Filter)
         .special()
         => |part| {
             let mut keys: Vec<_> = mapped(part.run.estimates.remarks(), &|remark| remark.what.key());
@@ -101,24 +101,24 @@ measures! {
             Value::Words(keys)
         };
 
-    Autocorrelation = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, Of::Filter)
+    Autocorrelation = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, MeasureSubject::Filter)
         .best(Best::Zero)
         => |part| {
             let first = part.run.diagnostics().whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
             number(first.max_by(f64::total_cmp))
         };
 
-    Probability = row("probability", "probability among the filters", ValueKind::Share, Of::Filter)
+    Probability = row("probability", "probability among the filters", ValueKind::Share, MeasureSubject::Filter)
         .best(Best::Largest)
         .with_others()
         .special()
         => |part| number(probability(part));
 
-    Evaluations = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter)
+    Evaluations = row("evaluations", "evaluations of the rate per step", ValueKind::Size, MeasureSubject::Filter)
         .special()
         => |part| number(evaluations(part.run.settings(), part.run.scenario.plant.kind));
 
-    Error = row("error", "last error of @", ValueKind::Error, Of::Channel(None))
+    Error = row("error", "last error of @", ValueKind::Error, MeasureSubject::Channel(None))
         .best(Best::Zero)
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.error))
@@ -127,19 +127,19 @@ measures! {
             number(errors.map(|errors| errors[0][0]))
         };
 
-    Rmse = row("rmse", "RMS error of @", ValueKind::Size, Of::Channel(None))
+    Rmse = row("rmse", "RMS error of @", ValueKind::Size, MeasureSubject::Channel(None))
         .best(Best::Smallest)
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.rmse))
         => |part| number(part.tally().map(ErrorSums::rmse));
 
-    MeanError = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None))
+    MeanError = row("mean_error", "size of the mean error of @", ValueKind::Size, MeasureSubject::Channel(None))
         .best(Best::Smallest)
         .with_truth()
         .special()
         => |part| number(part.errors(part.range()).map(|errors| mean(errors.iter().map(|[error, _]| *error)).abs()));
 
-    ErrorInStd = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE))
+    ErrorInStd = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, MeasureSubject::Channel(PURE))
         .best(Best::One)
         .with_truth()
         => |part| {
@@ -152,33 +152,33 @@ measures! {
             "rmse_over_sensor",
             "RMS error of @ over its sensor's noise",
             ValueKind::Size,
-            Of::Channel(PURE),
+            MeasureSubject::Channel(PURE),
         )
         .best(Best::Smallest)
         .with_truth()
         .special()
         => |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise));
 
-    Estimate = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
+    Estimate = row("estimate", "last estimate of @", ValueKind::Signed, MeasureSubject::Channel(None))
         .with_sums(observed::estimate)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)));
 
-    RawEstimate = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
+    RawEstimate = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, MeasureSubject::Channel(None))
         .special()
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place]));
 
-    Std = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
+    Std = row("std", "last σ of @", ValueKind::Size, MeasureSubject::Channel(None))
         .with_sums(observed::std)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.std(k, place)));
 
-    StdOverBound = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE))
+    StdOverBound = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, MeasureSubject::Channel(PURE))
         .with_truth()
         => |part| {
             let of = |(k, place)| Some(part.run.estimates.std(k, place) / part.bound(k)?);
             number(part.sample().zip(part.place()).and_then(of))
         };
 
-    Settled = row("settled", "settling time of @", ValueKind::Time, Of::Channel(Some("s")))
+    Settled = row("settled", "settling time of @", ValueKind::Time, MeasureSubject::Channel(Some("s")))
         .best(Best::Smallest)
         .with_truth()
         .with_sums(|sums| {
@@ -191,17 +191,17 @@ measures! {
             number((settled - part.times.from.unwrap_or(0.0)).max(0.0))
         };
 
-    Coverage = row("coverage", "share of @ inside ±2σ", ValueKind::Share, Of::Channel(PURE))
+    Coverage = row("coverage", "share of @ inside ±2σ", ValueKind::Share, MeasureSubject::Channel(PURE))
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
         .with_sums(|sums| sums.score(|score| score.coverage))
         => |part| number(part.tally().map(ErrorSums::coverage));
 
-    Gain = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain)
+    Gain = row("gain", "mean size of the gain of @", ValueKind::Size, MeasureSubject::Gain)
         .special()
         => |part| number(gain(part));
 
-    FreeRun = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None))
+    FreeRun = row("free_run", "free-run error of @", ValueKind::Size, MeasureSubject::Sensor(None))
         .best(Best::Smallest)
         => |part| {
             let run = part.run;
@@ -212,7 +212,7 @@ measures! {
             number(fit.map(|fit| fit.rms))
         };
 
-    OneStep = row("one_step", "one-step error of @", ValueKind::Size, Of::Sensor(None))
+    OneStep = row("one_step", "one-step error of @", ValueKind::Size, MeasureSubject::Sensor(None))
         .best(Best::Smallest)
         => |part| {
             let record = part.run.record;
@@ -221,7 +221,7 @@ measures! {
             number(fit.map(|fit| fit.rms))
         };
 
-    LearntNoise = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE))
+    LearntNoise = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, MeasureSubject::Sensor(PURE))
         .best(Best::One)
         .with_truth()
         .special()
@@ -234,7 +234,7 @@ measures! {
             "learnt_noise_std",
             "uncertainty of the learnt σ of @, as a share of it",
             ValueKind::Size,
-            Of::Sensor(PURE),
+            MeasureSubject::Sensor(PURE),
         )
         .special()
         => |part| number(part.sample().and_then(|k| part.learnt_noise(k)).map(|[std, spread]| spread / std));
@@ -243,14 +243,14 @@ measures! {
             "learnt_noise_coverage",
             "share of the true σ of @ inside ±2σ of the learnt one",
             ValueKind::Share,
-            Of::Sensor(PURE),
+            MeasureSubject::Sensor(PURE),
         )
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
         .special()
         => |part| number(coverage_of_learnt_noise(part));
 
-    ProcessScale = row("process_scale", "learnt √Q over the true one", ValueKind::Ratio, Of::Filter)
+    ProcessScale = row("process_scale", "learnt √Q over the true one", ValueKind::Ratio, MeasureSubject::Filter)
         .best(Best::One)
         .with_truth()
         .special()
@@ -260,7 +260,7 @@ measures! {
             "process_scale_std",
             "uncertainty of the learnt √Q, as a share of it",
             ValueKind::Size,
-            Of::Filter,
+            MeasureSubject::Filter,
         )
         .special()
         => |part| number(part.sample().and_then(|k| part.run.estimates.process_scale(k)).map(|[_, std]| std));
@@ -269,7 +269,7 @@ measures! {
             "process_scale_coverage",
             "share of the true √Q inside ±2σ of the learnt one",
             ValueKind::Share,
-            Of::Filter,
+            MeasureSubject::Filter,
         )
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
