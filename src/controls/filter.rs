@@ -4,7 +4,7 @@ use egui::collapsing_header::CollapsingState;
 use egui::{ComboBox, Grid, Popup, PopupCloseBehavior, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Length;
 use kalmanscope_core::setting::{
-    Allowed, CHANGES, Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
+    Allowed, CHANGES, Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo,
 };
 use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
 
@@ -67,6 +67,8 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             lit(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others));
             ui.add_space(6.0);
         });
+    // Whatever has been opened: the kind of a folded filter can be changed too.
+    scenario.filters[place].turn_off_excluded(scenario.plant.kind);
     if duplicate {
         let id = scenario.free_filter_id();
         let color = free_color(scenario, id);
@@ -86,17 +88,19 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     }
 }
 
-/// How the parameters change that the filter estimates: not at all, or in one of the other ways.
+/// The way in which the filter takes its parameters to change: none, or one of the others.
 fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
-    let off = |row: &SettingInfo<FilterSettings>| (row.get)(&FilterSettings::default());
-    let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != off(row));
-    let mut still = filter.clone();
-    CHANGES.iter().for_each(|(row, ..)| (row.set)(&mut still, off(row)));
+    let off = FilterSettings::default();
+    let turn_off =
+        |filter: &mut FilterSettings| CHANGES.iter().for_each(|(row, ..)| (row.set)(filter, (row.get)(&off)));
+    let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != (row.get)(&off));
     let mut chosen = now;
     let summary = now.map_or("still", |at| CHANGES[at].1);
-    let (hint, name) = ("How the parameters change of which nothing is known", format!("{} parameters", filter.name));
+    let (hint, name) = ("How the filter takes its parameters to change", format!("{} parameters", filter.name));
     let mut list = |ui: &mut Ui| {
         list_ui(ui, ("parameters", hint), summary, &name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
+            let mut still = filter.clone();
+            turn_off(&mut still);
             ui.selectable_value(&mut chosen, None, "still").on_hover_text("They stay as they are");
             for (at, (row, answer, _)) in CHANGES.iter().enumerate() {
                 let serves = (row.serves)(&still, truth);
@@ -107,14 +111,12 @@ fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     };
     let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
     lit(ui, &walk, |ui| lit(ui, &jump, |ui| lit(ui, &scales, |ui| list(ui))));
-    let Some((row, _, value)) = chosen.and_then(|at| CHANGES.get(at)) else {
-        return *filter = still;
-    };
+    let chosen_row = chosen.and_then(|at| CHANGES.get(at));
     if chosen != now {
-        *filter = still;
-        (row.set)(filter, *value);
+        turn_off(filter);
+        chosen_row.into_iter().for_each(|(row, _, value)| (row.set)(filter, *value));
     }
-    if row.allowed != Allowed::Flag {
+    if let Some((row, ..)) = chosen_row.filter(|(row, ..)| row.allowed != Allowed::Flag) {
         filter_row_ui(ui, row, filter, truth);
     }
 }

@@ -40,7 +40,6 @@ pub(super) fn options_ui(
                 lit(ui, &filter.address(info.key), |ui| choice_row_ui(ui, info, filter, &name));
             }
         }
-        filter.turn_off_excluded(truth);
         for info in OPTIONS {
             if (info.serves)(filter, truth) {
                 filter_row_ui(ui, info, filter, truth);

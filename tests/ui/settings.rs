@@ -253,10 +253,10 @@ fn a_parameter_can_be_counted_and_not_learnt() {
     // Its process noise alone moves the band.
     let grown = estimates.std(last, place) / estimates.initial_std(place);
     assert!(last > 3 && (grown - 1.0).abs() < 0.01, "{last} {grown}");
-    // A smoother does not go with it.
+    // A jump does not go with it, and no option has to be in sight for that.
     press(&mut screen, Key::Escape);
-    click(&mut screen, "EKF: hindsight");
-    screen.run_steps(3);
+    open_options(&mut screen);
+    choose(&mut screen, "EKF parameters", "jump");
     assert_eq!((scenario(&screen).filters[0].consider.len(), screen.state().session().problem()), (0, None));
 }
 

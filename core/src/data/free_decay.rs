@@ -99,7 +99,7 @@ impl Decay {
     /// [`NoDecay`].
     pub fn of(readings: &[[f64; 4]]) -> Result<Self, NoDecay> {
         let longest = |a: &Self, b: &Self| a.seconds().total_cmp(&b.seconds());
-        Ok(Self::all(readings)?.into_iter().max_by(longest).expect("there is one, or the reason why there is none"))
+        Self::all(readings)?.into_iter().max_by(longest).ok_or(NoDecay::Short(0.0, SHORTEST))
     }
 
     /// Every free decay, in the order of time: each pluck has its own. They have their own axis and gravity, so that a device

@@ -339,8 +339,7 @@ pub enum RecordError {
     /// A column is missing: its name, and the columns of the file.
     #[error("line 1: there is no column `{0}`; the columns are {1}")]
     Column(String, String),
-    /// A cell is not a number: the line of the file, of which the header is line 1, the column's name, the cell's text, and what is
-    /// allowed.
+    /// A cell is not a number: its line in the file (the header is line 1), the name of its column, its text, and the allowed values.
     #[error("line {0}, column `{1}`: `{2}` is not {3}")]
     Cell(u64, String, String, &'static str),
     /// The samples are not equally spaced: the line of the file, its time and the expected one, and the mean time between samples \[s\].

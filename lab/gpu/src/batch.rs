@@ -92,8 +92,7 @@ impl Gpu {
         ensemble.plan().filters.iter().all(serves)
     }
 
-    /// Runs some cells. Returns those of which the graphics processor serves all filters, and their rows one after the other,
-    /// in the form of [`Runner::rows`].
+    /// Runs some cells. Returns the cells whose filters all run on the graphics processor, and their rows in the form of [`Runner::rows`].
     ///
     /// # Errors
     /// Those of [`Self::outcomes`].

@@ -201,7 +201,7 @@ mod tests {
     use super::*;
     use crate::{Channel, PlantKind, Quantity};
 
-    /// One step over a share of which the rate is a function.
+    /// One step; the rate takes the share of the step as its first argument.
     fn step(rate: impl Fn(f64, &[f64], &mut [f64]), state: &mut [f64], dt: f64) {
         let mut memory = [const { [0.0; 2] }; 5];
         let memory = memory.each_mut().map(|numbers| &mut numbers[..state.len()]);

@@ -1,4 +1,4 @@
-//! What is wrong with the recorded input, and with the settings' claims about steps and sensors.
+//! Causes in the recorded input, and in what the settings assume of steps and sensors.
 
 use std::ops::Range;
 
