@@ -7,7 +7,7 @@ use kalmanscope_core::{
 use nalgebra::{DMatrix, Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
 use crate::numbers::{DETERMINISTIC, exponential};
-use crate::run::{finished, finished_on, oscillator, values};
+use crate::run::{finished, finished_on, oscillator, record_of, values};
 
 const INITIAL_STD: [f64; 4] = [0.3, 1.0, 0.0, 0.0];
 
@@ -214,7 +214,7 @@ fn a_record_from_a_file_gives_the_same_bits() {
         let mut file = Vec::new();
         simulated.record().write_csv(&mut file).unwrap();
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let record = Record::read_csv(file.as_slice(), &sensors).unwrap();
+        let record = record_of(file, &sensors);
         assert_eq!(record.dt().to_bits(), dt.to_bits(), "{steps} steps of {dt} s");
         assert_eq!(&record, simulated.record());
         let again = finished_on(&scenario, record);

@@ -7,7 +7,7 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{bits, mean, rms};
-use crate::run::{finished, finished_on, one_filter, oscillator};
+use crate::run::{finished, finished_on, one_filter, oscillator, record_of};
 
 fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Verdict> {
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict
@@ -180,7 +180,7 @@ fn unknown_truths_and_missing_measurements_are_not_scored() {
     run.record().write_csv(&mut file).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
-    let record = Record::read_csv(text.as_bytes(), &sensors).unwrap();
+    let record = record_of(text.into_bytes(), &sensors);
     let again = finished_on(&scenario, record);
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);

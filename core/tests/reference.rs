@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::{Record, Scenario};
+use kalmanscope_core::Scenario;
 
-use crate::run::finished_on;
+use crate::run::{finished_on, record_of};
 
 const CASES: [&str; 7] = [
     "ekf-acceleration-only",
@@ -25,8 +25,8 @@ fn worst_deviation(case: &str) -> (f64, usize) {
     let toml = std::fs::read_to_string(data(&format!("{case}.toml"))).unwrap();
     let scenario = Scenario::from_toml(&toml).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
-    let file = std::fs::File::open(data(&format!("{case}.record.csv"))).unwrap();
-    let run = finished_on(&scenario, Record::read_csv(file, &sensors).unwrap());
+    let file = std::fs::read(data(&format!("{case}.record.csv"))).unwrap();
+    let run = finished_on(&scenario, record_of(file, &sensors));
     let estimates = &run.estimates()[0];
     assert_eq!(estimates.stop(), None);
 

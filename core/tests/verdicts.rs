@@ -13,7 +13,7 @@ use kalmanscope_core::{
     Verdict, simulate,
 };
 
-use crate::run::{built_in, finished, finished_on, oscillator, remedies, values};
+use crate::run::{built_in, finished, finished_on, oscillator, record_of, remedies, values};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
@@ -246,7 +246,7 @@ fn stiffening_spring() -> Record {
             (x, v) = (x + h * c, v + h * d);
         }
     }
-    Record::read_csv(text.as_bytes(), &[Quantity::DISPLACEMENT, Quantity::VELOCITY]).unwrap()
+    record_of(text.into_bytes(), &[Quantity::DISPLACEMENT, Quantity::VELOCITY])
 }
 
 #[test]

@@ -333,25 +333,10 @@ pub enum RecordError {
     /// A value is not finite where it must be, or infinite: the column's name, the sample from 0 on, the value, and what is allowed.
     #[error("sample {1}, column `{0}`: {2} is not {3}")]
     Value(String, usize, f64, &'static str),
-    /// The text is not CSV, or cannot be read or written.
+    /// The file cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// A column is missing: its name, and the columns of the file.
-    #[error("line 1: there is no column `{0}`; the columns are {1}")]
-    Column(String, String),
-    /// A cell is not a number: its line in the file (the header is line 1), the name of its column, its text, and the allowed values.
-    #[error("line {0}, column `{1}`: `{2}` is not {3}")]
-    Cell(u64, String, String, &'static str),
-    /// The samples are not equally spaced: the line of the file, its time and the expected one, and the mean time between samples \[s\].
-    #[error("line {0}: t = {1} s, but samples {3} s apart would have t = {2} s here")]
-    Spacing(u64, f64, f64, f64),
-    /// There are too few samples to determine the time between them.
-    #[error("{0} sample(s), but at least 2 are needed")]
-    TooShort(usize),
     /// The times that readings have do not fit.
     #[error(transparent)]
     Clocks(#[from] ClocksError),
-    /// The times do not increase: the first and the last \[s\].
-    #[error("t must rise, but goes from {0} s to {1} s")]
-    NotRising(f64, f64),
 }

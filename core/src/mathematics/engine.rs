@@ -8,8 +8,8 @@
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF
 //!   expected, update       the measurements, and the belief after them
-//!   learning               weights, noise and jumps from innovations
-//! belief                   mean and covariance, noise, what is considered, and a belief over logarithms in units
+//!   wrapper                options, each a filter around a filter
+//! belief                   mean and covariance, noise, and a belief over logarithms in units
 //! list, builder            equations as lists of operations
 //! ```
 //!
@@ -34,7 +34,6 @@ mod expected;
 pub(crate) mod exponential;
 pub(crate) mod filter;
 pub(crate) mod lanes;
-pub(crate) mod learning;
 pub(crate) mod level;
 pub(crate) mod linearised;
 pub(crate) mod list;
@@ -49,3 +48,4 @@ pub(crate) mod sigma_points;
 mod square_root;
 pub(crate) mod update;
 pub(crate) mod weights;
+pub(crate) mod wrapper;

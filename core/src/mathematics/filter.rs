@@ -12,7 +12,7 @@ pub(crate) mod adaptation;
 mod belief;
 pub(crate) mod jump;
 pub mod kalman;
-mod learning;
+pub(crate) mod learning;
 mod linear;
 mod recursion;
 pub mod robust;

@@ -1,8 +1,8 @@
 //! The Cramér-Rao bound: the smallest standard deviations that any filter can reach.
 
 use crate::data::record::Parts;
-use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::engine::wrapper::{Span, Wrapped};
 use crate::mathematics::lists::mapped;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::setup::{Setup, filter};
@@ -30,7 +30,7 @@ pub struct CramerRao {
     settings: FilterSettings,
     channels: Vec<Channel>,
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
-    recursion: Option<(Filter<f64>, Vec<Quantity>)>,
+    recursion: Option<(Wrapped<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
     /// The number of samples that the record had forgotten at the last call.
     forgotten: usize,
@@ -112,13 +112,13 @@ impl CramerRao {
                 let mut holds = true;
                 for (part, readings) in parts.iter().filter(|_| has_parts) {
                     // Between samples the truth is where the model goes from the last one.
-                    filter.predict_share(Baseline, part.share, part.forces);
+                    filter.predict(Baseline, Span { share: part.share, forces: part.forces, times: [0.0; 2] });
                     let truth = filter.belief.mean.clone();
                     holds &= filter.update(Baseline, part.force, readings).holds;
                     filter.belief.mean = truth;
                 }
                 if !has_parts {
-                    filter.predict_share(Baseline, 1.0, [force(before), force(k)]);
+                    filter.predict(Baseline, Span { share: 1.0, forces: [force(before), force(k)], times: [0.0; 2] });
                     move_to(&mut filter.belief.mean, k);
                     for (value, column) in sample.iter_mut().zip(&measured) {
                         *value = column.map_or(f64::NAN, |column| column[k]);

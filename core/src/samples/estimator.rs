@@ -42,11 +42,11 @@ pub(crate) trait Estimator: Send {
     }
 }
 
-/// A belief in the coordinates of its filter, and the usual misfits of one that weighs its readings.
+/// A belief in the coordinates of its filter, and the numbers that its options keep.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) belief: Gaussian,
-    misfits: Vec<f64>,
+    memory: Vec<f64>,
 }
 
 /// A filter that counts in samples cannot go from one reading to the next: it takes each reading at the sample after it.

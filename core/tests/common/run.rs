@@ -205,3 +205,10 @@ impl<F: FnMut(&Sample<'_>)> Sink for Each<F> {
         self.wants_prior
     }
 }
+
+/// The record in a file that [`Record::write_csv`] has written.
+pub(crate) fn record_of(file: Vec<u8>, sensors: &[Quantity]) -> Record {
+    let table = read(file, None).expect("it is a table");
+    let (mapping, kind, _) = Mapping::guess_for(&table, sensors);
+    Builder::new(&table, &mapping, kind, Hold::Zero).and_then(Builder::finish).expect("it is a record").record
+}

@@ -3,8 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::model::Model;
-use crate::mathematics::filter::adaptation::Adaptation;
-use crate::mathematics::filter::robust::Robust;
 use crate::mathematics::model::Reading;
 
 /// The motion of a linearising filter's mean, and the transition matrix of its covariance.
@@ -114,12 +112,4 @@ pub struct Design {
     pub readings: Vec<Reading>,
     /// The place of a white force and its course between samples.
     pub white: Option<(usize, Course)>,
-    /// The rule by which measurements are weighed.
-    pub robust: Robust,
-    /// The noise that is learnt.
-    pub adaptation: Adaptation,
-    /// Whether P widens where the innovations grow at once.
-    pub jumps: bool,
-    /// The places of components that count but are not estimated.
-    pub considered: Vec<usize>,
 }

@@ -5,10 +5,9 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 
-use super::belief::{Belief, Considered, Noise, NoiseShare};
+use super::belief::{Belief, Noise, NoiseShare};
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
-use super::learning::{Learning, Learnt};
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
 use super::model::Step;
@@ -22,7 +21,6 @@ use crate::mathematics::filter_error::of_root;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
 /// takes that level; the rest is in the program once.
-#[derive(Clone, Debug)]
 pub(crate) struct Filter<T: Number> {
     pub(crate) design: Design,
     pub(crate) noise: Noise<T>,
@@ -35,35 +33,11 @@ pub(crate) struct Filter<T: Number> {
     points: SigmaPoints<T>,
     root: Option<SquareRoot<T>>,
     pub(crate) update: Update<T>,
-    learning: Option<Box<Learning<T>>>,
-    considered: Option<Box<Considered<T>>>,
-    checks: Checks<T::Mask>,
-}
-
-impl Filter<f64> {
-    /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
-    pub(crate) fn usual_misfits(&self) -> &[f64] {
-        let weighing = self.learning.as_ref().and_then(|learning| learning.weighing.as_ref());
-        weighing.map_or(&[], |weighing| &weighing.weights.usual)
-    }
-
-    pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
-        if let Some(weighing) = self.learning.as_mut().and_then(|learning| learning.weighing.as_mut()) {
-            weighing.weights.usual.copy_from_slice(misfits);
-        }
-    }
-
-    pub(crate) fn learnt(&self) -> Option<Learnt<'_>> {
-        self.learning.as_ref().map(|learning| learning.learnt())
-    }
+    pub(super) checks: Checks<T::Mask>,
 }
 
 impl<T: Number> Filter<T> {
-    pub(crate) fn learns(&self) -> bool {
-        self.learning.is_some()
-    }
-
-    pub(crate) fn new(design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
+    pub(crate) fn new(design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
             Method::SquareRoot(rule) if const { may_have_root::<T, Baseline>() } => {
@@ -79,8 +53,6 @@ impl<T: Number> Filter<T> {
             points: SigmaPoints::new(model),
             root,
             update: Update::new(&design),
-            learning: Learning::new(&design, &belief, &mut noise),
-            considered: Considered::new(&design.considered, &belief),
             checks: Checks::new(),
             design,
             of_share: NoiseShare::new(&noise),
@@ -96,19 +68,8 @@ impl<T: Number> Filter<T> {
     /// A white force and jumps belong to whole steps: the force is another one from the next sample on, or from the middle of the
     /// step ([`Course`](super::design::Course)).
     #[inline(always)]
-    pub(crate) fn predict_share<L: Level>(&mut self, level: L, share: f64, forces: [T; 2]) {
-        let Self { learning, design, noise, .. } = self;
-        let has_widened = learning.as_mut().is_some_and(|learning| learning.widen(design, noise));
-        self.carry(level, share, forces);
-        if let Some(learning) = self.learning.as_ref().filter(|_| has_widened) {
-            learning.narrow(&mut self.noise);
-        }
-    }
-
-    #[inline(always)]
-    fn carry<L: Level>(&mut self, level: L, share: f64, forces: [T; 2]) {
+    pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
-        let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         for at in 0..self.design.model.forgotten.len() {
@@ -192,7 +153,7 @@ impl<T: Number> Filter<T> {
 
     #[inline(always)]
     fn spread<L: Level>(&mut self, level: L, share: f64, is_last: bool) -> Rooted<T::Mask> {
-        let Self { belief, noise, of_share, root, considered, .. } = self;
+        let Self { belief, noise, of_share, root, .. } = self;
         let noise = of_share.of(share, noise);
         let mut rooted = Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) };
         match (&mut *root, is_last) {
@@ -214,59 +175,45 @@ impl<T: Number> Filter<T> {
             (_, true) => apart!(level, belief.spread(level, noise)),
             (_, false) => belief.clamp(),
         }
-        if let Some(considered) = considered.as_deref().filter(|_| is_last) {
-            if const { may_have_root::<T, L>() }
-                && let Some(root) = root
-            {
-                root.square(level, &mut belief.cov);
-                considered.keep(belief, noise);
-                rooted = root.take(level, &belief.cov);
-            } else {
-                considered.keep(belief, noise);
-            }
-        }
         rooted
     }
 
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
-    /// sensor. The last step holds for [some lanes](UpdateResult::holds); [`Self::reason`] gives the reason for the others.
+    /// sensor; R is that of the noise without `variances`. The last step holds for [some lanes](UpdateResult::holds);
+    /// [`Self::reason`] gives the reason for the others.
     #[inline(always)]
-    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
-        if self.considered.is_some() {
-            return self.update_but_for_considered(level, force, measured);
-        }
-        self.condition(level, force, measured)
+    pub(super) fn update<L: Level>(
+        &mut self,
+        level: L,
+        force: T,
+        measured: &[T],
+        variances: Option<&[T]>,
+    ) -> UpdateResult<T> {
+        let Self { design, noise, belief, update, checks, root, .. } = self;
+        let observation = Observation { force, measured, variances: variances.unwrap_or(&noise.sensors) };
+        update.condition(level, &mut Target { design, belief, root: root.as_mut(), checks }, observation)
     }
 
-    #[inline(always)]
-    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
-        let Self { design, noise, belief, update, checks, root, learning, .. } = self;
-        let target = &mut Target { design, belief, root: root.as_mut(), checks };
-        match learning {
-            None => update.condition(level, target, Observation { force, measured, variances: &noise.sensors }),
-            Some(learning) => learning.condition(level, update, target, noise, (force, measured)),
+    /// The rows of the root, of a filter that has one.
+    pub(super) fn root_rows(&mut self) -> Option<&mut Vec<T>> {
+        self.root.as_mut().filter(|_| const { may_have_root::<T, Baseline>() }).map(|root| &mut root.rows)
+    }
+
+    /// The belief, and the noise of a share of a step.
+    pub(super) fn belief_and_noise(&mut self, share: f64) -> (&mut Belief<T>, &Noise<T>) {
+        (&mut self.belief, self.of_share.of(share, &self.noise))
+    }
+
+    /// Makes Q a whole matrix.
+    pub(super) fn fill_process_noise(&mut self) {
+        if self.noise.matrix.is_empty() {
+            self.noise.fill_matrix();
+            self.of_share = NoiseShare::new(&self.noise);
         }
     }
 
-    #[inline(never)]
-    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
-        self.square();
-        let mut considered = self.considered.take();
-        if let Some(considered) = &mut considered {
-            considered.store(&self.belief);
-        }
-        let mut result = self.condition(level, force, measured);
-        if let Some(considered) = &considered {
-            considered.restore(&mut self.belief, self.update.gain_mut());
-            let rooted = self.take_root();
-            result.holds = result.holds & rooted.holds;
-            self.checks.is_positive = self.checks.is_positive & rooted.holds;
-        }
-        self.considered = considered;
-        result
-    }
-
-    fn take_root(&mut self) -> Rooted<T::Mask> {
+    /// The root of the covariance again, after this has changed.
+    pub(super) fn take_root(&mut self) -> Rooted<T::Mask> {
         let Self { belief, root, .. } = self;
         match root {
             Some(root) if const { may_have_root::<T, Baseline>() } => root.take(Baseline, &belief.cov),

@@ -42,7 +42,7 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 
 /// A number of a filter: that of one run, or those of several runs side by side, each in its lane. Where runs differ, both
 /// ways are computed and each lane [selects](Self::select) its own.
-pub trait Number: Real {
+pub trait Number: Real + Send + 'static {
     /// The truth values of comparisons.
     type Mask: Mask;
 

@@ -1,71 +1,70 @@
-//! Noise that a filter learns from an update.
+//! The noise that a filter learns from its updates.
 
-use super::{Adaptation, Correction, Noise, Observation};
-use crate::mathematics::engine::columns::factor;
+use super::Adaptation;
+use crate::mathematics::engine::number::Number;
 use crate::mathematics::engine::weights::{Innovations, Residuals};
-use crate::mathematics::linalg::Vector;
-use crate::mathematics::lists::{mapped, numbers};
+use crate::mathematics::lists::mapped;
 
+/// Noise that is learnt as [`Adaptation`] has it, in each lane.
 #[derive(Clone, Debug)]
-pub(super) struct Learning {
-    pub(super) adaptation: Adaptation,
-    residuals: Residuals<f64>,
+pub(crate) struct Learning<T> {
+    pub(crate) adaptation: Adaptation,
+    /// The variance of each R.
+    pub(crate) uncertainty: Vec<T>,
     /// K e
-    shift: Vector,
-    pub(super) uncertainty: Vec<f64>,
+    shift: Vec<T>,
+    residuals: Residuals<T>,
     /// The sample, and the time between samples \[s\].
-    pub(super) sample: usize,
+    pub(crate) sample: usize,
     dt: f64,
 }
 
-impl Learning {
-    pub(super) fn new(adaptation: Adaptation, noise: &Noise, dt: f64) -> Self {
-        Self {
-            adaptation,
-            residuals: Residuals::default(),
-            shift: Vector::zeros(0),
-            uncertainty: mapped(&noise.sensors, &|r| adaptation.initial_uncertainty(*r)),
-            sample: 0,
-            dt,
-        }
-    }
-
-    pub(super) fn is_on_now(&self) -> bool {
+impl<T: Number> Learning<T> {
+    pub(crate) fn learns_now(&self) -> bool {
         self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
     }
 
-    pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let Self { adaptation, residuals, shift, uncertainty, .. } = self;
-        let sensors = &observation.sensors[..];
-        if adaptation.process_noise {
-            let keep = adaptation.forgetting;
-            *shift = Vector::zeros(correction.gain.nrows());
-            for &sensor in sensors {
-                shift.axpy(correction.innovation[sensor], &correction.gain.column(sensor), 1.0);
+    /// For a state of n components, and the diagonal of R.
+    pub(crate) fn new(adaptation: Adaptation, n: usize, sensors: &[T], dt: f64) -> Self {
+        let uncertainty = mapped(sensors, &|r| adaptation.initial_uncertainty(*r));
+        Self { adaptation, uncertainty, shift: vec![T::of(0.0); n], residuals: Residuals::default(), sample: 0, dt }
+    }
+
+    /// Adapts the lower triangle of Q, n × n, without a white force, by an update with the gain K, n × m.
+    pub(crate) fn adapt_process(
+        &mut self,
+        update: &Innovations<'_, T>,
+        gain: &[T],
+        has_measured: T::Mask,
+        (process, white): (&mut [T], Option<usize>),
+    ) {
+        let Self { adaptation, shift, .. } = self;
+        let (n, keep) = (shift.len(), adaptation.forgetting);
+        shift.fill(T::of(0.0));
+        for (&e, gain) in update.innovation.iter().zip(gain.chunks_exact(n)) {
+            for i in 0..n {
+                shift[i] = shift[i] + gain[i] * e;
             }
-            noise.process.ger(1.0 - keep, shift, shift, keep);
         }
-        if adaptation.sensor_noise {
-            let m = sensors.len();
-            let innovation: Vec<f64> = mapped(sensors, &|&sensor| correction.innovation[sensor]);
-            let innovation_cov: Vec<f64> =
-                numbers(m * m, &|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]);
-            let mut lower = innovation_cov.clone();
-            let (_, is_positive) = factor(&mut lower, m);
-            if !is_positive {
-                return;
+        for j in 0..n {
+            for i in j..n {
+                let old = process[j * n + i];
+                let learnt = shift[i] * (shift[j] * (1.0 - keep)) + old * keep;
+                let is_kept = white == Some(i) || white == Some(j);
+                process[j * n + i] = if is_kept { old } else { T::select(has_measured, learnt, old) };
             }
-            let update = Innovations {
-                sensors,
-                innovation: &innovation,
-                innovation_cov: &innovation_cov,
-                factor: &lower,
-                variances: &observation.variances,
-            };
-            for (&sensor, &residual) in sensors.iter().zip(residuals.of(&update)) {
-                let known = [noise.sensors[sensor], uncertainty[sensor]];
-                [noise.sensors[sensor], uncertainty[sensor]] = adaptation.learn(known, residual);
-            }
+        }
+    }
+
+    /// Adapts the diagonal of R, in lanes in which a sensor has measured.
+    pub(crate) fn adapt_sensors(&mut self, update: &Innovations<'_, T>, measured: &[T], sensors: &mut [T]) {
+        let Self { adaptation, residuals, uncertainty, .. } = self;
+        for (&sensor, &residual) in update.sensors.iter().zip(residuals.of(update)) {
+            let old = [sensors[sensor], uncertainty[sensor]];
+            let [r, variance] = adaptation.learn(old, residual);
+            let is_there = measured[sensor].is_number();
+            sensors[sensor] = T::select(is_there, r, old[0]);
+            uncertainty[sensor] = T::select(is_there, variance, old[1]);
         }
     }
 }

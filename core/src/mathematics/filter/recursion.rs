@@ -3,6 +3,9 @@
 use super::jump::Jump;
 use super::learning::Learning;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
+use crate::mathematics::engine::columns::factor;
+use crate::mathematics::engine::weights::Innovations;
+use crate::mathematics::gaussian_likelihood::part_of;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model};
 use crate::mathematics::quantity::Quantity;
@@ -33,7 +36,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     hold: Hold,
     noise: Noise,
     observation: Observation,
-    learning: Learning,
+    learning: Learning<f64>,
     jump: Option<Jump>,
     substeps: usize,
     white: Option<White>,
@@ -53,7 +56,8 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = mapped(sensors, &|&quantity| model.reading(quantity));
-        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise, dt), 1);
+        let learning = Learning::new(adaptation, model.size(), &noise.sensors, dt);
+        let (observation, substeps) = (Observation::of(readings), 1);
         let (jump, white) = (None, None);
         Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }
     }
@@ -170,15 +174,37 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         belief.condition(model, observation, correction)?;
         correction.check(&observation.sensors)?;
-        if learning.is_on_now() {
-            learning.adapt(observation, correction, noise);
-            if let Some(white) = white {
-                white.leave_out(&mut noise.process);
-            }
+        if learning.learns_now() {
+            learn(learning, (observation, measured), correction, noise, *white);
         }
         if let Some(jump) = jump {
             jump.observe(correction.nis, observation.len());
         }
         Ok(())
+    }
+}
+
+fn learn(
+    learning: &mut Learning<f64>,
+    (Observation { sensors, variances, .. }, measured): (&Observation, &[f64]),
+    Correction { innovation, innovation_cov, gain, .. }: &Correction,
+    noise: &mut Noise,
+    white: Option<White>,
+) {
+    let m = sensors.len();
+    let innovation = mapped(sensors, &|&sensor| innovation[sensor]);
+    let innovation_cov = part_of(innovation_cov.as_slice(), innovation_cov.nrows(), sensors);
+    let mut lower = innovation_cov.clone();
+    let (_, is_positive) = factor(&mut lower, m);
+    let (innovation, innovation_cov, factor) = (&innovation[..], &innovation_cov[..], &lower[..]);
+    let update = Innovations { sensors, innovation, innovation_cov, factor, variances };
+    if learning.adaptation.process_noise {
+        let gain = gain.select_columns(sensors);
+        let process = (noise.process.as_mut_slice(), white.map(|white| white.place));
+        learning.adapt_process(&update, gain.as_slice(), true, process);
+        noise.process.fill_upper_triangle_with_lower_triangle();
+    }
+    if learning.adaptation.sensor_noise && is_positive {
+        learning.adapt_sensors(&update, measured, &mut noise.sensors);
     }
 }

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use crate::data::record::Parts;
 use crate::mathematics::engine::belief::{Belief, convert};
-use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::UpdateResult;
+use crate::mathematics::engine::wrapper::{Span, Wrapped};
 use crate::numbers::score::lane_sums::{LogProducts, ScoreSums};
 use crate::numbers::score::{Outcome, SampleScore};
 use crate::samples::estimator::setup::{Setup, filter};
@@ -29,6 +29,7 @@ impl Run<'_> {
         let knows = |record: &Record, channel| record.truth(channel).is_some();
         self.record.len() == other.record.len()
             && self.setup.design == other.setup.design
+            && self.setup.settings.has_options_of(&other.setup.settings)
             && self.setup.is_timed == other.setup.is_timed
             && (!self.setup.is_timed || self.has_columns_of(other))
             && self.setup.channels == other.setup.channels
@@ -146,7 +147,7 @@ impl<T: Number> LanesInUnits<T> {
 struct LaneBatch<T: Number, L> {
     level: L,
     count: usize,
-    filter: Filter<T>,
+    filter: Wrapped<T>,
     in_units: Option<LanesInUnits<T>>,
     scores: ScoreSums<T>,
     stopped: T,
@@ -231,7 +232,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         let mut update = level.apart(
             #[inline(always)]
             || {
-                filter.predict_share(*level, share, forces);
+                filter.predict(*level, Span { share, forces, times: [0.0; 2] });
                 filter.update(*level, force, measured)
             },
         );

@@ -4,16 +4,16 @@ use crate::data::record::Parts;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::design::Method;
-use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::engine::update::UpdateResult;
+use crate::mathematics::engine::wrapper::{Span, Wrapped};
 use crate::mathematics::filter::Gaussian;
-use crate::mathematics::lists::{mapped, sort_numbers};
+use crate::mathematics::lists::mapped;
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::samples::estimator::update::{InUnits, Update};
 use crate::samples::estimator::{Estimator, State};
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
-use crate::{Channel, FilterError, FilterSettings};
+use crate::{FilterError, FilterSettings};
 
 struct AtLevel<L> {
     level: L,
@@ -21,7 +21,7 @@ struct AtLevel<L> {
 }
 
 struct FollowedEngine {
-    filter: Filter<f64>,
+    filter: Wrapped<f64>,
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
@@ -33,25 +33,24 @@ struct FollowedEngine {
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
     learnt: LearntNoise,
-    plucks: Plucks,
     sample: usize,
 }
 
 /// The parts of a step, for what is in the program once for all levels.
 trait EngineSteps {
-    fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
+    fn predict(&self, filter: &mut Wrapped<f64>, span: Span<f64>);
 
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
+    fn update(&self, filter: &mut Wrapped<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
 impl<L: Level> EngineSteps for L {
     #[inline(always)]
-    fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]) {
-        filter.predict_share(*self, share, forces);
+    fn predict(&self, filter: &mut Wrapped<f64>, span: Span<f64>) {
+        filter.predict(*self, span);
     }
 
     #[inline(always)]
-    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
+    fn update(&self, filter: &mut Wrapped<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
         let result = filter.update(*self, force, measured);
         if result.holds {
             filter.complete(*self);
@@ -112,38 +111,23 @@ impl FollowedEngine {
                 sensors: variances,
                 weights: vec![f64::NAN; if settings.robust.is_on() { sensors } else { 0 }],
             },
-            plucks: Plucks::new(settings, &setup.channels, setup.start),
             sample: 0,
         }
     }
 
-    fn next_sample(&mut self) {
+    /// Begins the next sample. Returns the times of its step.
+    fn next_sample(&mut self) -> [f64; 2] {
         self.sample += 1;
-        if !self.plucks.times.is_empty() {
-            let dt = self.filter.design.dt;
-            self.pluck([dt * (self.sample - 1) as f64, dt * self.sample as f64]);
-        }
-    }
-
-    fn pluck(&mut self, between: [f64; 2]) {
-        let Self { plucks, filter, .. } = self;
-        if let Some(variances) = plucks.between(between) {
-            filter.widen(variances);
-        }
+        [self.sample - 1, self.sample].map(|sample| self.filter.design.dt * sample as f64)
     }
 
     #[inline(always)]
-    fn predict(
-        &mut self,
-        level: &(impl EngineSteps + ?Sized),
-        share: f64,
-        forces: [f64; 2],
-    ) -> Result<(), FilterError> {
+    fn predict(&mut self, level: &(impl EngineSteps + ?Sized), span: Span<f64>) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
-        if !self.filter.are_finite(forces) {
+        if !self.filter.are_finite(span.forces) {
             return Err(FilterError::UndefinedForce);
         }
-        level.predict(&mut self.filter, share, forces);
+        level.predict(&mut self.filter, span);
         Ok(())
     }
 
@@ -175,7 +159,7 @@ impl FollowedEngine {
         let active = &filter.update.active[..];
         part.clear();
         part.take(places, active, filter.update.parts());
-        if let Some(weights) = filter.learnt().and_then(|learnt| learnt.weights) {
+        if let Some(weights) = filter.learnt().weights {
             if active.iter().any(|sensor| weights[*sensor] != 1.0) {
                 part.claim(places, active, weights, &filter.noise.sensors);
             }
@@ -204,9 +188,7 @@ impl FollowedEngine {
 
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, level: &dyn EngineSteps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        if parts.times.is_none() {
-            self.next_sample();
-        }
+        let mut whole = if parts.times.is_none() { self.next_sample() } else { [0.0; 2] };
         let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
@@ -214,11 +196,11 @@ impl FollowedEngine {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
-            if let Some(between) = parts.between(place) {
-                self.pluck(between);
-            }
+            // A pluck in a step without times of its own counts in its first part.
+            let times = parts.between(place).unwrap_or(whole);
             if part.share > 0.0 {
-                self.predict(level, part.share, part.forces)?;
+                self.predict(level, Span { share: part.share, forces: part.forces, times })?;
+                whole = [whole[1]; 2];
             }
             is_passed = readings.iter().any(|reading| !reading.is_nan());
             if is_passed && wants_prior {
@@ -250,13 +232,13 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { level, followed } = self;
-        followed.next_sample();
-        followed.predict(level, 1.0, [before, force])?;
+        let times = followed.next_sample();
+        followed.predict(level, Span { share: 1.0, forces: [before, force], times })?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
             followed.keep_prior();
         }
-        if followed.filter.learns() {
+        if followed.filter.has_options() {
             followed.condition(level, force, measured)?;
             pass(&mut followed.filter, sink)?;
             return followed.report(wants_prior, sink);
@@ -265,7 +247,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         let [nis, determinant] = condition(level, filter, places, own, force, measured)?;
         pass(filter, sink)?;
         let m = all.innovation.len();
-        let (belief, update) = (&filter.belief, &mut filter.update);
+        let (belief, update) = (&filter.belief, &filter.update);
         let sample = if update.active.len() == m {
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
@@ -298,13 +280,12 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
 
     fn state(&self) -> Option<State> {
         let filter = &self.followed.filter;
-        let misfits = filter.usual_misfits().to_vec();
-        Some(State { belief: Gaussian::of(&filter.belief), misfits })
+        Some(State { belief: Gaussian::of(&filter.belief), memory: filter.memory() })
     }
 
-    fn restore(&mut self, State { belief, misfits }: &State) -> Result<(), FilterError> {
+    fn restore(&mut self, State { belief, memory }: &State) -> Result<(), FilterError> {
         let filter = &mut self.followed.filter;
-        filter.set_usual_misfits(misfits);
+        filter.restore(memory);
         filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())?;
         filter.begin_passage();
         Ok(())
@@ -313,7 +294,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
 
 /// Adds the passage since the last one to those of a smoother's sink.
 #[inline(always)]
-fn pass(filter: &mut Filter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+fn pass(filter: &mut Wrapped<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     if let Some(passage) = filter.passage()
         && let Some(passages) = sink.passages()
     {
@@ -327,7 +308,7 @@ fn pass(filter: &mut Filter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError
 #[inline(always)]
 fn condition(
     level: &(impl EngineSteps + ?Sized),
-    filter: &mut Filter<f64>,
+    filter: &mut Wrapped<f64>,
     places: &[usize],
     own: &mut [f64],
     force: f64,
@@ -358,65 +339,23 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
 }
 
 impl LearntNoise {
-    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Filter<f64>, places: &[usize]) -> Sample<'a> {
-        let Some(learnt) = filter.learnt() else { return sample };
-        let noise = filter.design.adaptation.is_on().then(|| {
-            let Self { process, sensors, uncertainty, .. } = &mut *self;
+    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Wrapped<f64>, places: &[usize]) -> Sample<'a> {
+        let (learnt, Self { process, sensors, uncertainty, weights }) = (filter.learnt(), self);
+        let noise = learnt.uncertainty.map(|learnt| {
             process.clear();
             process.extend(filter.noise.diagonal());
             filter.design.white.into_iter().for_each(|(place, _)| process[place] = filter.white);
             for (own, &place) in places.iter().enumerate() {
-                (sensors[place], uncertainty[place]) = (filter.noise.sensors[own], learnt.uncertainty[own]);
+                (sensors[place], uncertainty[place]) = (filter.noise.sensors[own], learnt[own]);
             }
+            AssumedNoise { process, sensors, uncertainty, process_scale: [f64::NAN; 2] }
         });
-        let noise = noise.map(|()| AssumedNoise {
-            process: &self.process,
-            sensors: &self.sensors,
-            uncertainty: &self.uncertainty,
-            process_scale: [f64::NAN; 2],
-        });
-        Sample { noise, weights: &self.weights, has_widened: learnt.has_widened, ..sample }
+        Sample { noise, weights, has_widened: learnt.has_widened, ..sample }
     }
 }
 
 impl<'a> Sample<'a> {
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
-    }
-}
-
-/// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.
-///
-/// ```text
-/// P ← P + P₀ of displacements, velocities and hidden states, before the prediction over the time of a pluck
-/// ```
-///
-/// The pull is an unknown force over a short time: it adds to the motion whatever was there before, about which nothing is known but its size.
-#[derive(Clone, Debug, Default)]
-struct Plucks {
-    /// In rising order \[s\].
-    times: Vec<f64>,
-    /// Places in the state, and the variances that are added there.
-    variances: Vec<(usize, f64)>,
-}
-
-impl Plucks {
-    fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
-        let mut times = mapped(&settings.plucks, &|time| time - start);
-        sort_numbers(&mut times);
-        let of = |(place, channel): (usize, &Channel)| {
-            let moves = !channel.is_parameter() && !channel.is_augmentation();
-            moves.then(|| (place, settings.initial_std[*channel].powi(2)))
-        };
-        let variances =
-            if times.is_empty() { Vec::new() } else { channels.iter().enumerate().filter_map(of).collect() };
-        Self { times, variances }
-    }
-
-    /// The places and the variances to add for a step from one time to a later one \[s\], if the plant was plucked meanwhile.
-    fn between(&self, [from, to]: [f64; 2]) -> Option<impl Iterator<Item = (usize, f64)>> {
-        let count = self.times.partition_point(|time| *time <= to) - self.times.partition_point(|time| *time <= from);
-        let widened = move |&(place, variance): &(usize, f64)| (place, count as f64 * variance);
-        (count > 0).then(|| self.variances.iter().map(widened))
     }
 }

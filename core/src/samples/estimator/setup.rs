@@ -4,10 +4,11 @@ use crate::data::record::Delays;
 use crate::mathematics::engine::design::{Course, Design};
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
+use crate::mathematics::engine::wrapper::{Adapting, Considering, Jumping, Restarting, Weighing, Wrapped};
 use crate::mathematics::engine::{belief, model};
 use crate::mathematics::filter::{Algorithm, Gaussian, Noise, White};
 use crate::mathematics::linalg::{Matrix, Vector};
-use crate::mathematics::lists::{mapped, numbers};
+use crate::mathematics::lists::{mapped, numbers, places, sort_numbers};
 use crate::samples::estimator::FilterContext;
 use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
@@ -44,6 +45,7 @@ pub struct Setup {
     pub is_timed: bool,
     /// The time of the first sample \[s\].
     pub start: f64,
+    pub(crate) settings: FilterSettings,
 }
 
 impl Setup {
@@ -90,7 +92,7 @@ impl Setup {
 
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext, columns: Vec<usize>) -> Option<Self> {
         let Algorithm::Gaussian(method) = settings.kind.info().algorithm else { return None };
-        let Beginning { model: book, initial, noise, white, considered } = Beginning::of(settings, context);
+        let Beginning { model: book, initial, noise, white } = Beginning::of(settings, context);
         if !(initial.is_finite() && noise.is_finite()) {
             return None;
         }
@@ -111,10 +113,6 @@ impl Setup {
             substeps: context.steps(settings),
             readings: mapped(&sensors, &|(_, reading, ..)| reading.clone()),
             white: white.map(|white| (white.place, white.course)),
-            robust: settings.robust,
-            adaptation: settings.adaptation,
-            jumps: settings.jump,
-            considered,
         };
         Some(Self {
             design,
@@ -130,7 +128,29 @@ impl Setup {
             delays,
             is_timed: context.is_timed,
             start: context.start,
+            settings: settings.clone(),
         })
+    }
+}
+
+impl Setup {
+    /// A filter in its options, from the inside out.
+    fn in_options<T: Number>(&self, mut filter: Filter<T>) -> Wrapped<T> {
+        let Self { settings, channels, start, .. } = self;
+        let mut plucks = mapped(&settings.plucks, &|time| time - start);
+        sort_numbers(&mut plucks);
+        let moves = |channel: &Channel| !channel.is_parameter() && !channel.is_augmentation();
+        let motion = places(channels.len(), &|place| moves(&channels[place]));
+        let of_motion = mapped(&motion, &|&place| (place, settings.initial_std[channels[place]].powi(2)));
+        let considered = settings.consider.iter().filter_map(|channel| channel.place_in(channels)).collect();
+        let options = [
+            Weighing::of(settings.robust, &filter),
+            Adapting::of(settings.adaptation, &mut filter),
+            Jumping::of(settings.jump, &filter),
+            Considering::of(considered, &filter),
+            Restarting::of(plucks, of_motion),
+        ];
+        Wrapped::new(filter, options)
     }
 }
 
@@ -150,7 +170,7 @@ fn is_finite(record: &Record, columns: &[usize]) -> bool {
 }
 
 /// The filters of some setups of one design, one a lane, before their first sample.
-pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Filter<T> {
+pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Wrapped<T> {
     let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
         (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
     };
@@ -167,7 +187,7 @@ pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Filte
         fading: T::from_lanes(|lane| setup(lane).fading),
     };
     let white = T::from_lanes(|lane| setup(lane).white);
-    Filter::new(design, belief, noise, white)
+    setup(0).in_options(Filter::new(design, belief, noise, white))
 }
 
 pub(crate) struct Beginning {
@@ -176,8 +196,6 @@ pub(crate) struct Beginning {
     /// Q, without the row and the column of a white force; R; λ.
     pub(crate) noise: Noise,
     pub(crate) white: Option<White>,
-    /// The places of the components that count but are not estimated.
-    pub(crate) considered: Vec<usize>,
 }
 
 impl Beginning {
@@ -196,8 +214,7 @@ impl Beginning {
             white.leave_out(&mut process);
         }
         let sensors = mapped(&settings.sensor_std, &|std| std * std);
-        let considered = settings.consider.iter().filter_map(|channel| model.place(*channel)).collect();
-        Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white, considered }
+        Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white }
     }
 }
 
