@@ -11,10 +11,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
-use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Record, Scenario};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
@@ -59,39 +58,10 @@ fn main() {
             measure(kind, plant, augment, hold, "logarithms", |settings| settings.log_parameters = true);
         }
     }
-    measured_record();
 }
 
 fn wanted() -> String {
     std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default()
-}
-
-fn measured_record() {
-    if !"map".contains(&wanted()) {
-        return;
-    }
-    let file = |path: &str| std::fs::read(format!("{}/../../assets/{path}", env!("CARGO_MANIFEST_DIR")));
-    let text = file("scenarios/circuit.toml").expect("the scenario is there");
-    let circuit = Scenario::from_toml(&String::from_utf8_lossy(&text)).expect("the scenario is valid");
-    let table = read(file("records/circuit.csv").expect("the record is there"), None).expect("it is a table");
-    let mapping = circuit.record.clone().expect("the scenario has a record");
-    let record = Builder::new(&table, &mapping, circuit.input, circuit.hold).and_then(Builder::finish);
-    let measured = record.expect("the record can be read").record;
-    map("map of the measured circuit", &circuit, &measured);
-    let simulated = Scenario { duration: (measured.len() - 1) as f64 * 0.01, ..Scenario::default() };
-    map("map of a simulated record", &simulated, &simulate(&simulated));
-    let same = Scenario { record: None, duration: (measured.len() - 1) as f64 * circuit.dt, ..circuit };
-    map("map of the circuit, simulated", &same, &simulate(&same));
-}
-
-fn map(what: &str, base: &Scenario, record: &Record) {
-    let scenarios = guesses(base);
-    let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
-    let mut least = f64::INFINITY;
-    for _ in 0..REPEATS / 4 {
-        least = least.min(time(|| outcomes_with(Level::best(), &runs, &[])));
-    }
-    println!("{what:<44}{:>35.0}", least / (RUNS * record.len()) as f64);
 }
 
 fn guesses(base: &Scenario) -> Vec<Scenario> {
