@@ -28,7 +28,6 @@ fn main() -> ExitCode {
             Ending::Stopped => ExitCode::FAILURE,
             Ending::Verdict => ExitCode::from(3),
         }),
-        Command::Report(args) => run::write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => {
             stream::stream(&args).map(|has_filter| if has_filter { ExitCode::SUCCESS } else { ExitCode::FAILURE })

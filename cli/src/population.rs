@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_cli::{causes, significant};
@@ -112,10 +111,10 @@ impl Population {
         write!(text, "{done} members")?;
         match impossible {
             0 => writeln!(text)?,
-            some => writeln!(text, ", {some} of which are impossible scenarios and left out")?,
+            some => writeln!(text, "; {some} are impossible scenarios and were left out")?,
         }
         if scenario.draw.is_empty() {
-            writeln!(text, "nothing is drawn but the noise: the scenario has no [draw]")?;
+            writeln!(text, "only the noise differs: the scenario has no [draw]")?;
         }
         for (key, law) in &scenario.draw {
             let [a, b] = law.numbers().map(|number| significant(number, 6, 9));
@@ -127,7 +126,7 @@ impl Population {
             let [lost, stopped] = self.lost(nth);
             line(text, "lost the truth, or stopped", lost)?;
             if stopped.count > 0 {
-                line(text, "of these stopped", stopped)?;
+                line(text, "of these, stopped", stopped)?;
             }
             for (channel, errors) in self.parameters(nth) {
                 if channel.is_parameter() {
@@ -139,14 +138,14 @@ impl Population {
                 line(text, &format!("verdict: {}", kind.name()), share)?;
             }
             if let Some(causes) = self.causes.as_ref().and_then(|causes| causes.get(nth)).filter(|one| one.bad > 0) {
-                writeln!(text, "  causes of the {} bad verdicts: as the first, and among the first two", causes.bad)?;
+                writeln!(text, "  causes of the {} bad verdicts: first, and among the first two", causes.bad)?;
                 for (name, [first, among]) in &causes.named {
                     let [first, among] = [*first, *among].map(|count| 100.0 * count as f64 / causes.bad as f64);
                     writeln!(text, "  {name:<42}{first:>6.1} % {among:>6.1} %")?;
                 }
                 let said = 100.0 * causes.said / causes.bad as f64;
                 writeln!(text, "  {:<42}{said:>6.1} %", "mean probability of the first cause")?;
-                line(text, "no cause", Share { count: causes.none, of: causes.bad })?;
+                line(text, "no cause found", Share { count: causes.none, of: causes.bad })?;
                 line(text, "not explained by the first cause", Share { count: causes.unexplained, of: causes.bad })?;
             }
         }
@@ -244,20 +243,21 @@ struct Causes {
 fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<Causes> {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
-    let progress = Mutex::new(Progress::new(cells.len(), quiet));
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&cell) = cells.get(at) else { return found };
-            progress.lock().unwrap_or_else(PoisonError::into_inner).tell(at, "causes");
-            found.extend(of_member(runner, cell));
-        }
+    let progress = Mutex::new((Progress::new(cells.len(), quiet), 0));
+    let of_cell = |cell: &usize| {
+        let (progress, done) = &mut *progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.tell(*done, "causes");
+        *done += 1;
+        *cell
+    };
+    let threads = threads.max(1);
+    let work = |first: usize| {
+        let cells = cells.iter().skip(first).step_by(threads).map(of_cell);
+        cells.filter_map(|cell| of_member(runner, cell)).collect::<Vec<_>>()
     };
     let found: Vec<Vec<Option<CellCauses>>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<CellCauses>>>>| {
+        let threads: Vec<_> = (0..threads).map(|first| scope.spawn(move || work(first))).collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, _>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         threads.into_iter().flat_map(join).collect()

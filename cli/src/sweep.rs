@@ -27,7 +27,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { input: InputArgs { scenario: file, .. }, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
     if !is_stream && out.extension().is_none_or(|end| end != "csv") {
-        let reason = "the table must be a .csv file, beside which finished rows are kept to continue from there, or -";
+        let reason = "the table must be a .csv file, so that finished rows can be kept beside it, or -";
         return Err(InputError::bad(file, &format!("--out {}: {reason}", out.display())));
     }
     let (runner, record) = runner(args)?;
@@ -183,10 +183,10 @@ impl Part {
             if !begins_as_part(&mut file).map_err(unwritten)? {
                 return Err(InputError::bad(
                     &path,
-                    &"this file is no part of a sweep, and stays as it is; write the table elsewhere",
+                    &"this file is not part of a sweep and stays as it is; write the table elsewhere",
                 ));
             }
-            say(&format_args!("{}: it is of another sweep, and is begun anew", path.display()));
+            say(&format_args!("{}: it belongs to another sweep, so the table begins again", path.display()));
         }
         // The last row may be torn.
         file.set_len(found.map_or(0, |(bytes, _)| bytes)).map_err(unwritten)?;
