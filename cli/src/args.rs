@@ -326,7 +326,7 @@ pub(crate) struct ImportArgs {
     /// The column of the input
     #[arg(long, value_name = "COLUMN")]
     pub(crate) input: Option<String>,
-    /// No input was recorded, as under wind or traffic, whatever the columns look like; the same as `--input none`
+    /// No input was recorded, as under wind or traffic, whatever the columns look like
     #[arg(long, conflicts_with_all = ["input", "ground"])]
     pub(crate) no_input: bool,
     /// The input is the acceleration of the ground, not a force

@@ -178,9 +178,6 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Words for no column.
-const NOTHING: [&str; 2] = ["none", "nothing"];
-
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
     let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
@@ -196,8 +193,7 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
     }
     mapping.time.even |= *even;
     let mapped = |column: &String| MappedColumn::of(table, column);
-    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
-    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
+    if *no_input {
         mapping.take_no_input(&guesses);
     } else if let Some(column) = input {
         mapping.input = Some(mapped(column));

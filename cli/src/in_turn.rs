@@ -19,7 +19,7 @@ impl<'a> Results<'a> {
     /// [`Results::of_run`], but memory holds at most one history, without covariances; a filter with a smoother keeps
     /// all covariances of its history.
     ///
-    /// `tell` is called after each piece of work.
+    /// `report` is called after each piece of work.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible or the record lacks one of its sensors.
@@ -27,7 +27,7 @@ impl<'a> Results<'a> {
         scenario: &Scenario,
         run: &'a Run,
         records: &[(&str, &Record)],
-        tell: &mut dyn FnMut(FilterProgress<'_>),
+        report: &mut dyn FnMut(FilterProgress<'_>),
     ) -> Result<Self, RunError> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -35,7 +35,7 @@ impl<'a> Results<'a> {
         results.free_runs = records.iter().map(|(name, record)| FreeRuns::new(name, record, run.record())).collect();
         let mut bounds = Vec::new();
         for place in 0..scenario.filters.len() {
-            let one = one((&scenario, place, run), &mut results.free_runs, records, &mut bounds, tell)?;
+            let one = one((&scenario, place, run), &mut results.free_runs, records, &mut bounds, report)?;
             results.filters.push(one);
             results.smoothers.extend(smoothed(&scenario, place, run.record())?);
         }
@@ -50,7 +50,7 @@ fn one(
     free_runs: &mut [FreeRuns],
     records: &[(&str, &Record)],
     bounds: &mut Vec<LastBound>,
-    tell: &mut dyn FnMut(FilterProgress<'_>),
+    report: &mut dyn FnMut(FilterProgress<'_>),
 ) -> Result<FilterResults, RunError> {
     let record = run.record();
     let mut pass = Pass::new(scenario, place, record)?;
@@ -61,7 +61,7 @@ fn one(
         pass.follow(record, pass.done() + CHUNK, &mut history);
         diagnostics.follow(&history, record);
         history.drop_matrices();
-        tell(FilterProgress {
+        report(FilterProgress {
             place,
             name: &name,
             work: Work::Filter,
@@ -70,15 +70,15 @@ fn one(
     }
     let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
-    let mut tell_causes = |share: f64| tell(FilterProgress { place, name: &name, work: Work::Causes, share });
+    let mut report_causes = |share: f64| report(FilterProgress { place, name: &name, work: Work::Causes, share });
     let of = (diagnosis.as_ref(), &diagnostics, &history, record);
-    let causes = causes_of(scenario, place, of, &mut tell_causes);
+    let causes = causes_of(scenario, place, of, &mut report_causes);
     drop(diagnostics);
     for (runs, (_, other)) in free_runs.iter_mut().zip(records) {
         runs.fits.extend(fits_of(scenario, place, &history, other, runs.is_own));
     }
-    let mut tell_bound = |share: f64| tell(FilterProgress { place, name: &name, work: Work::Bound, share });
-    let bound = bound_for(scenario, place, record, bounds, &mut tell_bound);
+    let mut report_bound = |share: f64| report(FilterProgress { place, name: &name, work: Work::Bound, share });
+    let bound = bound_for(scenario, place, record, bounds, &mut report_bound);
     let over_bound = bound.map_or_else(Vec::new, |bound| over_bound(&history, bound));
     Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec() })
 }
@@ -90,13 +90,13 @@ fn bound_for<'b>(
     place: usize,
     record: &Record,
     bounds: &'b mut Vec<LastBound>,
-    tell: &mut dyn FnMut(f64),
+    report: &mut dyn FnMut(f64),
 ) -> Option<&'b CramerRao> {
     if !bounds.iter().any(|(_, bound)| bound.is_for(scenario, place)) {
         bounds.clear();
         let mut bound = CramerRao::new(scenario, place, record.dt())?;
         for end in (0..record.len()).step_by(CHUNK) {
-            tell(end as f64 / record.len() as f64);
+            report(end as f64 / record.len() as f64);
             bound.follow_to((end + CHUNK).min(record.len()), record);
         }
         bounds.push((place, bound));

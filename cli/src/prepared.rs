@@ -60,7 +60,7 @@ impl Prepared {
         let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(error))?;
         let mut progress = Progress::new(run.samples(), quiet);
         while run.advance_to(run.done() + CHUNK) > 0 {
-            progress.tell(run.done(), "filters");
+            progress.show(run.done(), "filters");
         }
         Ok(run)
     }

@@ -94,7 +94,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         of_history(&run, &records, *quiet)
     } else {
         let mut progress = Progress::of_results(prepared.scenario.filters.len(), *quiet);
-        let mut report = |now: FilterProgress<'_>| progress.tell_results(now);
+        let mut report = |now: FilterProgress<'_>| progress.show_results(now);
         let results = Results::in_turn(&prepared.scenario, &run, &records, &mut report);
         results.map_err(|error| prepared.bad_run(error))?
     };
@@ -147,7 +147,7 @@ fn of_history<'a>(run: &'a Run, records: &[(&str, &Record)], quiet: bool) -> Res
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
     drop(progress);
     let mut progress = Progress::of_results(run.estimates().len(), quiet);
-    let causes = causes(run, &analysis, &mut |now| progress.tell_results(now));
+    let causes = causes(run, &analysis, &mut |now| progress.show_results(now));
     Results::of_run(run, &analysis, causes).with_free_runs(run, records)
 }
 

@@ -1,6 +1,6 @@
 //! Columns in `import` and `run`: meanings, numbers for missing readings, units, formats.
 
-use crate::{Folder, value};
+use crate::Folder;
 
 #[track_caller]
 fn imported(folder: &Folder, name: &str, text: &str) -> (String, String) {
@@ -20,40 +20,6 @@ fn noise(k: u32) -> f64 {
 
 fn rows(count: u32, row: impl Fn(u32, f64) -> String) -> String {
     (0..count).map(|k| row(k, 0.01 * f64::from(k)) + "\n").collect()
-}
-
-#[test]
-fn raw_files_of_phones_videos_and_laboratories_need_no_argument() {
-    let folder = Folder::new();
-    let axis = |axis: &str| format!(",\"Linear Acceleration {axis} (m/s^2)\"");
-    let phone = format!("\"Time (s)\"{}{}{}\n", axis("x"), axis("y"), axis("z"))
-        + &rows(1500, |k, t| format!("{t:.9E},{:.9E},{:.9E},{:.9E}", decay(k), noise(k), noise(k + 7)));
-    let tracker =
-        "#mass_A\nt\tx\ty\n".to_owned() + &rows(1500, |k, t| format!("{t:.6E}\t{:.6E}\t{:.6E}", decay(k), noise(k)));
-    let dropbear =
-        "C:\\data\\test5.txt\nSampling Frequency - 100\nLow G Accel\tSG_300_a\tSG_306_b\tAccel\tPinLoc\tTime\n"
-            .to_owned()
-            + &"Voltage (unscaled)\t".repeat(5)
-            + "Sec\n0.0 0.0 0\t\t\t\t\t\n\n"
-            + &rows(1500, |k, t| {
-                format!(
-                    "{:.5E}\t{:.5E}\t{:.5E}\t{:.5E}\t1.228E+0\t{t:.5E}",
-                    decay(k),
-                    noise(k),
-                    noise(k + 3),
-                    noise(k + 9)
-                )
-            });
-    for (name, text, sensor) in [
-        ("phone.csv", phone, "[record.sensors.acceleration]\ncolumn = \"Linear Acceleration x\"\nunit = \"m/s^2\""),
-        ("tracker.txt", tracker, "[record.sensors.displacement]\ncolumn = \"x\""),
-        ("dropbear.txt", dropbear, "[record.sensors.acceleration]\ncolumn = \"Low G Accel\"\nunit = \"Voltage\""),
-    ] {
-        let (toml, said) = imported(&folder, name, &text);
-        assert!(toml.contains(sensor) && !toml.contains("[record.input]"), "{name}: {toml}");
-        assert_eq!(toml.matches("[record.sensors.").count(), 1, "{name}: {toml}");
-        assert!(said.contains("there is no column for the input; it is taken for zero"), "{name}: {said}");
-    }
 }
 
 /// Files as instruments write them, and what is said of them or written for them.
@@ -214,25 +180,4 @@ fn a_scenario_takes_the_sensors_that_it_has() {
         let (_, _, said) = folder.call(&[&run, without].concat());
         assert!(said.contains("there is no column for the input; it is taken for zero"), "{said}");
     }
-}
-
-#[test]
-fn the_gain_of_a_force_is_told_as_one_over_the_mass() {
-    let truth = "duration = 60.0\ndt = 0.04\nhold = \"first\"\nseed = 5\n[plant]\nnatural_frequency = 6.0\n\
-                 [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.002\n[[filters]]\nkind = \"ekf\"\n";
-    let folder = Folder::of(truth);
-    folder.succeeds(&["run", "scenario.toml", "--record-out", "record.csv"]);
-    // A mass of 2 kg.
-    let twice = |line: &str| {
-        let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
-        format!("{:.2},{:.6},{:.6}\n", cells[0], 2.0 * cells[1], cells[2])
-    };
-    let lines: String = folder.read("record.csv").lines().skip(1).map(twice).collect();
-    let (toml, _) = imported(&folder, "force.csv", &format!("t,force [N],x [m]\n{lines}"));
-    folder.file("force.toml", &toml);
-    let (_, table, _) = folder.call(&["run", "force.toml"]);
-    assert!((value(&table, "1/mass") - 0.5).abs() < 0.01 && table.contains("1/kg"), "{table}");
-    folder.succeeds(&["run", "--out", "report.html", "force.toml"]);
-    let page = folder.read("report.html");
-    assert!(page.contains("1/mass") && page.contains("in Hz"));
 }

@@ -41,7 +41,7 @@ fn an_output_is_never_an_input() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_result_that_cannot_be_written_is_told_by_each_command() {
+fn a_result_that_cannot_be_written_is_reported_by_each_command() {
     let folder = Folder::of(SCENARIO);
     folder.measured();
     for arguments in [

@@ -10,7 +10,7 @@ fn folder(records: &[(&str, &str)]) -> Folder {
     let folder = Folder::of(SCENARIO);
     for (name, seed) in records {
         folder.succeeds(&["run", "scenario.toml", "--seed", seed, "--record-out", "record.csv"]);
-        folder.file(name, &("Zeit;Kraft;Weg\ns;;mm\n".to_owned() + &sheet(&folder.read("record.csv"))));
+        folder.file(name, &("Zeit;Kraft;Weg\ns;;mm\n".to_owned() + &sheet(&folder.read("record.csv"), 1.0)));
     }
     folder
 }
@@ -67,7 +67,7 @@ fn a_column_that_is_left_out_is_no_input_and_each_is_explained() {
     assert!(said.contains("column `Linear Acceleration x`: acceleration: its name says so"), "{said}");
     assert!(said.contains("column `Linear Acceleration y`: left out: another axis moves more"), "{said}");
     let asked = ["--sensor", "acceleration=Linear Acceleration y"];
-    for words in [&["--no-input"][..], &["--input", "none"], &["--input", "nothing"], &asked] {
+    for words in [&["--no-input"][..], &asked] {
         let (toml, said) = folder.succeeds(&[&["import", "phone.csv"], words].concat());
         assert!(!toml.contains("[record.input]"), "{words:?}: {toml}");
         assert!(said.contains("column `spare`: left out: "), "{words:?}: {said}");

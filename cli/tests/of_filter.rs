@@ -30,13 +30,13 @@ const TWO: &str = "duration = 4.0\n[plant]\nnatural_frequency = 6.0\n[[sensors]]
                         robust = \"huber\"\n";
 
 #[test]
-fn points_are_written_and_told_beside_the_filter() {
-    let (table, told) = Folder::of(TWO).succeeds(&["posterior", "scenario.toml", "--out", "-"]);
+fn points_are_written_and_compared_with_the_filter() {
+    let (table, text) = Folder::of(TWO).succeeds(&["posterior", "scenario.toml", "--out", "-"]);
     let mut lines = table.lines();
     assert_eq!(lines.next(), Some("natural_frequency,damping_ratio"));
     let frequencies: Vec<f64> = lines.map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
     assert!(frequencies.len() >= 128 && frequencies.iter().all(|frequency| (5.5..6.5).contains(frequency)));
-    assert!(told.contains(&format!("{} points of the posterior", frequencies.len())), "{told}");
-    assert!(told.contains("natural frequency: ") && told.contains(" times as wide"), "{told}");
-    assert!(!told.contains("two solutions"), "{told}");
+    assert!(text.contains(&format!("{} points of the posterior", frequencies.len())), "{text}");
+    assert!(text.contains("natural frequency: ") && text.contains(" times as wide"), "{text}");
+    assert!(!text.contains("two solutions"), "{text}");
 }

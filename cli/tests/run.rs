@@ -69,9 +69,9 @@ fn a_filter_that_stops_is_reported_and_keeps_its_estimates() {
     let folder = Folder::of(toml);
     let (table, error) = folder.fails(&["run", "scenario.toml", "--out", "estimates.csv", "--out", "plots.svg"], 1);
     assert_eq!(error, "");
-    let told = table.lines().find(|line| line.contains("stopped at sample ")).unwrap();
-    let sample: usize = told.split_whitespace().nth(3).unwrap().parse().unwrap();
-    assert!(told.contains(" (0.") && told.contains(" s): the "), "{told}");
+    let line = table.lines().find(|line| line.contains("stopped at sample ")).unwrap();
+    let sample: usize = line.split_whitespace().nth(3).unwrap().parse().unwrap();
+    assert!(line.contains(" (0.") && line.contains(" s): the "), "{line}");
     let estimates = folder.read("estimates.csv");
     let rows = |name: &str| estimates.lines().filter(|line| line.starts_with(name)).count();
     assert!(sample > 1 && sample < 500);
