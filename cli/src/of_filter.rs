@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use kalmanscope_cli::{harmless, run_scenario, significant};
+use kalmanscope_cli::{harmless, run_scenario, significant, with_spread};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Estimates, Scenario, Task as _, simulate};
 use kalmanscope_lab::posterior::{Posterior, Sampled};
@@ -62,13 +62,15 @@ fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
 
 fn tuning_in_words(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {
     let mut text = String::new();
+    let score = |score: f64| significant(score, 7, 9);
     let name = match goal {
         Goal::Likelihood => "log likelihood".to_owned(),
         Goal::FreeRun(sensor) => format!("-ln of the free run's error in {}", sensor.name()),
         Goal::Consistency => "-|ln| of the mean NIS".to_owned(),
     };
     if let (Some(before), Some(after)) = (tuned.path.first(), tuned.path.last()) {
-        let _ = writeln!(text, "{name}: {:.6} before, {:.6} after {} runs", before.score, after.score, tuned.runs);
+        let _ =
+            writeln!(text, "{name}: {} before, {} after {} runs", score(before.score), score(after.score), tuned.runs);
         for (place, (axis, (before, after))) in axes.iter().zip(before.values.iter().zip(&after.values)).enumerate() {
             let band = tuned.bands.as_ref().and_then(|bands| bands.get(place));
             let band = band.map(|band| band.map(number));
@@ -118,8 +120,10 @@ fn posterior_in_words(sampled: &Sampled, estimates: &Estimates) -> String {
     for &channel in &sampled.channels {
         let Some([mean, std]) = sampled.moments(channel) else { continue };
         let unit = channel.unit();
-        let spread =
-            |mean: f64, std: f64| format!("{} ± {} {unit}", number(mean), number(2.0 * std)).trim_end().to_owned();
+        let spread = |mean: f64, std: f64| {
+            let (value, spread) = with_spread(mean, std);
+            format!("{value} ± {spread} {unit}").trim_end().to_owned()
+        };
         let _ = write!(text, "{}: {} (2σ)", channel.name(), spread(mean, std));
         if let Some((place, last)) = estimates.place(channel).zip(last) {
             let (own, own_std) = (estimates.canonical_mean(last, place), estimates.std(last, place));

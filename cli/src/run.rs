@@ -32,15 +32,6 @@ enum OutputError {
     Document(#[from] DocumentError),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    Well,
-    /// Something could not be written, or a filter stopped.
-    Stopped,
-    /// A filter has a verdict that was not to be.
-    Verdict,
-}
-
 /// The form of a file of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
@@ -70,8 +61,8 @@ impl Form {
 }
 
 /// Runs the scenario, writes the wanted files and prints the table. Reports files that cannot be written on standard
-/// error.
-pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
+/// error. Returns the exit code.
+pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     let RunArgs { source, fix, out, record_out, fail_on, json: as_json, quiet, verbose } = args;
     let bad = |reason: &dyn ToString| InputError::bad(&source.input.scenario, reason);
     let forms = out.iter().map(|path| match Form::of(path, *fix) {
@@ -135,9 +126,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         say(&format_args!("--fail-on: the verdict on {name} is {}", kind.name()));
     }
     Ok(match refused.is_empty() {
-        false => Ending::Verdict,
-        true if well && !results.any_stopped() => Ending::Well,
-        true => Ending::Stopped,
+        false => 3,
+        true if well && !results.any_stopped() => 0,
+        true => 1,
     })
 }
 
