@@ -3,11 +3,11 @@
 use std::fmt::Display;
 
 use egui::{Context, Id, Popup, RichText, Ui};
-use kalmanscope_cli::{Parts, day, report, write_estimates};
-use kalmanscope_core::diagnosis::{Evidence, Remedy};
+use kalmanscope_cli::{Parts, Results, day, report, write_estimates};
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::document::{self, Document, DocumentError, json};
-use kalmanscope_core::{Analysis, Channel, Diagnosis, Estimates, Record, Scenario, Stop, Task};
+use kalmanscope_core::document::DocumentError;
+use kalmanscope_core::{Analysis, Estimates, Task};
 
 use crate::figure::Figure;
 use crate::inbox::Done;
@@ -53,7 +53,7 @@ const RESULTS: [(Export, &str, &str); 8] = [
         "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
     ),
     (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
-    (Export::All, "Everything (JSON)", "Version, scenario, record, estimates and diagnosis, for a program"),
+    (Export::All, "Everything (JSON)", "Scenario, record, estimates, verdicts and causes, for a program"),
     (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on"),
 ];
 
@@ -81,7 +81,11 @@ impl Exporting {
     }
 
     pub(crate) fn wanted(&self) -> Wanted {
-        if self.export == Export::Report { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+        if self.needs_results() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+    }
+
+    fn needs_results(&self) -> bool {
+        matches!(self.export, Export::Report | Export::All)
     }
 
     pub(crate) fn progress(&self) -> f64 {
@@ -96,7 +100,7 @@ impl Exporting {
             self.drawn.push(Figure::new(context, rows, *format).svg());
             return None;
         }
-        if self.export == Export::Report && (session.behind() || session.owes_diagnoses()) {
+        if self.needs_results() && (session.behind() || session.owes_diagnoses()) {
             return None;
         }
         self.file(context, layout).transpose()
@@ -129,7 +133,11 @@ impl Exporting {
     }
 
     fn everything(&mut self, session: &Session) -> Result<Option<File>, String> {
-        let begin = || Running::begin(&**session.team(), Priority::Hand, Everything::of(session), Everything::progress);
+        let begin = || {
+            let series = session.run().estimates().to_vec();
+            let task = Everything { results: results_of(session).into_owned(), series };
+            Running::begin(&**session.team(), Priority::Hand, task, Everything::progress)
+        };
         match self.written.get_or_insert_with(begin).advance(&mut || true) {
             Ok(written) => Ok(written.transpose().map_err(reason)?.map(|json| text("kalmanscope.json", JSON, json))),
             Err(Lost) => Err("the thread that wrote it has failed".to_owned()),
@@ -137,29 +145,33 @@ impl Exporting {
     }
 }
 
-/// The report as one page for a browser or a printer. Causes are those that have been found so far.
-fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
+/// The name of a measured record, if it has one.
+fn record_name(session: &Session) -> Option<String> {
+    let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
+    file.filter(|file| !file.is_empty())
+}
+
+/// The results of the session's run, with the causes that have been found so far.
+fn results_of(session: &Session) -> Results<'_> {
     let run = session.run();
     let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
     let causes: Vec<Vec<Remedy>> =
         attempts.map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies.to_vec())).collect();
-    let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
-    let title = file.filter(|file| !file.is_empty()).unwrap_or_else(|| "A simulated oscillator".to_owned());
-    let records = [(title.as_str(), run.record())];
-    let parts = Parts {
-        title: &title,
-        day: &now().map(day).unwrap_or_default(),
-        causes: &causes,
-        reasons: &session.library().reasons,
-        figures,
-        free_runs: if session.is_measured() { &records } else { &[] },
+    let results = match session.whole_analysis() {
+        Some(analysis) => Results::of_run(run, analysis, causes),
+        None => Results::of_run(run, &Analysis::new(run, Wanted::diagnostics(Depth::All)), causes),
     };
-    let so_far = || Analysis::new(run, Wanted::diagnostics(Depth::All));
-    match session.whole_analysis() {
-        Some(analysis) => report(run, analysis, &parts),
-        None => report(run, &so_far(), &parts),
-    }
-    .map_err(reason)
+    let name = record_name(session).unwrap_or_else(|| "its own record".to_owned());
+    let records = [(name.as_str(), run.record())];
+    results.with_free_runs(run, if session.is_measured() { &records } else { &[] })
+}
+
+/// The report as one page for a browser or a printer.
+fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
+    let title = record_name(session).unwrap_or_else(|| "A simulated oscillator".to_owned());
+    let day = now().map(day).unwrap_or_default();
+    let parts = Parts { title: &title, day: &day, reasons: &session.library().reasons, figures };
+    report(&results_of(session), &parts).map_err(reason)
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {
@@ -187,20 +199,10 @@ fn now() -> Option<f64> {
     Some(js_sys::Date::now() / 1e3)
 }
 
-/// Makes the text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
+/// Writes the results as JSON beside the frames.
 struct Everything {
-    scenario: Scenario,
-    record: Record,
-    filters: Vec<(Estimates, Option<Diagnosis>)>,
-}
-
-impl Everything {
-    fn of(session: &Session) -> Self {
-        let run = session.run();
-        let filters = run.estimates().iter().cloned().enumerate();
-        let filters = filters.map(|(place, estimates)| (estimates, session.diagnosis(place).cloned())).collect();
-        Self { scenario: session.scenario().clone(), record: run.record().clone(), filters }
-    }
+    results: Results<'static>,
+    series: Vec<Estimates>,
 }
 
 impl Task for Everything {
@@ -215,77 +217,8 @@ impl Task for Everything {
     }
 
     fn finish(self) -> Self::Outcome {
-        let filters = self.filters.iter().map(|(estimates, diagnosis)| filter(estimates, diagnosis.as_ref()));
-        document::to_json(&json!({
-            "kalmanscope": env!("CARGO_PKG_VERSION"),
-            "scenario": self.scenario,
-            "record": record(&self.record),
-            "filters": Document::from_iter(filters),
-        }))
+        self.results.json(&self.series)
     }
-}
-
-fn record(record: &Record) -> Document {
-    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), record.measured(i)));
-    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), record.truth(*c)?)));
-    json!({
-        "dt": record.dt(),
-        "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),
-        "input_kind": record.input_kind(),
-        "hold": record.hold(),
-        "input": record.input(),
-        "measured": Document::from_iter(measured),
-        "truth": Document::from_iter(truth),
-    })
-}
-
-fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Document {
-    let of_channels = |column: &dyn Fn(usize) -> Document| {
-        let channels = estimates.channels().iter().enumerate();
-        Document::from_iter(channels.map(|(place, channel)| (channel.key(), column(place))))
-    };
-    let of_sensors = |column: &dyn Fn(usize) -> Document| {
-        let sensors = estimates.sensors().iter().enumerate();
-        Document::from_iter(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
-    };
-    json!({
-        "name": estimates.name(),
-        "kind": estimates.kind().name(),
-        "plant": estimates.plant(),
-        "mean": of_channels(&|place| Document::from_iter(estimates.canonical_means(place).iter().copied())),
-        "std": of_channels(&|place| Document::from_iter(estimates.stds(place))),
-        "innovation": of_sensors(&|place| Document::from_iter(estimates.innovations(place))),
-        "innovation_std": of_sensors(&|place| Document::from_iter(estimates.innovation_stds(place))),
-        "nis": estimates.nis(),
-        "log_likelihood": Document::from_iter(estimates.log_likelihoods()),
-        "stop": estimates.stop().map(stop),
-        "diagnosis": found.map(diagnosis),
-    })
-}
-
-fn stop(stop: Stop) -> Document {
-    json!({ "sample": stop.sample, "reason": stop.reason.to_string() })
-}
-
-fn diagnosis(diagnosis: &Diagnosis) -> Document {
-    let verdict = diagnosis.verdict.as_ref();
-    json!({
-        "verdict": verdict.map(|verdict| verdict.kind.key()),
-        "reason": verdict.map(|verdict| &*verdict.reason),
-        "evidence": Document::from_iter(diagnosis.evidence.iter().map(evidence)),
-        "bad_parts": Document::from_iter(diagnosis.bad_parts.iter().map(|range| json!([range.start, range.end]))),
-    })
-}
-
-fn evidence(one: &Evidence) -> Document {
-    json!({
-        "test": one.test.name,
-        "sentence": one.sentence,
-        "statistic": one.statistic,
-        "p_value": one.p_value,
-        "effect": one.effect,
-        "counts": one.counts,
-    })
 }
 
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {

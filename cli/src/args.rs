@@ -21,58 +21,55 @@ pub(crate) struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scenario to its end and print the results of each filter
+    /// Run a scenario: each filter's verdict, likely cause and estimates, on screen and in files
     #[command(
-        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --out estimates.csv --svg plots.svg\n  kalmanscope-cli run record.toml --holdout other.csv --json > results.json\n  kalmanscope-cli run record.toml --fix 1 --out fixed.toml"
+        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --out estimates.csv --out plots.svg\n  kalmanscope-cli run record.toml --holdout other.csv --out report.html\n  kalmanscope-cli run record.toml --fix 1 --out fixed.toml"
     )]
     Run(RunArgs),
-    /// Run a scenario and write its results as one page for a browser or a printer
-    #[command(after_help = "Example:\n  kalmanscope-cli report record.toml --holdout other.csv --out report.html")]
-    Report(ReportArgs),
-    /// Look at a measured record and write a scenario for it: its columns, and start values from its data
+    /// Read a measured record and write a scenario for it, with start values found from its data
     #[command(
         after_help = "Examples:\n  kalmanscope-cli import record.csv --out record.toml\n  kalmanscope-cli import raw.txt --rate 200 --input V1 --sensor displacement=V2 --out record.toml\n  kalmanscope-cli import phyphox.csv --decay decay.csv --out decay.toml\n  zcat record.csv.gz | kalmanscope-cli import - > record.toml"
     )]
     Import(ImportArgs),
-    /// Run a scenario with every combination of some settings and write a row of scores for each
+    /// Run every combination of some settings and write a row of scores for each
     #[command(
         after_help = "Example:\n  kalmanscope-cli sweep scenario.toml --vary filters.EKF.fading=1:1.02:5 --seeds 100 --out table.csv"
     )]
     Sweep(SweepArgs),
-    /// Run the members of a population and print how often each filter identifies, is lost, covers the truth, and why
+    /// Run many oscillators drawn at random and print how often each filter is right, and why it is not
     #[command(
-        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nThe scenario's table [draw] has laws for some of its numbers, with a record for those of filters only:\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
+        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nThe table [draw] of the scenario gives laws for some of its numbers. Over a measured record, only numbers of filters\ncan be drawn:\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
     )]
     Population(PopulationArgs),
-    /// Filter readings while they come in: a line in, the newest estimates out
+    /// Filter readings as they arrive: a line in, the newest estimates out
     #[command(
         after_help = "Examples:\n  kalmanscope-cli run scenario.toml --quiet --record-out - | kalmanscope-cli stream scenario.toml\n  mosquitto_sub -t shaker | kalmanscope-cli stream scenario.toml --json\n  kalmanscope-cli stream scenario.toml udp://127.0.0.1:9870 --late 0.5"
     )]
     Stream(StreamArgs),
-    /// Find the values of some settings of a filter with which it does best on a record
+    /// Find the settings with which a filter does best on a record
     #[command(
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
     )]
     Tune(TuneArgs),
-    /// Find the posterior of a filter's parameters without the assumption that it is normal, beside the filter's ±2σ
+    /// Find the posterior of a filter's parameters, whatever its shape, and compare the filter's ±2σ with it
     #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
     Posterior(PosteriorArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct StreamArgs {
-    /// The scenario, a TOML file; its force and its truth do not matter
+    /// The scenario, a TOML file; its force and its truth are not used
     pub(crate) scenario: PathBuf,
     /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
-    /// `serial:/dev/ttyUSB0?baud=115200`, `-` for standard input.
+    /// `serial:/dev/ttyUSB0?baud=115200`, or `-` for standard input.
     /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
-    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have their own clocks
+    /// {"t": 0.01, "displacement": 0.002}. Cells may be empty, so each sensor may have its own clock
     #[arg(default_value = "-")]
     pub(crate) source: PathBuf,
-    /// Take in what comes late by up to this time, at its own time
+    /// Use readings that arrive late by up to this time, each at its own time
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
     pub(crate) late: f64,
-    /// Write JSON objects, one a line, in place of a table
+    /// Write a JSON object per line instead of a table
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -86,27 +83,27 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// A setting to vary, as lessons name it, from a value to another in equal steps; with `:log` behind it in equal ratios.
-    /// May be given for several; the last one changes fastest. A table of standard deviations, such as
-    /// filters.EKF.process_std, stands for a factor on all of them
+    /// A setting to vary between two values in equal steps, or with `:log` in equal ratios.
+    /// May be given several times; the last one changes fastest. A table of standard deviations, such as
+    /// filters.EKF.process_std, is varied by a factor on all of them
     #[arg(long, value_name = "KEY=FROM:TO:COUNT[:log]", value_parser = Axis::parse, allow_hyphen_values = true)]
     pub(crate) vary: Vec<Axis>,
-    /// Run each combination with the seeds 1 to N; the seed is then the last axis
+    /// Run each combination with the seeds 1 to N; the seed changes fastest
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) seeds: Option<u32>,
     #[arg(long, value_name = "SCORES", value_delimiter = ',', help = score_help())]
     pub(crate) score: Vec<Measure>,
-    /// Score this filter only; may be given for several
+    /// Score this filter only; may be given several times
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    /// The table to write, a .csv file. Finished rows stand in a file of this name with .part behind it: the same
-    /// command continues from there. `-` for rows on standard output, which begin again each time
+    /// The table to write, a .csv file. Finished rows are kept in TABLE.part, so that the same command continues after
+    /// an interruption. `-` writes rows to standard output and always begins with the first
     #[arg(long, value_name = "TABLE")]
     pub(crate) out: PathBuf,
-    /// Write one of several shards only, such as 3/8: one behind the other they are the whole table
+    /// Compute only part I of N, such as 3/8; the parts in order make the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub(crate) shard: Shard,
-    /// Number of threads, at most 256 and one a combination; 0 for one a processor
+    /// Number of threads, at most 256; 0 uses every processor
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub(crate) threads: usize,
 }
@@ -115,19 +112,19 @@ pub(crate) struct SweepArgs {
 pub(crate) struct PopulationArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Number of members, which have the seeds 1, 2, ...
+    /// Number of members; they have the seeds 1 to N
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) members: u32,
-    /// Run this filter only; may be given for several
+    /// Run this filter only; may be given several times
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    /// Search the causes of each bad verdict: up to seconds a member
+    /// Search for the causes of each bad verdict, which takes up to seconds per member
     #[arg(long)]
     pub(crate) causes: bool,
-    /// Print the numbers as JSON
+    /// Print JSON instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Number of threads, at most 256; 0 for one a processor
+    /// Number of threads, at most 256; 0 uses every processor
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub(crate) threads: usize,
     /// Show no progress
@@ -140,11 +137,11 @@ pub(crate) struct PopulationArgs {
 pub(crate) struct InputArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
-    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
-    /// the scenario or of --map, or else guessed from the names
+    /// Filter this record instead of a simulated one; `-` for standard input. What its columns mean is taken from `[record]`
+    /// in the scenario or from --map, or else guessed from their names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
+    /// What the record's columns mean: a file with the contents of `[record]` in a scenario
     #[arg(long, value_name = "MAP.toml", requires = "record")]
     pub(crate) map: Option<PathBuf>,
 }
@@ -181,13 +178,13 @@ impl FromStr for Shard {
 pub(crate) struct SourceArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
+    /// Predict this record, which the filters do not see, with the identified models; its columns mean the same
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) holdout: Vec<PathBuf>,
-    /// No input was recorded, as under wind or traffic: no column of --record is the input
+    /// No input was recorded, as under wind or traffic; no column is taken for it
     #[arg(long)]
     pub(crate) no_input: bool,
-    /// Seed of the random numbers, instead of the scenario's; has no effect with --record
+    /// Seed of the random numbers instead of the scenario's; has no effect on a measured record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
 }
@@ -202,43 +199,31 @@ impl SourceArgs {
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) source: SourceArgs,
-    /// Write the scenario with remedy N of each filter that is not to be believed to the file of --out, in place of the estimates.
-    /// The table numbers the remedies
+    /// Write the results to this file, in the form that its ending names: .csv all estimates, .svg plots over time, .html a
+    /// report to read or print, .json everything, .toml the scenario with --fix. May be given several times. `-` writes
+    /// estimates to standard output, and the table then goes to standard error
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Vec<PathBuf>,
+    /// Write the scenario with remedy N of each filter that should not be trusted to the .toml file of --out; the table numbers
+    /// the remedies
     #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u8).range(1..))]
     pub(crate) fix: Option<u8>,
-    /// Write every estimate of every filter; `-`, here and in other outputs, for standard output: the table then goes to standard
-    /// error
-    #[arg(long, value_name = "ESTIMATES.csv")]
-    pub(crate) out: Option<PathBuf>,
     /// Write force, measurements and truth, as --record reads them
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record_out: Option<PathBuf>,
-    /// Draw truth, measurements and estimates over time
-    #[arg(long, value_name = "PLOTS.svg")]
-    pub(crate) svg: Option<PathBuf>,
-    /// Exit with code 3 where the verdict on a filter is one of these: consistent, recovered,
+    /// Exit with code 3 if the verdict on a filter is one of these: consistent, recovered,
     /// not-identifiable, underconfident, pattern-left, overconfident, wound-up, collapsed, lost, diverged
     #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
     pub(crate) fail_on: Vec<VerdictKind>,
-    /// Print the results as one JSON document in place of the table: samples, start, dt, measured, filters (name, kind,
-    /// verdict, evidence, causes, estimates, mean_nis, log_likelihood, ...) and free_runs, in SI units; null where there is none
+    /// Print JSON instead of the table: as --out FILE.json, but without the numbers of each sample
     #[arg(long)]
     pub(crate) json: bool,
-    /// Print no table and no remarks, only errors
+    /// Print errors only, no table and no remarks
     #[arg(long, conflicts_with = "json")]
     pub(crate) quiet: bool,
-    /// Print all of the table: the evidence, other causes, every channel, bounds, NIS, NEES and likelihoods
+    /// Print everything: the evidence, all causes and channels, errors, bounds, NIS, NEES and likelihoods
     #[arg(long, short, conflicts_with_all = ["json", "quiet"])]
     pub(crate) verbose: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ReportArgs {
-    #[command(flatten)]
-    pub(crate) source: SourceArgs,
-    /// The report to write
-    #[arg(long, value_name = "REPORT.html")]
-    pub(crate) out: PathBuf,
 }
 
 /// The help of `--score`: a list of all scores.
@@ -248,7 +233,7 @@ fn score_help() -> String {
         kinds.map(String::from).collect::<Vec<_>>().join(", ")
     };
     format!(
-        "The scores to write: {}; of a channel {}, as in rmse.natural_frequency; of a sensor {}, as in free_run.displacement \
+        "The scores to write: {}; for a channel, as in rmse.natural_frequency: {}; for a sensor, as in free_run.displacement: {} \
         [default: all that need no history]",
         words(|kind| !kind.needs_channel() && !kind.needs_sensor()),
         words(MeasureKind::needs_channel),
@@ -266,14 +251,14 @@ fn verdict(word: &str) -> Result<VerdictKind, String> {
 pub(crate) struct TuneArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// A setting of the filter to turn, as lessons name it, and the range to stay in; without a range two decades each way or as
-    /// far as the slider goes. May be given for several
+    /// A setting of the filter to tune, and its range; by default two decades each way, or the range of its slider. May be
+    /// given several times
     #[arg(long, value_name = "KEY[=FROM:TO[:log]]", required = true)]
     pub(crate) turn: Vec<String>,
-    /// The filter; the first one if left out
+    /// The filter [default: the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Option<String>,
-    /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
+    /// What to optimise: likelihood, consistency, or free_run.SENSOR, as in free_run.displacement
     #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
     pub(crate) goal: Goal,
     /// Write the scenario with the tuned filter
@@ -285,10 +270,10 @@ pub(crate) struct TuneArgs {
 pub(crate) struct PosteriorArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
-    /// The filter; the first one if left out
+    /// The filter [default: the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Option<String>,
-    /// Write the points, a row each
+    /// Write the points of the posterior, one per row
     #[arg(long, value_name = "POINTS.csv")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -306,48 +291,48 @@ fn goal(text: &str) -> Result<Goal, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// The record, a file with columns of numbers; `-` for standard input
+    /// The record, a file with columns of numbers, or `-` for standard input
     pub(crate) file: PathBuf,
-    /// The scenario to write; standard output if left out or `-`
+    /// The scenario to write [default: standard output]
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
-    /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and continue with it
+    /// Find the free decay in a record of three accelerations, such as a phone's; write it to this file and use it as the record
     #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
-    /// A second file of the same time with its own clock, such as that of another logger
+    /// A second file from the same time with another clock, such as that of another logger
     #[arg(long, value_name = "OTHER.csv", requires_all = ["joined", "offset"], conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
     pub(crate) with: Option<PathBuf>,
-    /// The number to add to the times of the second file [s]
+    /// What to add to the times of the second file [s]
     #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
     pub(crate) offset: Option<f64>,
-    /// The file to write with the columns of both, each with its times
+    /// Write the columns of both files to this one, each with its times
     #[arg(long, value_name = "BOTH.csv", requires = "with")]
     pub(crate) joined: Option<PathBuf>,
-    /// Samples in a second, for a file without times
+    /// Samples per second, for a file without times
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
     /// The column of the times
     #[arg(long, value_name = "COLUMN")]
     pub(crate) time: Option<String>,
-    /// The unit of the times, such as ms, where the file does not say it
+    /// The unit of the times, such as ms, if the file does not say it
     #[arg(long, value_name = "UNIT", value_parser = time_unit, conflicts_with = "rate")]
     pub(crate) time_unit: Option<String>,
-    /// The samples are equally spaced: put them at even steps, whatever the times say
+    /// Take the samples as equally spaced, whatever their times say
     #[arg(long, conflicts_with = "rate")]
     pub(crate) even: bool,
-    /// The number that stands in cells without a reading, such as -9999; `none` if all numbers are readings
+    /// The number that marks a missing reading, such as -9999, or `none` if all numbers are readings
     #[arg(long, value_name = "NUMBER", value_parser = missing, allow_negative_numbers = true)]
     pub(crate) missing: Option<Missing>,
     /// The column of the input
     #[arg(long, value_name = "COLUMN")]
     pub(crate) input: Option<String>,
-    /// There is no recorded input, as under wind or traffic, whatever the columns look like; `--input none` says the same
+    /// No input was recorded, as under wind or traffic, whatever the columns look like
     #[arg(long, conflicts_with_all = ["input", "ground"])]
     pub(crate) no_input: bool,
     /// The input is the acceleration of the ground, not a force
     #[arg(long)]
     pub(crate) ground: bool,
-    /// The column of a sensor, such as displacement=V2; may be given for several
+    /// The column of a sensor, such as displacement=V2; may be given several times
     #[arg(long, value_name = "QUANTITY=COLUMN", value_parser = sensor)]
     pub(crate) sensor: Vec<(Quantity, String)>,
     /// Use the record from this time on [s]
@@ -356,16 +341,16 @@ pub(crate) struct ImportArgs {
     /// Use the record up to this time [s]
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
-    /// Band-pass input and sensors, from and to [Hz], by Butterworth filters run forward and backward
+    /// Keep this band of input and sensors [Hz], by Butterworth filters run forward and backward
     #[arg(long, value_names = ["LOW", "HIGH"], num_args = 2)]
     pub(crate) band: Option<Vec<f64>>,
-    /// Keep one of N samples, after a low-pass
+    /// Keep every N-th sample, after a low-pass filter
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) every: usize,
-    /// Put N steps in place of one: a band-limited input, measurements missing in between
+    /// Divide each step into N: the input is interpolated within its band, and measurements are missing in between
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) interpolate: usize,
-    /// The kind of plant that the filters assume, or its equation, as "x'' + c x' + k x = f"
+    /// The kind of plant that the filters assume, or an equation such as "x'' + c x' + k x = f"
     #[arg(long, value_name = "KIND", default_value = "sdof", value_parser = plant)]
     pub(crate) plant: PlantKind,
 }

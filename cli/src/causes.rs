@@ -5,12 +5,13 @@ use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run,
 
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first; for a consistent filter the models
 /// that are likelier than its own. One without a verdict has none. Running the filter again with the edits made, over 10,000 samples at most,
-/// confirms each remedy. `tell` is called after each piece of work.
-pub fn causes(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
+/// confirms each remedy. `report` is called after each piece of work.
+pub fn causes(run: &Run, analysis: &Analysis, report: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
     let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
         let of = (analysis.diagnosis(place), diagnostics, estimates, run.record());
-        let mut tell = |share: f64| tell(FilterProgress { place, name: estimates.name(), work: Work::Causes, share });
-        causes_of(run.scenario(), place, of, &mut tell)
+        let mut report =
+            |share: f64| report(FilterProgress { place, name: estimates.name(), work: Work::Causes, share });
+        causes_of(run.scenario(), place, of, &mut report)
     };
     run.estimates().iter().zip(analysis.diagnostics()).enumerate().map(of).collect()
 }
@@ -18,12 +19,12 @@ pub fn causes(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgres
 /// The pieces of a search, of about a millisecond, between two reports of its progress.
 const PIECES: usize = 50;
 
-/// The remedies of the verdict on the filter at `place` of a scenario. `tell` is called with the share of the search that is done.
+/// The remedies of the verdict on the filter at `place` of a scenario. `report` is called with the share of the search that is done.
 pub(crate) fn causes_of(
     scenario: &Scenario,
     place: usize,
     (diagnosis, diagnostics, estimates, record): (Option<&Diagnosis>, &Diagnostics, &Estimates, &Record),
-    tell: &mut dyn FnMut(f64),
+    report: &mut dyn FnMut(f64),
 ) -> Vec<Remedy> {
     let diagnosis = diagnosis.filter(|diagnosis| diagnosis.verdict.is_some());
     // A run that has begun can begin again.
@@ -33,7 +34,7 @@ pub(crate) fn causes_of(
     loop {
         // A search that finds more to try is less far than it was.
         furthest = search.progress().max(furthest);
-        tell(furthest);
+        report(furthest);
         let mut while_time = || {
             pieces += 1;
             pieces % PIECES != 0

@@ -23,7 +23,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
     let sensors = run.record().sensors();
     let columns: Vec<&ReadingColumn> =
-        READING.iter().filter(|(_, is_told, _)| run.estimates().iter().any(is_told)).collect();
+        READING.iter().filter(|(_, is_written, _)| run.estimates().iter().any(is_written)).collect();
     let readings =
         columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
     let scales = run.estimates().iter().any(Estimates::tells_process_scale);

@@ -22,13 +22,13 @@ pub(crate) enum InputError {
     Read { file: PathBuf, error: io::Error },
     #[error("{}: {error}", shown(.file))]
     Scenario { file: PathBuf, error: ScenarioError },
-    #[error("{}: no start values can be made of it: {error}", shown(.file))]
+    #[error("{}: no start values could be found: {error}", shown(.file))]
     StartValues { file: PathBuf, error: ScenarioError },
     #[error("{}: {error}", shown(.file))]
     Import { file: PathBuf, error: ImportError },
     #[error("{}: {reason}", shown(.file))]
     Laboratory { file: PathBuf, reason: String },
-    #[error("{}: it has {megabytes} MB, but at most {} MB are read; cut it before", shown(.file), LARGEST / 1_000_000)]
+    #[error("{}: it has {megabytes} MB, more than the {} MB that are read; cut it first", shown(.file), LARGEST / 1_000_000)]
     TooLarge { file: PathBuf, megabytes: u64 },
     #[error("{}: it has more than 1 MB, too much for a scenario or a map; `import` reads records", shown(.file))]
     LongText { file: PathBuf },
@@ -42,7 +42,7 @@ pub(crate) enum InputError {
     Output { file: PathBuf, reason: String },
     #[error("{}: {error}", shown(.file))]
     Run { file: PathBuf, error: RunError },
-    #[error("{}: `duration` is {most} times dt or more, but every sample is kept here", shown(.file))]
+    #[error("{}: the simulation has more than {most} samples; shorten `duration` or enlarge `dt`", shown(.file))]
     TooLong { file: PathBuf, most: usize },
 }
 

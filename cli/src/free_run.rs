@@ -8,6 +8,8 @@ use crate::number::{fixed, short};
 
 pub(crate) struct FreeRuns {
     pub(crate) name: String,
+    /// Whether the filters have followed this record.
+    pub(crate) is_own: bool,
     pub(crate) samples: usize,
     /// The fits, filter by filter, and each sensor by sensor.
     pub(crate) fits: Vec<FreeFit>,
@@ -24,8 +26,9 @@ pub(crate) struct FreeFit {
 }
 
 impl FreeRuns {
-    pub(crate) fn new(name: &str, record: &Record) -> Self {
-        Self { name: name.to_owned(), samples: record.len(), fits: Vec::new() }
+    pub(crate) fn new(name: &str, record: &Record, own: &Record) -> Self {
+        let is_own = std::ptr::eq(own, record);
+        Self { name: name.to_owned(), is_own, samples: record.len(), fits: Vec::new() }
     }
 
     /// The fits, a line a filter and sensor.
@@ -37,9 +40,9 @@ impl FreeRuns {
 fn line(fit: &FreeFit, length: Length) -> String {
     let FreeFit { filter, sensor, free, one_step } = fit;
     let unit = length.in_place_of(sensor.unit());
-    let told = free.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
-    let ahead = one_step.map_or_else(String::new, |fit| format!("; one step ahead {}", words(fit, unit)));
-    format!("{filter}, {}: {told}{ahead}", sensor.name())
+    let free = free.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
+    let ahead = one_step.map_or_else(String::new, |fit| format!("; one step ahead: {}", words(fit, unit)));
+    format!("{filter}, {}: {free}{ahead}", sensor.name())
 }
 
 pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
@@ -72,5 +75,5 @@ fn words(fit: Fit, unit: &str) -> String {
     if fit.rms.is_infinite() {
         return "the model runs away".to_owned();
     }
-    format!("error {} {unit} rms, fit {} %", short(fit.rms), fixed(fit.percent, 2))
+    format!("rms error {} {unit}, fit {} %", short(fit.rms), fixed(fit.percent, 2))
 }

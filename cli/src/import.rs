@@ -33,7 +33,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     if let Some(sweep) = &sweep {
         let [[low, high], [begin, end]] = [sweep.range, sweep.part];
         say(&format_args!(
-            "a sweep: {low:.1} Hz to {high:.1} Hz from {begin:.2} s to {end:.2} s; the force that drives it is in no column"
+            "a sweep from {low:.1} Hz to {high:.1} Hz, between {begin:.2} s and {end:.2} s; no column has its force"
         ));
         if decay.is_none() {
             say(&"filters would take that force for white: `--decay` gives f and ζ of a sweep instead");
@@ -101,8 +101,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
 /// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.
 fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), InputError> {
     let bad = |reason: &dyn ToString| InputError::bad(file, reason);
-    let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them; where rows have numbers and no \
-                times, state the sample rate";
+    let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them; if the rows have no times, \
+                state the sample rate";
     let axes = ThreeAxes::of(table).ok_or_else(|| bad(&none))?;
     let groups = Decay::groups(&axes.readings(table)).map_err(|reason| bad(&reason))?;
     for (place, decays) in groups.iter().enumerate() {
@@ -112,13 +112,13 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
                 "a free decay: {seconds:.2} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²{}",
                 decay.begin,
                 decay.noise,
-                if place > 0 { "; another motion, which is left out of the file" } else { "" }
+                if place > 0 { "; another motion, left out of the file" } else { "" }
             ));
         }
         let modes = Decay::modes_of(decays);
         say_modes(&modes, ", taken out of the file");
         if modes.is_empty() {
-            say(&"one or two modes leave more than noise: a force may still move it");
+            say(&"one or two modes do not explain all of it: a force may still act");
         }
     }
     let decays: Vec<Decay> = groups.into_iter().next().iter().flatten().map(Decay::alone).collect();
@@ -154,7 +154,7 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
     } else if let Some((quantity, _)) = sensor {
         (quantity.name(), args.sensor.iter().any(|(_, column)| *column == guess.column))
     } else if guess.is_own_clock() {
-        return format!("column `{}`: a clock of its own: {}", guess.column, guess.why);
+        return format!("column `{}`: another clock: {}", guess.column, guess.why);
     } else {
         let why = if guess.is_left_out() { guess.why } else { "not asked for" };
         return format!("column `{}`: left out: {why}", guess.column);
@@ -178,9 +178,6 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Words for no column.
-const NOTHING: [&str; 2] = ["none", "nothing"];
-
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
     let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
@@ -196,8 +193,7 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
     }
     mapping.time.even |= *even;
     let mapped = |column: &String| MappedColumn::of(table, column);
-    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
-    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
+    if *no_input {
         mapping.take_no_input(&guesses);
     } else if let Some(column) = input {
         mapping.input = Some(mapped(column));

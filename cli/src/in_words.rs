@@ -2,14 +2,14 @@
 
 use kalmanscope_core::diagnosis::{Evidence, Remedy, in_percent};
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Diagnosis, Record, Remark, Scenario, Summary, Trouble};
+use kalmanscope_core::{Diagnosis, Record, Remark, Summary, Trouble};
 
-use crate::number::{fixed, legible, plain, scientific, short};
+use crate::number::{fixed, plain, scientific, short};
+use crate::results::Results;
 
 const MOST: (usize, usize) = (6, 3);
 
-/// A smaller probability is told as smaller.
+/// A smaller probability is only said to be smaller.
 const LEAST_P: f64 = 1e-16;
 
 /// The evidence that counts, the weightiest first, each with its p-value.
@@ -24,17 +24,21 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
         };
         format!("{}: {}{p}", one.test.name, one.sentence)
     };
-    counting.iter().take(MOST.0).map(line).collect()
+    let more = counting.len().saturating_sub(MOST.0);
+    let more = (more > 0).then(|| format!("and {more} more"));
+    counting.iter().take(MOST.0).map(line).chain(more).collect()
 }
 
 pub(crate) struct CauseInWords {
-    /// The causes in order, the probability of the first one, the gain in likelihood with all edits made, and the verdict then.
+    /// Its number, its probability, and the causes in order.
     pub(crate) sentence: String,
-    /// The lines to write into the scenario, or a hint if there is no setting to change.
-    pub(crate) remedies: Vec<String>,
+    /// The edits and the gain in likelihood by them. `None` if no setting takes the cause away.
+    pub(crate) remedy: Option<String>,
+    /// The command that tries the remedy and the verdict then, or a hint.
+    pub(crate) trial: String,
 }
 
-/// Whether the remedies of a filter are other models, which are likelier than one that is to be believed.
+/// Whether the remedies of a filter are other models, which are likelier than one that is to be trusted.
 pub(crate) fn are_models(summary: &Summary) -> bool {
     summary.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
 }
@@ -44,47 +48,50 @@ pub(crate) fn unexplained(causes: &[Remedy], summary: &Summary) -> Option<String
     if are_models(summary) || summary.verdict.is_none() {
         return None;
     }
-    let Some(best) = causes.first() else { return Some("none of the causes that are known explains it".to_owned()) };
+    let Some(best) = causes.first() else { return Some("no known cause explains it".to_owned()) };
     if best.explains() {
         return None;
     }
-    let ends = best.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
-    Some(format!("none of these causes explains it: with the best remedy it is still {ends}"))
+    let after = after(best, summary).unwrap_or_else(|| "no better".to_owned());
+    Some(format!("none of these causes explains it: even with the best remedy it is {after}"))
 }
 
-/// The likeliest causes, the first the likeliest, for a filter of a scenario; or the likelier models of one that is to be believed.
-pub(crate) fn likeliest(causes: &[Remedy], summary: &Summary, scenario: &Scenario) -> Vec<CauseInWords> {
-    let probabilities = Remedy::probabilities(causes);
-    let words = |(number, remedy): (usize, &Remedy)| {
-        let probability = format!("probability {}", in_percent(probabilities[number - 1]));
-        let mut told = if are_models(summary) { Vec::new() } else { vec![probability] };
-        if remedy.gain.is_finite() {
-            let sign = if remedy.gain < 0.0 { "" } else { "+" };
-            told.push(format!("log likelihood {sign}{}", fixed(remedy.gain, 0)));
-        }
-        told.extend(remedy.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
-        let told = format!(" ({})", told.join(", "));
-        let each = remedy.causes().map(|likely| format!("{}: {}", likely.cause.name, likely.sentence));
-        let sentence = each.collect::<Vec<_>>().join("; and then ") + &told;
-        let remedies = if remedy.edits.is_empty() {
-            vec![remedy.first.cause.hint.to_owned()]
+/// The verdict with a remedy, if there is one.
+fn after(remedy: &Remedy, summary: &Summary) -> Option<String> {
+    let kind = remedy.after.as_ref()?.kind;
+    let is_same = summary.verdict.as_ref().is_some_and(|verdict| verdict.kind == kind);
+    Some(if is_same && !kind.is_good() { format!("still {}", kind.name()) } else { kind.name().to_owned() })
+}
+
+/// The causes of a remedy, in order.
+pub(crate) fn sentence(remedy: &Remedy) -> String {
+    let each = remedy.causes().map(|likely| format!("{}: {}", likely.cause.name, likely.sentence));
+    each.collect::<Vec<_>>().join("; and then ")
+}
+
+/// The likeliest causes, the first the likeliest, for a filter of a scenario; or the likelier models of one that is to be trusted.
+pub(crate) fn likeliest(causes: &[Remedy], summary: &Summary, results: &Results<'_>) -> Vec<CauseInWords> {
+    let words = |(number, (remedy, probability)): (usize, (&Remedy, f64))| {
+        let what = if are_models(summary) {
+            format!("likelier model {number}")
         } else {
-            let mut remedies = lines(&remedy.edits, scenario);
-            remedies.push(format!("or have it written: kalmanscope-cli run ... --fix {number} --out FIXED.toml"));
-            remedies
+            format!("cause {number} ({})", in_percent(probability))
         };
-        CauseInWords { sentence, remedies }
+        let edits: Vec<String> = remedy.edits.iter().map(|edit| edit.in_words(&results.scenario)).collect();
+        let gain = match remedy.gain {
+            gain if !gain.is_finite() => String::new(),
+            gain if gain < 0.0 => format!("; the log likelihood falls by {}", fixed(-gain, 0)),
+            gain => format!("; the log likelihood rises by {}", fixed(gain, 0)),
+        };
+        let then = after(remedy, summary).map_or_else(String::new, |after| format!(" (then {after})"));
+        let trial = format!("try it{then}: {} --fix {number} --out fixed.toml", results.command);
+        CauseInWords {
+            sentence: format!("{what}: {}", sentence(remedy)),
+            trial: if edits.is_empty() { remedy.first.cause.hint.to_owned() } else { trial },
+            remedy: (!edits.is_empty()).then(|| format!("remedy: {}{gain}", edits.join(", "))),
+        }
     };
-    (1..).zip(causes).take(MOST.1).map(words).collect()
-}
-
-fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
-    let line = |(filter, line): (Option<String>, String)| {
-        let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };
-        format!("write {place}: {}", legible(&line))
-    };
-    // A trial has made them: they can be made.
-    Edit::toml_lines(edits, scenario).unwrap_or_default().into_iter().map(line).collect()
+    (1..).zip(causes.iter().zip(Remedy::probabilities(causes))).take(MOST.1).map(words).collect()
 }
 
 pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static str, String)> {
@@ -102,7 +109,7 @@ pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static
     }
     let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
         let test = test.as_ref()?;
-        Some(format!("{} Q = {}, p = {}", quantity.symbol(), short(test.statistic), fixed(test.p_value, 3)))
+        Some(format!("{} Q = {}, p {}", quantity.symbol(), short(test.statistic), p_value(test.p_value)))
     });
     let tests: Vec<String> = tests.collect();
     if !tests.is_empty() {
@@ -116,6 +123,10 @@ pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static
     rows
 }
 
+fn p_value(p: f64) -> String {
+    if p < 5e-4 { "< 0.001".to_owned() } else { format!("= {}", fixed(p, 3)) }
+}
+
 fn placed(square: &MeanSquare, interval: &str) -> String {
     let MeanSquare { mean, interval: range, .. } = square;
     let place = if range.contains(mean) {
@@ -127,7 +138,7 @@ fn placed(square: &MeanSquare, interval: &str) -> String {
     };
     let [mean, low, high] =
         [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { scientific(*x, 3) });
-    format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
+    format!("{mean}, {place} its χ² 95 % {interval} {low} to {high}")
 }
 
 /// Troubles that a filter has survived and changes that it has made, each with its time.
@@ -135,8 +146,9 @@ pub(crate) fn remarks(remarks: &[Remark], record: &Record) -> Vec<String> {
     let line = |remark: &Remark| {
         let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
         match remark.what {
-            Trouble::Widened => format!("let its parameters move at {from} s, where its innovations grew at once"),
+            Trouble::Widened => format!("let its parameters move at {from} s, when its innovations suddenly grew"),
             what @ (Trouble::Moved(_) | Trouble::Rounded(_)) => what.to_string(),
+            what if from == to => format!("at {from} s: {what}"),
             what => format!("from {from} s to {to} s: {what}"),
         }
     };

@@ -1,85 +1,109 @@
 //! The results of a run as one document of JSON.
 
-use kalmanscope_core::diagnosis::Final;
-use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::diagnosis::{Evidence, Final, Remedy};
 use kalmanscope_core::document::{self, Document, DocumentError, json};
-use kalmanscope_core::{Fit, Summary};
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, Estimates, Fit, Record, Summary};
 
 use crate::free_run::FreeFit;
-use crate::in_words::{are_models, evidence, likeliest};
-use crate::results::Results;
+use crate::in_words::{are_models, sentence};
+use crate::results::{FilterResults, Results};
 
 impl Results<'_> {
-    /// The numbers of the table and of the free runs as JSON, in SI units; `null` where there is none:
-    ///
-    /// ```text
-    /// samples, start [s], dt [s], measured: [quantity]
-    /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, probability, remedies }],
-    ///             models: of a filter to be believed those that are likelier, as causes,
-    ///             explained: whether the first cause leaves a good verdict,
-    ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
-    ///             mean_nis, mean_nees, log_likelihood,
-    ///             probability: of the filter as a model class, stopped: { sample, time, reason } }]
-    /// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
-    /// ```
+    /// The results as JSON, in SI units; `null` where there is none. `docs/command-line.md` describes each key. `series` are the
+    /// estimates of all filters in order, for the numbers of each sample; without them each `series` is `null`.
     ///
     /// # Errors
     /// [`DocumentError`] where a number cannot be written, which no run causes.
-    pub fn json(&self) -> Result<String, DocumentError> {
-        let record = self.record;
+    pub fn json(&self, series: &[Estimates]) -> Result<String, DocumentError> {
+        let record = &*self.record;
         let probabilities = self.probabilities();
         let filters = self.filters.iter().enumerate().map(|(place, one)| {
-            let evidence = one.diagnosis.as_ref().map_or_else(Vec::new, evidence);
-            filter(&one.summary, probabilities.get(place).copied(), Some(evidence), &one.causes, self)
+            let own = (probabilities.get(place).copied(), series.get(place).map(filter_series));
+            self.filter(&one.summary, Some(one), own)
         });
-        let smoothers = self.smoothers.iter().map(|summary| filter(summary, None, None, &[], self));
+        let smoothers = self.smoothers.iter().map(|summary| self.filter(summary, None, (None, None)));
         let free_runs = self.free_runs.iter().flat_map(|runs| runs.fits.iter().map(|fit| free_run(&runs.name, fit)));
-        document::to_json_lines(&json!({
-            "samples": record.len(),
-            "start": record.time(0),
-            "dt": record.dt(),
-            "measured": Document::from_iter(record.sensors().iter().map(|sensor| sensor.key())),
+        let all = json!({
+            "kalmanscope": env!("CARGO_PKG_VERSION"),
+            "scenario": self.scenario,
+            "record": {
+                "samples": record.len(),
+                "start": record.time(0),
+                "dt": record.dt(),
+                "input_kind": record.input_kind(),
+                "hold": record.hold(),
+                "measured": Document::from_iter(record.sensors().iter().map(|sensor| sensor.key())),
+                "series": (!series.is_empty()).then(|| record_series(record)),
+            },
             "filters": Document::from_iter(filters.chain(smoothers)),
             "free_runs": Document::from_iter(free_runs),
-        }))
+        });
+        if series.is_empty() { document::to_json_lines(&all) } else { document::to_json(&all) }
+    }
+
+    /// A filter, or a smoother, which has no results but its summary.
+    fn filter(
+        &self,
+        summary: &Summary,
+        own: Option<&FilterResults>,
+        (probability, series): (Option<f64>, Option<Document>),
+    ) -> Document {
+        let verdict = summary.verdict.as_ref();
+        let verdict = verdict.map(|verdict| json!({ "kind": verdict.kind.key(), "sentence": verdict.to_string() }));
+        let (is_good, causes) = (are_models(summary), own.map_or(&[][..], |own| &own.causes));
+        let found = causes.iter().zip(Remedy::probabilities(causes));
+        let found: Vec<Document> = found.map(|(remedy, probability)| self.cause(remedy, probability)).collect();
+        let (models, found) = if is_good { (found, Vec::new()) } else { (Vec::new(), found) };
+        let diagnosis = own.and_then(|own| own.diagnosis.as_ref());
+        let bad_parts = diagnosis.into_iter().flat_map(|one| &one.bad_parts).map(|part| json!([part.start, part.end]));
+        let stopped = summary.stop.map(|stop| {
+            let time = self.record.time_of(stop.sample);
+            json!({ "sample": stop.sample, "time": time, "reason": stop.reason.to_string() })
+        });
+        json!({
+            "name": summary.name,
+            "kind": summary.kind.name(),
+            "smoothed": own.is_none(),
+            "samples": summary.samples,
+            "verdict": verdict,
+            "evidence": Document::from_iter(diagnosis.into_iter().flat_map(|one| &one.evidence).map(evidence)),
+            "bad_parts": Document::from_iter(bad_parts),
+            "causes": found,
+            "models": models,
+            "explained": (!causes.is_empty() && !is_good).then(|| Remedy::is_explained(causes)),
+            "estimates": Document::from_iter(summary.finals.iter().map(estimate)),
+            "mean_nis": summary.nis.as_ref().map(|nis| nis.mean),
+            "mean_nees": summary.nees.as_ref().map(|nees| nees.mean),
+            "log_likelihood": summary.nis.as_ref().map(|_| summary.log_likelihood),
+            "probability": probability,
+            "stopped": stopped,
+            "series": series,
+        })
+    }
+
+    fn cause(&self, remedy: &Remedy, probability: f64) -> Document {
+        let edit =
+            |edit: &Edit| json!({ "sentence": edit.in_words(&self.scenario), "key": edit.key, "value": edit.value });
+        json!({
+            "sentence": sentence(remedy),
+            "probability": probability,
+            "gain": remedy.gain,
+            "then": remedy.after.as_ref().map(|verdict| verdict.kind.key()),
+            "hint": remedy.first.cause.hint,
+            "edits": Document::from_iter(remedy.edits.iter().map(edit)),
+        })
     }
 }
 
-fn filter(
-    summary: &Summary,
-    probability: Option<f64>,
-    evidence: Option<Vec<String>>,
-    causes: &[Remedy],
-    results: &Results<'_>,
-) -> Document {
-    let Results { scenario, record, .. } = results;
-    let verdict = summary.verdict.as_ref();
-    let verdict = verdict.map(|verdict| json!({ "kind": verdict.kind.key(), "sentence": verdict.to_string() }));
-    let is_good = are_models(summary);
-    let explained = (!causes.is_empty() && !is_good).then(|| Remedy::is_explained(causes));
-    let causes = likeliest(causes, summary, scenario).into_iter().zip(Remedy::probabilities(causes)).map(
-        |(cause, probability)| json!({ "sentence": cause.sentence, "probability": probability, "remedies": cause.remedies }),
-    );
-    let (models, causes): (Vec<Document>, Vec<Document>) = causes.partition(|_| is_good);
-    let stopped = summary.stop.map(
-        |stop| json!({ "sample": stop.sample, "time": record.time_of(stop.sample), "reason": stop.reason.to_string() }),
-    );
+fn evidence(one: &Evidence) -> Document {
     json!({
-        "name": summary.name,
-        "kind": summary.kind.name(),
-        "smoothed": evidence.is_none(),
-        "samples": summary.samples,
-        "verdict": verdict,
-        "evidence": evidence.unwrap_or_default(),
-        "causes": causes,
-        "models": models,
-        "explained": explained,
-        "estimates": Document::from_iter(summary.finals.iter().map(estimate)),
-        "mean_nis": summary.nis.as_ref().map(|nis| nis.mean),
-        "mean_nees": summary.nees.as_ref().map(|nees| nees.mean),
-        "log_likelihood": summary.nis.as_ref().map(|_| summary.log_likelihood),
-        "probability": probability,
-        "stopped": stopped,
+        "test": one.test.name,
+        "sentence": one.sentence,
+        "statistic": one.statistic,
+        "p_value": one.p_value,
+        "effect": one.effect,
+        "counts": one.counts,
     })
 }
 
@@ -108,5 +132,35 @@ fn free_run(name: &str, fit: &FreeFit) -> Document {
         "percent": of(free, |fit| fit.percent),
         "one_step_rms": of(one_step, |fit| fit.rms),
         "one_step_percent": of(one_step, |fit| fit.percent),
+    })
+}
+
+fn record_series(record: &Record) -> Document {
+    let measured = record.sensors().iter().enumerate().map(|(i, quantity)| (quantity.key(), record.measured(i)));
+    let truth = Channel::all().iter().filter_map(|channel| Some((channel.key(), record.truth(*channel)?)));
+    json!({
+        "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),
+        "input": record.input(),
+        "measured": Document::from_iter(measured),
+        "truth": Document::from_iter(truth),
+    })
+}
+
+fn filter_series(estimates: &Estimates) -> Document {
+    let of_channels = |column: &dyn Fn(usize) -> Document| {
+        let channels = estimates.channels().iter().enumerate();
+        Document::from_iter(channels.map(|(place, channel)| (channel.key(), column(place))))
+    };
+    let of_sensors = |column: &dyn Fn(usize) -> Document| {
+        let sensors = estimates.sensors().iter().enumerate();
+        Document::from_iter(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
+    };
+    json!({
+        "mean": of_channels(&|place| Document::from_iter(estimates.canonical_means(place).iter().copied())),
+        "std": of_channels(&|place| Document::from_iter(estimates.stds(place))),
+        "innovation": of_sensors(&|place| Document::from_iter(estimates.innovations(place))),
+        "innovation_std": of_sensors(&|place| Document::from_iter(estimates.innovation_stds(place))),
+        "nis": estimates.nis(),
+        "log_likelihood": Document::from_iter(estimates.log_likelihoods()),
     })
 }

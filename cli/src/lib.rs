@@ -16,7 +16,6 @@ mod free_run;
 #[cfg(feature = "program")]
 mod in_turn;
 mod in_words;
-#[cfg(feature = "program")]
 mod json;
 mod number;
 #[cfg(not(target_arch = "wasm32"))]

@@ -19,27 +19,19 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 use args::{Command, CommandLine};
-use run::Ending;
 
 fn main() -> ExitCode {
-    let done = match CommandLine::parse().command {
-        Command::Run(args) => run::run(&args).map(|ending| match ending {
-            Ending::Well => ExitCode::SUCCESS,
-            Ending::Stopped => ExitCode::FAILURE,
-            Ending::Verdict => ExitCode::from(3),
-        }),
-        Command::Report(args) => run::write_report(&args).map(|()| ExitCode::SUCCESS),
-        Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
-        Command::Stream(args) => {
-            stream::stream(&args).map(|has_filter| if has_filter { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-        }
-        Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
-        Command::Population(args) => population::population(&args).map(|()| ExitCode::SUCCESS),
-        Command::Posterior(args) => of_filter::posterior(&args).map(|()| ExitCode::SUCCESS),
-        Command::Tune(args) => of_filter::tune(&args).map(|()| ExitCode::SUCCESS),
+    let code = match CommandLine::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Import(args) => import::import(&args).map(|()| 0),
+        Command::Stream(args) => stream::stream(&args).map(|has_filter| u8::from(!has_filter)),
+        Command::Sweep(args) => sweep::sweep(&args).map(|()| 0),
+        Command::Population(args) => population::population(&args).map(|()| 0),
+        Command::Posterior(args) => of_filter::posterior(&args).map(|()| 0),
+        Command::Tune(args) => of_filter::tune(&args).map(|()| 0),
     };
-    done.unwrap_or_else(|error| {
+    ExitCode::from(code.unwrap_or_else(|error| {
         files::report_error(&error);
-        ExitCode::from(error.code())
-    })
+        error.code()
+    }))
 }

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use kalmanscope_cli::{harmless, run_scenario, significant};
+use kalmanscope_cli::{harmless, run_scenario, significant, with_spread};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Estimates, Scenario, Task as _, VerdictKind, simulate};
+use kalmanscope_core::{Axis, Estimates, Scenario, Task as _, simulate};
 use kalmanscope_lab::posterior::{Posterior, Sampled};
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
 
@@ -62,21 +62,26 @@ fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
 
 fn tuning_in_words(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {
     let mut text = String::new();
+    let score = |score: f64| significant(score, 7, 9);
     let name = match goal {
         Goal::Likelihood => "log likelihood".to_owned(),
         Goal::FreeRun(sensor) => format!("-ln of the free run's error in {}", sensor.name()),
         Goal::Consistency => "-|ln| of the mean NIS".to_owned(),
     };
     if let (Some(before), Some(after)) = (tuned.path.first(), tuned.path.last()) {
-        let _ = writeln!(text, "{name}: {:.6} before, {:.6} after {} runs", before.score, after.score, tuned.runs);
+        let _ =
+            writeln!(text, "{name}: {} before, {} after {} runs", score(before.score), score(after.score), tuned.runs);
         for (place, (axis, (before, after))) in axes.iter().zip(before.values.iter().zip(&after.values)).enumerate() {
             let band = tuned.bands.as_ref().and_then(|bands| bands.get(place));
-            let band = band.map_or(String::new(), |[low, high]| format!(", ±2σ from {low:.4e} to {high:.4e}"));
-            let _ = writeln!(text, "{}: {before:.6e} before, {after:.6e} after{band}", axis.key);
+            let band = band.map(|band| band.map(number));
+            let band = band.map_or(String::new(), |[low, high]| format!(", ±2σ from {low} to {high}"));
+            let _ = writeln!(text, "{}: {} before, {} after{band}", axis.key, number(*before), number(*after));
         }
     }
-    let verdict = tuned.verdict.map_or("not enough measurements for one", VerdictKind::name);
-    let _ = writeln!(text, "verdict: {verdict}");
+    let _ = match tuned.verdict {
+        Some(verdict) => writeln!(text, "verdict: {}", verdict.name()),
+        None => writeln!(text, "no verdict: too few measurements"),
+    };
     for remark in &tuned.remarks {
         let _ = writeln!(text, "{remark}");
     }
@@ -97,14 +102,17 @@ pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
     let sampled = posterior.run().ok_or_else(|| bad(&"no guess within the initial belief explains the record"))?;
     let mut text = posterior_in_words(&sampled, &run.estimates()[0]);
     if sampled.is_stiller_than(&alone.filters[0], run.record().len()) {
-        text += "the filter lets the parameters change, the posterior does not\n";
+        text += "the filter lets the parameters change; the posterior does not\n";
     }
     print_beside(&places("--out", out), &text)?;
     out.as_deref().map_or(Ok(()), |out: &Path| write_text(out, &csv(&sampled)))
 }
 
+fn number(value: f64) -> String {
+    significant(value, 5, 9)
+}
+
 fn posterior_in_words(sampled: &Sampled, estimates: &Estimates) -> String {
-    let number = |value: f64| significant(value, 5, 9);
     let mut text = String::new();
     let (count, runs, evidence) = (sampled.points.len(), sampled.runs, sampled.log_evidence);
     let _ = writeln!(text, "{count} points of the posterior after {runs} runs, ln p(z) = {evidence:.2}");
@@ -112,19 +120,22 @@ fn posterior_in_words(sampled: &Sampled, estimates: &Estimates) -> String {
     for &channel in &sampled.channels {
         let Some([mean, std]) = sampled.moments(channel) else { continue };
         let unit = channel.unit();
-        let _ = write!(text, "{}: {} ± {} (2σ) {unit}", channel.key(), number(mean), number(2.0 * std));
+        let spread = |mean: f64, std: f64| {
+            let (value, spread) = with_spread(mean, std);
+            format!("{value} ± {spread} {unit}").trim_end().to_owned()
+        };
+        let _ = write!(text, "{}: {} (2σ)", channel.name(), spread(mean, std));
         if let Some((place, last)) = estimates.place(channel).zip(last) {
             let (own, own_std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
             let ratio = significant(own_std / std, 3, 9);
-            let name = estimates.name();
-            let _ = write!(text, "; {name}: {} ± {}, {ratio} times as wide", number(own), number(2.0 * own_std));
+            let _ = write!(text, "; {}: {}, {ratio} times as wide", estimates.name(), spread(own, own_std));
         }
         text.push('\n');
     }
     if let Some((channel, solutions)) = sampled.solutions() {
         let [low, high] = solutions.means.map(number);
         let [one, other] = solutions.shares.map(|share| 100.0 * share);
-        let _ = writeln!(text, "two solutions: {} {low} ({one:.0} %) or {high} ({other:.0} %)", channel.key());
+        let _ = writeln!(text, "two solutions: {} {low} ({one:.0} %) or {high} ({other:.0} %)", channel.name());
     }
     text
 }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_cli::{causes, significant};
@@ -58,7 +57,7 @@ fn run_members(runner: &Arc<Runner>, team: &Threads, quiet: bool) -> Vec<Slice> 
     let (mut slices, mut done) = (Vec::new(), 0);
     while let Some(slice) = work.wait() {
         done += slice.cells.len();
-        progress.tell(done, "members");
+        progress.show(done, "members");
         slices.push(slice);
     }
     slices.sort_by_key(|slice| slice.cells.first().copied());
@@ -93,10 +92,33 @@ impl Population {
         self.statistics.diverged(nth).map(|share| Share { count: (share * of as f64).round() as usize, of })
     }
 
-    fn verdicts(&self, nth: usize) -> impl Iterator<Item = (VerdictKind, Share)> {
-        let of = self.statistics.verdicts(nth).iter().sum();
-        let counts = VerdictKind::ALL.into_iter().zip(self.statistics.verdicts(nth));
-        counts.filter(|(_, count)| **count > 0).map(move |(kind, &count)| (kind, Share { count, of }))
+    /// The shares of the members in which a filter is lost, near the truth, sure of it, and has a verdict: key, words and share.
+    fn shares(&self, nth: usize) -> Vec<(String, String, Share)> {
+        let [lost, stopped] = self.lost(nth);
+        let mut shares = vec![
+            ("lost".to_owned(), "lost the truth, or stopped".to_owned(), lost),
+            ("stopped".to_owned(), "of these, stopped".to_owned(), stopped),
+        ];
+        for (channel, errors) in self.parameters(nth) {
+            let (key, symbol) = (channel.key(), channel.symbol());
+            let count = |is: fn(&LastError) -> bool| Share {
+                count: errors.iter().filter(|last| is(last)).count(),
+                of: errors.len(),
+            };
+            if channel.is_parameter() {
+                let near = count(|last| last.is_within(NEAR));
+                shares.push((format!("{key}.within_1_percent"), format!("{symbol} within 1 % at the end"), near));
+            }
+            let covered = count(LastError::is_covered);
+            shares.push((format!("{key}.inside_2_sigma"), format!("{symbol} inside ±2σ at the end"), covered));
+        }
+        let counts = self.statistics.verdicts(nth);
+        let of = counts.iter().sum();
+        for (kind, &count) in VerdictKind::ALL.into_iter().zip(counts).filter(|(_, count)| **count > 0) {
+            let share = Share { count, of };
+            shares.push((format!("verdict.{}", kind.key()), format!("verdict: {}", kind.name()), share));
+        }
+        shares
     }
 
     fn text(&self) -> String {
@@ -112,10 +134,10 @@ impl Population {
         write!(text, "{done} members")?;
         match impossible {
             0 => writeln!(text)?,
-            some => writeln!(text, ", {some} of which are impossible scenarios and left out")?,
+            some => writeln!(text, "; {some} are impossible scenarios and were left out")?,
         }
         if scenario.draw.is_empty() {
-            writeln!(text, "nothing is drawn but the noise: the scenario has no [draw]")?;
+            writeln!(text, "only the noise differs: the scenario has no [draw]")?;
         }
         for (key, law) in &scenario.draw {
             let [a, b] = law.numbers().map(|number| significant(number, 6, 9));
@@ -124,29 +146,16 @@ impl Population {
         }
         for (nth, filter) in scenario.filters.iter().enumerate() {
             writeln!(text, "\n{}", filter.name)?;
-            let [lost, stopped] = self.lost(nth);
-            line(text, "lost the truth, or stopped", lost)?;
-            if stopped.count > 0 {
-                line(text, "of these stopped", stopped)?;
-            }
-            for (channel, errors) in self.parameters(nth) {
-                if channel.is_parameter() {
-                    line(text, &format!("{} within 1 % at the end", channel.symbol()), near(errors))?;
-                }
-                line(text, &format!("{} inside ±2σ at the end", channel.symbol()), covered(errors))?;
-            }
-            for (kind, share) in self.verdicts(nth) {
-                line(text, &format!("verdict: {}", kind.name()), share)?;
-            }
+            self.shares(nth).iter().try_for_each(|(_, words, share)| line(text, words, *share))?;
             if let Some(causes) = self.causes.as_ref().and_then(|causes| causes.get(nth)).filter(|one| one.bad > 0) {
-                writeln!(text, "  causes of the {} bad verdicts: as the first, and among the first two", causes.bad)?;
+                writeln!(text, "  causes of the {} bad verdicts: first, and among the first two", causes.bad)?;
                 for (name, [first, among]) in &causes.named {
                     let [first, among] = [*first, *among].map(|count| 100.0 * count as f64 / causes.bad as f64);
                     writeln!(text, "  {name:<42}{first:>6.1} % {among:>6.1} %")?;
                 }
                 let said = 100.0 * causes.said / causes.bad as f64;
                 writeln!(text, "  {:<42}{said:>6.1} %", "mean probability of the first cause")?;
-                line(text, "no cause", Share { count: causes.none, of: causes.bad })?;
+                line(text, "no cause found", Share { count: causes.none, of: causes.bad })?;
                 line(text, "not explained by the first cause", Share { count: causes.unexplained, of: causes.bad })?;
             }
         }
@@ -157,9 +166,8 @@ impl Population {
     ///
     /// ```text
     /// members, impossible, drawn: [{ key, law, numbers }]
-    /// filters: [{ name, lost, stopped, parameters: [{ channel, within_1_percent, inside_2_sigma, rmse }],
-    ///             verdicts: [{ kind, members }], causes: [{ name, first, among_first_two }], mean_probability,
-    ///             unexplained }]
+    /// filters: [{ name, shares: { key: from 0 to 1 }, rmse: { channel: at the end },
+    ///             causes: [{ name, first, among_first_two }], mean_probability, unexplained }]
     /// ```
     fn json(&self) -> Result<String, DocumentError> {
         let scenario = self.scenario();
@@ -167,18 +175,12 @@ impl Population {
             json!({ "key": scenario.address_by_name(key), "law": law.info().key, "numbers": law.numbers() })
         });
         let filters = scenario.filters.iter().enumerate().map(|(nth, filter)| {
-            let [lost, stopped] = self.lost(nth);
-            let parameters = self.parameters(nth).map(|(channel, errors)| {
+            let shares =
+                self.shares(nth).into_iter().map(|(key, _, share)| (key, share.count as f64 / share.of as f64));
+            let rmse = self.parameters(nth).map(|(channel, errors)| {
                 let squares = errors.iter().map(|last| last.error * last.error).sum::<f64>();
-                json!({
-                    "channel": channel.key(),
-                    "within_1_percent": near(errors).number(),
-                    "inside_2_sigma": covered(errors).number(),
-                    "rmse": (squares / errors.len() as f64).sqrt(),
-                })
+                (channel.key(), (squares / errors.len() as f64).sqrt())
             });
-            let verdicts =
-                self.verdicts(nth).map(|(kind, share)| json!({ "kind": kind.name(), "members": share.count }));
             let causes = self.causes.as_ref().and_then(|causes| causes.get(nth));
             let named = causes.into_iter().flat_map(|causes| &causes.named);
             let named =
@@ -186,10 +188,8 @@ impl Population {
             let said = causes.filter(|causes| causes.bad > 0);
             json!({
                 "name": filter.name,
-                "lost": lost.number(),
-                "stopped": stopped.number(),
-                "parameters": Document::from_iter(parameters),
-                "verdicts": Document::from_iter(verdicts),
+                "shares": Document::from_iter(shares),
+                "rmse": Document::from_iter(rmse),
                 "causes": Document::from_iter(named),
                 "mean_probability": said.map(|causes| causes.said / causes.bad as f64),
                 "unexplained": causes.map(|causes| causes.unexplained),
@@ -203,20 +203,6 @@ impl Population {
         }))?;
         Ok(text + "\n")
     }
-}
-
-impl Share {
-    fn number(self) -> f64 {
-        self.count as f64 / self.of as f64
-    }
-}
-
-fn near(errors: &[LastError]) -> Share {
-    Share { count: errors.iter().filter(|last| last.is_within(NEAR)).count(), of: errors.len() }
-}
-
-fn covered(errors: &[LastError]) -> Share {
-    Share { count: errors.iter().filter(|last| last.is_covered()).count(), of: errors.len() }
 }
 
 fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Result {
@@ -244,20 +230,21 @@ struct Causes {
 fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<Causes> {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
-    let progress = Mutex::new(Progress::new(cells.len(), quiet));
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&cell) = cells.get(at) else { return found };
-            progress.lock().unwrap_or_else(PoisonError::into_inner).tell(at, "causes");
-            found.extend(of_member(runner, cell));
-        }
+    let progress = Mutex::new((Progress::new(cells.len(), quiet), 0));
+    let of_cell = |cell: &usize| {
+        let (progress, done) = &mut *progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.show(*done, "causes");
+        *done += 1;
+        *cell
+    };
+    let threads = threads.max(1);
+    let work = |first: usize| {
+        let cells = cells.iter().skip(first).step_by(threads).map(of_cell);
+        cells.filter_map(|cell| of_member(runner, cell)).collect::<Vec<_>>()
     };
     let found: Vec<Vec<Option<CellCauses>>> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<CellCauses>>>>| {
+        let threads: Vec<_> = (0..threads).map(|first| scope.spawn(move || work(first))).collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, _>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         threads.into_iter().flat_map(join).collect()

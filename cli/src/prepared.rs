@@ -60,7 +60,7 @@ impl Prepared {
         let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(error))?;
         let mut progress = Progress::new(run.samples(), quiet);
         while run.advance_to(run.done() + CHUNK) > 0 {
-            progress.tell(run.done(), "filters");
+            progress.show(run.done(), "filters");
         }
         Ok(run)
     }
@@ -125,8 +125,7 @@ fn check_with_record(
 }
 
 /// The sentence on settings that a measured record overrides.
-const OVERRIDDEN: &str =
-    "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
+const OVERRIDDEN: &str = "the scenario's dt, duration, force and true values have no effect on a measured record";
 
 /// The first line of a measured record that was written as the filters read it: it needs no mapping any more.
 pub(crate) const READY: &str = "# a measured record as the filters read it: SI units, no mapping\n";
@@ -146,7 +145,7 @@ fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Resul
         (Some(path), _) => path.clone(),
         (None, Some(mapping)) if !mapping.file.is_empty() => named(file, mapping),
         (None, Some(_)) => {
-            say(&"[record] names no file: a record is simulated, unless --record names one");
+            say(&"[record] of the scenario names no file, so a record is simulated; --record takes a measured one");
             return Ok(None);
         }
         (None, None) => return Ok(None),
@@ -169,7 +168,7 @@ fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Resul
         && let Some(mapping) = scenario.record.as_ref().filter(|mapping| !mapping.hash.is_empty())
         && hash(&read_record(&path)?) != mapping.hash
     {
-        say(&format!("{} has changed since it was imported: its hash is another one", path.display()));
+        say(&format!("{} has changed since it was imported", path.display()));
     }
     read(&path, scenario).map(Some)
 }
@@ -246,7 +245,7 @@ fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Tabl
 fn meaning(mapping: &Mapping) -> String {
     let time = match (&mapping.time.column, mapping.time.rate) {
         (Some(column), _) => format!("time in `{column}`"),
-        (None, Some(rate)) => format!("{rate} samples a second"),
+        (None, Some(rate)) => format!("{rate} samples per second"),
         (None, None) => "no time".to_owned(),
     };
     let input = mapping.input.iter().map(|input| format!("input in `{}`", input.column));

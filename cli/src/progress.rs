@@ -26,7 +26,7 @@ impl Progress {
         Self { started: Instant::now(), whole, bar: None, quiet }
     }
 
-    pub(crate) fn tell(&mut self, done: usize, what: &str) {
+    pub(crate) fn show(&mut self, done: usize, what: &str) {
         let Self { started, whole, bar, quiet } = self;
         if *quiet || bar.is_none() && started.elapsed() < PATIENCE {
             return;
@@ -42,13 +42,13 @@ impl Progress {
         Self::new(filters * OF_FILTER, quiet)
     }
 
-    pub(crate) fn tell_results(&mut self, FilterProgress { place, name, work, share }: FilterProgress<'_>) {
+    pub(crate) fn show_results(&mut self, FilterProgress { place, name, work, share }: FilterProgress<'_>) {
         let (begin, pieces, what) = match work {
             Work::Filter => (0, 400, name.to_owned()),
             Work::Causes => (400, 500, format!("{name}: causes of its verdict")),
             Work::Bound => (900, 100, format!("{name}: Cramér-Rao bound")),
         };
-        self.tell(place * OF_FILTER + begin + (share * f64::from(pieces)) as usize, &what);
+        self.show(place * OF_FILTER + begin + (share * f64::from(pieces)) as usize, &what);
     }
 
     /// Shows that work of unknown length is under way.
@@ -75,10 +75,7 @@ fn new_bar(whole: usize, started: Instant) -> ProgressBar {
         0 => (ProgressBar::new_spinner(), "{spinner} {msg}, {elapsed}"),
         _ => (ProgressBar::new(whole as u64), "{bar:40} {percent} %  {msg}, {eta} left"),
     };
-    ticking(bar.with_elapsed(started.elapsed()), template)
-}
-
-pub(crate) fn ticking(bar: ProgressBar, template: &str) -> ProgressBar {
+    let bar = bar.with_elapsed(started.elapsed());
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }

@@ -2,69 +2,58 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Analysis, Diagnosis, Record, Run, Scenario, ScenarioError, Story, Summary};
+use kalmanscope_core::{ScenarioError, Summary};
 use kalmanscope_figures::escaped;
 
-use crate::in_words::{are_models, evidence, likeliest, quality, remarks, unexplained};
-use crate::number::plain;
+use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
-use crate::table::heading;
+use crate::table::{NO_VERDICT, heading, origin, stop};
 
-/// The parts of a report besides the run.
+/// The parts of a report besides the results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Parts<'a> {
     /// Its title.
     pub title: &'a str,
     /// The day on which it is made; empty to leave it out.
     pub day: &'a str,
-    /// The causes of each filter's verdict, as of [`crate::causes()`], or empty to leave them out.
-    pub causes: &'a [Vec<Remedy>],
     /// The reasons of start values, one sentence each.
     pub reasons: &'a [String],
     /// The figures, as SVG.
     pub figures: &'a [String],
-    /// The records over which the identified models run freely, each with its name.
-    pub free_runs: &'a [(&'a str, &'a Record)],
 }
 
 /// The style: readable on paper, and on a light or a dark screen. Figures are drawn for a white ground; on a dark one their
 /// brightness is turned over, and hues stay.
 const STYLE: &str = include_str!("report.css");
 
-/// A report on a finished run, as the text of an HTML file: the run in a few sentences, what was measured, each filter's verdict with
-/// its evidence and causes, its last estimates and scores, the figures, free runs of the identified models, and the scenario. Text
-/// from files appears as text, whatever it contains.
+/// A report on the results of a run ([`Results::of_run`]), as the text of an HTML file: the run in a few sentences, what was
+/// measured, each filter's verdict with its evidence and causes, its last estimates and scores, the figures, free runs of the
+/// identified models, and the scenario. Text from files appears as text, whatever it contains.
 ///
 /// # Errors
 /// [`ScenarioError`] where the scenario cannot be written.
-pub fn report(run: &Run, analysis: &Analysis, parts: &Parts<'_>) -> Result<String, ScenarioError> {
-    let Parts { title, day, causes, reasons, figures, free_runs } = *parts;
+pub fn report(results: &Results<'_>, parts: &Parts<'_>) -> Result<String, ScenarioError> {
+    let Parts { title, day, reasons, figures } = *parts;
+    let Results { scenario, record, truth_stop, story, filters, smoothers, free_runs, command: _ } = results;
     let mut page = Html::page(title, STYLE);
     page.element("h1", title);
-    let diagnoses: Vec<Option<&Diagnosis>> =
-        (0..run.estimates().len()).map(|place| analysis.diagnosis(place)).collect();
-    page.element("p", &Story::of(run, analysis.diagnostics(), &diagnoses).to_string());
-    origin(&mut page, run, day);
+    page.element("p", story);
+    let made = (!day.is_empty()).then(|| format!("made on {day}"));
+    page.list(made.into_iter().chain(origin(record, *truth_stop)));
     if !reasons.is_empty() {
         page.element("h2", "Start values");
         page.list(reasons.iter().cloned());
     }
-    let results = Results::of_run(run, analysis, causes.to_vec()).with_free_runs(run, free_runs);
-    let length = results.length();
-    let Results { scenario, record, filters, smoothers, free_runs, .. } = results;
     page.element("h2", "Filters");
     if filters.is_empty() {
         page.element("p", "There are no filters.");
     }
-    for FilterResults { summary, diagnosis, causes, remarks: said, .. } in &filters {
-        section(&mut page, summary, diagnosis.as_ref(), causes, (record, &scenario));
-        page.list(remarks(said, record));
+    for filter in filters {
+        section(&mut page, &filter.summary, Some(filter), results);
+        page.list(remarks(&filter.remarks, record));
     }
-    for summary in &smoothers {
-        section(&mut page, summary, None, &[], (record, &scenario));
-    }
+    smoothers.iter().for_each(|summary| section(&mut page, summary, None, results));
     if !figures.is_empty() {
         page.element("h2", "Figures");
         figures.iter().for_each(|figure| page.figure(figure));
@@ -77,76 +66,48 @@ pub fn report(run: &Run, analysis: &Analysis, parts: &Parts<'_>) -> Result<Strin
         page.element("h2", "Free runs of the final models");
         page.element("p", "The identified model is given the input only, not the measurements.");
     }
-    for runs in &free_runs {
+    for runs in free_runs {
         page.element("h3", &format!("Over {}: {} samples", runs.name, runs.samples));
-        page.list(runs.lines(length));
+        page.list(runs.lines(results.length()));
     }
     page.element("h2", "Scenario");
-    page.element("p", "This file, given to kalmanscope-cli run, with its record if one was measured, repeats the run.");
-    page.element("pre", &run.scenario().to_toml()?);
+    page.element("p", "kalmanscope-cli run repeats the run from this file, and from the record if one was measured.");
+    page.element("pre", &scenario.to_toml()?);
     page.element("footer", &format!("Kalmanscope {}", env!("CARGO_PKG_VERSION")));
     Ok(page.finish())
-}
-
-fn origin(page: &mut Html, run: &Run, day: &str) {
-    let record = run.record();
-    let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
-    let [start, end, dt] = [start, end, record.dt()].map(plain);
-    let made = (!day.is_empty()).then(|| format!("made on {day}"));
-    let mut lines: Vec<String> = made.into_iter().collect();
-    lines.push(format!("{} samples from {start} s to {end} s, {dt} s apart", record.len()));
-    let sensors: Vec<String> = record.sensors().iter().map(|sensor| sensor.name()).collect();
-    lines.push(if sensors.is_empty() {
-        "measured: nothing".to_owned()
-    } else {
-        format!("measured: {}", sensors.join(", "))
-    });
-    if let Some(stop) = run.truth_stop() {
-        lines.push(format!("the record ends before sample {}: {}", stop.sample, stop.reason));
-    }
-    page.list(lines);
 }
 
 const HEADINGS: [&str; COLUMNS] =
     ["", "quantity", "estimate", "±2σ", "unit", "error", "", "RMSE", "last third", "inside ±2σ", "settled"];
 
-/// Writes the verdict with evidence and causes, the last estimates with their scores, and consistency in numbers.
-/// `diagnosis` is none for a smoother. `mapping` is that of a measured
-/// record.
-fn section(
-    page: &mut Html,
-    summary: &Summary,
-    diagnosis: Option<&Diagnosis>,
-    causes: &[Remedy],
-    (record, scenario): (&Record, &Scenario),
-) {
+/// Writes the verdict with evidence and causes, the last estimates with their scores, and consistency in numbers. A smoother has no
+/// results but its summary.
+fn section(page: &mut Html, summary: &Summary, filter: Option<&FilterResults>, results: &Results<'_>) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {
         Some(verdict) => page.element("p", &verdict.to_string()),
-        None if diagnosis.is_some() => page.element("p", "no verdict: fewer than 20 measurements"),
+        None if filter.is_some() => page.element("p", NO_VERDICT),
         None => {}
     }
-    page.list(diagnosis.into_iter().flat_map(evidence));
-    unexplained(causes, summary).into_iter().for_each(|line| page.element("p", &line));
-    let what = if are_models(summary) { "Likelier model" } else { "Cause" };
-    for (number, cause) in (1..).zip(likeliest(causes, summary, scenario)) {
-        page.element("h4", &format!("{what} {number}: {}", cause.sentence));
-        page.list(cause.remedies);
+    if let Some(FilterResults { diagnosis, causes, .. }) = filter {
+        page.list(diagnosis.iter().flat_map(evidence));
+        unexplained(causes, summary).into_iter().for_each(|line| page.element("p", &line));
+        for cause in likeliest(causes, summary, results) {
+            page.element("h4", &cause.sentence);
+            page.list(cause.remedy.into_iter().chain([cause.trial]));
+        }
     }
     let rows: Vec<[String; COLUMNS]> =
-        summary.finals.iter().flat_map(|last| rows(last, scenario.record.as_ref())).collect();
+        summary.finals.iter().flat_map(|last| rows(last, results.scenario.record.as_ref())).collect();
     // A column that is empty in every row is left out.
     let kept: Vec<usize> = (0..COLUMNS).filter(|&i| rows.iter().any(|row| !row[i].is_empty())).collect();
     let headings: Vec<&str> = kept.iter().map(|&i| HEADINGS[i]).collect();
     let rows: Vec<Vec<String>> = rows.iter().map(|row| kept.iter().map(|&i| row[i].clone()).collect()).collect();
     page.table(&headings, &rows);
-    let quality = quality(summary, diagnosis.is_some());
+    let quality = quality(summary, filter.is_some());
     let rows: Vec<Vec<String>> = quality.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect();
     page.table(&[], &rows);
-    if let Some(stop) = summary.stop {
-        let time = plain(record.time_of(stop.sample));
-        page.element("p", &format!("stopped at sample {} (t = {time} s): {}", stop.sample, stop.reason));
-    }
+    stop(summary, &results.record).into_iter().for_each(|line| page.element("p", &line));
 }
 
 struct Html(String);

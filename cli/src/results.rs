@@ -1,13 +1,11 @@
 //! The results of each filter of a run.
 
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::borrow::Cow;
 
-use kalmanscope_core::Length;
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{
-    Analysis, Channel, CramerRao, Diagnosis, Estimates, ModelClasses, Record, Remark, Run, RunError, Scenario, Summary,
-    TruthStop, VerdictKind,
+    Analysis, Channel, CramerRao, Diagnosis, Estimates, Length, ModelClasses, Record, Remark, Run, Scenario, Story,
+    Summary, TruthStop, VerdictKind,
 };
 
 use crate::free_run::{FreeRuns, fits};
@@ -16,11 +14,15 @@ use crate::free_run::{FreeRuns, fits};
 pub struct Results<'a> {
     /// The scenario with an id and a name for each filter.
     pub(crate) scenario: Scenario,
-    pub(crate) record: &'a Record,
+    pub(crate) record: Cow<'a, Record>,
     pub(crate) truth_stop: Option<TruthStop>,
+    /// The run in a few sentences; empty without histories.
+    pub(crate) story: String,
     pub(crate) filters: Vec<FilterResults>,
     pub(crate) smoothers: Vec<Summary>,
     pub(crate) free_runs: Vec<FreeRuns>,
+    /// The command that repeats the run.
+    pub(crate) command: String,
 }
 
 pub(crate) struct FilterResults {
@@ -30,8 +32,6 @@ pub(crate) struct FilterResults {
     /// σ over its Cramér-Rao bound at the last sample, for the channels that have one.
     pub(crate) over_bound: Vec<(Channel, f64)>,
     pub(crate) remarks: Vec<Remark>,
-    /// Time per step \[ns\], where it was measured.
-    pub(crate) step_time: Option<f64>,
 }
 
 impl<'a> Results<'a> {
@@ -39,21 +39,23 @@ impl<'a> Results<'a> {
     /// them out. Bounds are included if the analysis has them.
     pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Remedy>>) -> Self {
         let record = run.record();
+        let diagnoses: Vec<Option<&Diagnosis>> =
+            (0..run.estimates().len()).map(|place| analysis.diagnosis(place)).collect();
         causes.resize_with(run.estimates().len(), Vec::new);
         let filters = run.estimates().iter().zip(analysis.diagnostics()).zip(causes).enumerate();
         let filters = filters.map(|(place, ((estimates, diagnostics), causes))| {
-            let diagnosis = analysis.diagnosis(place);
+            let diagnosis = diagnoses[place];
             FilterResults {
                 summary: Summary::of(diagnostics, diagnosis, estimates, record),
                 diagnosis: diagnosis.cloned(),
                 causes,
                 over_bound: analysis.bound(estimates.id()).map_or_else(Vec::new, |bound| over_bound(estimates, bound)),
                 remarks: estimates.remarks().to_vec(),
-                step_time: None,
             }
         });
         Self {
             filters: filters.collect(),
+            story: Story::of(run, analysis.diagnostics(), &diagnoses).to_string(),
             smoothers: analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record)).collect(),
             ..Self::empty(run.scenario().clone(), run)
         }
@@ -62,33 +64,39 @@ impl<'a> Results<'a> {
     pub(crate) fn empty(scenario: Scenario, run: &'a Run) -> Self {
         Self {
             scenario,
-            record: run.record(),
+            record: Cow::Borrowed(run.record()),
             truth_stop: run.truth_stop(),
+            story: String::new(),
             filters: Vec::new(),
             smoothers: Vec::new(),
             free_runs: Vec::new(),
+            command: "kalmanscope-cli run SCENARIO.toml".to_owned(),
         }
     }
 
     /// The same with the free runs of the final models over some records, each with its name.
     #[must_use]
     pub fn with_free_runs(mut self, run: &Run, records: &[(&str, &Record)]) -> Self {
-        let of = |(name, record): &(&str, &Record)| FreeRuns { fits: fits(run, record), ..FreeRuns::new(name, record) };
+        let of = |(name, record): &(&str, &Record)| FreeRuns {
+            fits: fits(run, record),
+            ..FreeRuns::new(name, record, run.record())
+        };
         self.free_runs = records.iter().map(of).collect();
         self
     }
 
-    /// The same with the time per step of each filter, measured now by running it alone over the beginning of the record.
-    ///
-    /// # Errors
-    /// [`RunError`] where these are not the results of the scenario.
-    pub fn timed(mut self, scenario: &Scenario) -> Result<Self, RunError> {
-        let samples: Vec<usize> = self.filters.iter().map(|filter| filter.summary.samples).collect();
-        let times = step_times(scenario, self.record, &samples)?;
-        for (filter, time) in self.filters.iter_mut().zip(times) {
-            filter.step_time = time;
-        }
-        Ok(self)
+    /// The same with the command that has run it, which the remedies name.
+    #[must_use]
+    pub fn by(self, command: String) -> Self {
+        Self { command, ..self }
+    }
+
+    /// The same with its own copy of the record.
+    #[must_use]
+    pub fn into_owned(self) -> Results<'static> {
+        let Self { scenario, record, truth_stop, story, filters, smoothers, free_runs, command } = self;
+        let record = Cow::Owned(record.into_owned());
+        Results { scenario, record, truth_stop, story, filters, smoothers, free_runs, command }
     }
 
     /// The probability of each filter as a model class; none of a single one.
@@ -119,15 +127,6 @@ impl<'a> Results<'a> {
     pub fn any_stopped(&self) -> bool {
         self.filters.iter().any(|filter| filter.summary.stop.is_some())
     }
-
-    /// The free runs as text.
-    pub fn free_runs(&self) -> String {
-        let words = |runs: &FreeRuns| {
-            let lines: String = runs.lines(self.length()).map(|line| format!("  {line}\n")).collect();
-            format!("\nfree run of the final models over {}: {} samples\n{lines}", runs.name, runs.samples)
-        };
-        self.free_runs.iter().map(words).collect()
-    }
 }
 
 pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Channel, f64)> {
@@ -137,37 +136,4 @@ pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Chann
         (floor > 0.0).then(|| (channel, estimates.std(last, place) / floor))
     };
     estimates.channels().iter().enumerate().filter_map(ratio).collect()
-}
-
-/// Limits the repetitions of a filter, together with [`PATIENCE`]; the shortest time counts.
-const REPEATS: usize = 7;
-const PATIENCE: Duration = Duration::from_millis(500);
-const MOST: usize = 100_000;
-
-/// Time per step of each filter \[ns\], measured by running it alone over the beginning of a record, as many samples as it has done;
-/// `None` for a filter without a step.
-fn step_times(scenario: &Scenario, record: &Record, samples: &[usize]) -> Result<Vec<Option<f64>>, RunError> {
-    let record = Arc::new(record.part(0..record.len().min(MOST)));
-    let mut times = Vec::new();
-    for (filter, &samples) in scenario.filters.iter().zip(samples) {
-        let samples = samples.min(record.len());
-        if samples < 2 {
-            times.push(None);
-            continue;
-        }
-        let alone = Scenario { filters: vec![filter.clone()], ..scenario.clone() };
-        let started = Instant::now();
-        let mut best = Duration::MAX;
-        for _ in 0..REPEATS {
-            let mut run = Run::on_record(&alone, Arc::clone(&record))?;
-            let begin = Instant::now();
-            run.advance_to(samples);
-            best = best.min(begin.elapsed());
-            if started.elapsed() > PATIENCE {
-                break;
-            }
-        }
-        times.push(Some(best.as_secs_f64() * 1e9 / (samples - 1) as f64));
-    }
-    Ok(times)
 }

@@ -44,6 +44,8 @@ fn hertz(last: &Final, length: Length) -> Option<[String; COLUMNS]> {
     is_frequency.then(|| scaled(last, length, 1.0 / std::f64::consts::TAU, ["f", "in Hz", "Hz"]))
 }
 
+const OF_COLUMN: &str = "per unit of the column";
+
 /// The gain of the input times that of its column: the acceleration for each unit of the column. For a force it is 1/mass.
 fn gain(last: &Final, length: Length, mapping: &Mapping) -> Option<[String; COLUMNS]> {
     let input = mapping.input.as_ref().filter(|_| last.channel == Channel::INPUT_GAIN)?;
@@ -51,10 +53,10 @@ fn gain(last: &Final, length: Length, mapping: &Mapping) -> Option<[String; COLU
     let known = unit(&input.unit).map(|(dimension, _)| dimension);
     let (name, unit) = match known {
         Some(Dimension::Force) if length == Length::Metre => ("1/mass", "1/kg".to_owned()),
-        Some(Dimension::Force) => ("with the column's gain", format!("{acceleration}/N")),
-        Some(Dimension::Voltage) => ("with the column's gain", format!("{acceleration}/V")),
-        Some(_) => ("with the column's gain", String::new()),
-        None => ("with the column's gain", format!("{acceleration} for 1")),
+        Some(Dimension::Force) => (OF_COLUMN, format!("{acceleration}/N")),
+        Some(Dimension::Voltage) => (OF_COLUMN, format!("{acceleration}/V")),
+        Some(_) => (OF_COLUMN, String::new()),
+        None => (OF_COLUMN, acceleration.to_owned()),
     };
     Some(scaled(last, length, input.gain, ["", name, &unit]))
 }
@@ -77,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn frequencies_are_told_in_hertz_too() {
+    fn frequencies_have_a_row_in_hertz() {
         let [own, other] = rows(&last(Channel::NATURAL_FREQUENCY, 6.0, 0.01), None).try_into().unwrap();
         assert_eq!([&own[2], &own[4]], ["6.000", "rad/s"]);
         assert_eq!([&other[0], &other[1], &other[2], &other[3], &other[4]], ["f", "in Hz", "0.9549", "0.0032", "Hz"]);
@@ -87,14 +89,14 @@ mod tests {
     #[test]
     fn the_gain_of_a_measured_force_is_one_over_the_mass() {
         let column = |unit: &str| MappedColumn { unit: unit.to_owned(), gain: -0.5, ..MappedColumn::new("force") };
-        let told = |unit: &str| {
+        let gain = |unit: &str| {
             let mapping = Mapping { input: Some(column(unit)), ..Mapping::default() };
             let row = rows(&last(Channel::INPUT_GAIN, 0.968, 0.01), Some(&mapping)).remove(1);
             [row[1].clone(), row[2].clone(), row[4].clone()].join(" ")
         };
-        assert_eq!(told("N"), "1/mass -0.484 1/kg");
-        assert_eq!(told("mV"), "with the column's gain -0.484 m/s²/V");
-        assert_eq!(told(""), "with the column's gain -0.484 m/s² for 1");
+        assert_eq!(gain("N"), "1/mass -0.484 1/kg");
+        assert_eq!(gain("mV"), "per unit of the column -0.484 m/s²/V");
+        assert_eq!(gain(""), "per unit of the column -0.484 m/s²");
         assert_eq!(rows(&last(Channel::INPUT_GAIN, 0.968, 0.01), None).len(), 1, "a simulated input has no column");
     }
 }

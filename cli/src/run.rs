@@ -1,4 +1,4 @@
-//! The commands `kalmanscope-cli run` and `kalmanscope-cli report`.
+//! The command `kalmanscope-cli run`.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -8,10 +8,10 @@ use kalmanscope_cli::{FilterProgress, Parts, Results, causes, day, pages, report
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Analysis, RecordError, Run, VerdictKind, Wanted};
+use kalmanscope_core::{Analysis, Record, RecordError, Run, ScenarioError, VerdictKind, Wanted};
 use thiserror::Error;
 
-use crate::args::{ReportArgs, RunArgs};
+use crate::args::{InputArgs, RunArgs, SourceArgs};
 use crate::files::{InputError, Places, places, print_beside, report_error, say, write, write_text};
 use crate::import::path_from;
 use crate::prepared::{Prepared, READY, named};
@@ -26,58 +26,94 @@ enum OutputError {
     Csv(#[from] csv::Error),
     #[error(transparent)]
     Record(#[from] RecordError),
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    #[error(transparent)]
+    Document(#[from] DocumentError),
 }
 
+/// The form of a file of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    Well,
-    /// Something could not be written, or a filter stopped.
-    Stopped,
-    /// A filter has a verdict that was not to be.
-    Verdict,
+enum Form {
+    Estimates,
+    Plots,
+    Report,
+    Json,
+    /// The scenario with a remedy.
+    Scenario,
+}
+
+impl Form {
+    /// The form that the ending of a file names. A file without one, such as a pipe, gets estimates.
+    fn of(path: &Path, fix: Option<u8>) -> Result<Self, String> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let form = match ending.as_deref() {
+            None | Some("csv") => Self::Estimates,
+            Some("svg") => Self::Plots,
+            Some("html") => Self::Report,
+            Some("json") => Self::Json,
+            Some("toml") if fix.is_some() => Self::Scenario,
+            Some("toml") => return Err("a scenario is written with --fix N only".to_owned()),
+            Some(_) => return Err("the ending must be .csv, .svg, .html, .json or .toml".to_owned()),
+        };
+        Ok(form)
+    }
 }
 
 /// Runs the scenario, writes the wanted files and prints the table. Reports files that cannot be written on standard
-/// error.
-pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet, verbose } = args;
-    let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]
-        .map(|(word, file)| places(word, file))
-        .concat();
+/// error. Returns the exit code.
+pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
+    let RunArgs { source, fix, out, record_out, fail_on, json: as_json, quiet, verbose } = args;
+    let bad = |reason: &dyn ToString| InputError::bad(&source.input.scenario, reason);
+    let forms = out.iter().map(|path| match Form::of(path, *fix) {
+        Ok(form) => Ok((path, form)),
+        Err(reason) => Err(bad(&format!("--out {}: {reason}", path.display()))),
+    });
+    let forms = forms.collect::<Result<Vec<_>, _>>()?;
+    let fixed = fix.map(|number| {
+        let path = forms.iter().find(|(_, form)| *form == Form::Scenario).map(|(path, _)| *path);
+        path.map(|path| (number, path)).ok_or_else(|| bad(&"--fix: --out must name the .toml file to write"))
+    });
+    let fixed = fixed.transpose()?;
+    let outputs: Places<'_> = [places("--out", out), places("--record-out", record_out)].concat();
     let prepared = Prepared::new(source, &outputs, *quiet)?;
     // Only files need the whole history of every filter.
-    let with_history = (out.is_some() && fix.is_none()) || picture.is_some();
+    let with_history = forms.iter().any(|(_, form)| *form != Form::Scenario);
     let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
+    let records = prepared.for_free_runs(&run);
+    let results = if with_history {
+        of_history(&run, &records, *quiet)
+    } else {
+        let mut progress = Progress::of_results(prepared.scenario.filters.len(), *quiet);
+        let mut report = |now: FilterProgress<'_>| progress.show_results(now);
+        let results = Results::in_turn(&prepared.scenario, &run, &records, &mut report);
+        results.map_err(|error| prepared.bad_run(error))?
+    };
+    let results = results.by(command(source));
 
     let mut well = true;
-    let mut save = |path: &Option<PathBuf>, writer: &dyn Fn(&mut dyn Write) -> Result<(), OutputError>| {
-        if let Some(path) = path
-            && let Err(error) = write(path, writer)
-        {
+    let mut save = |path: &Path, writer: &dyn Fn(&mut dyn Write) -> Result<(), OutputError>| {
+        if let Err(error) = write(path, writer) {
             well = false;
             report_error(&format_args!("{}: {error}", path.display()));
         }
     };
-    save(&out.clone().filter(|_| fix.is_none()), &|file| Ok(write_estimates(&run, file)?));
-    save(record_out, &|file| write_record(&run, prepared.is_measured, file));
-    save(picture, &|file| Ok(file.write_all(svg(&run).as_bytes())?));
-
-    let results = if with_history {
-        let (analysis, causes) = judged(&run, *quiet);
-        Results::of_run(&run, &analysis, causes).with_free_runs(&run, &prepared.for_free_runs(&run))
-    } else {
-        in_turn(&prepared, &run, *quiet)?
-    };
-    if let (Some(number), Some(out)) = (fix, out) {
-        write_fixed(&prepared, results.causes(), usize::from(*number), out)?;
+    for (path, form) in forms {
+        match form {
+            Form::Estimates => save(path, &|file| Ok(write_estimates(&run, file)?)),
+            Form::Plots => save(path, &|file| Ok(file.write_all(svg(&run).as_bytes())?)),
+            Form::Report => save(path, &|file| Ok(file.write_all(page(&prepared, &run, &results)?.as_bytes())?)),
+            Form::Json => save(path, &|file| Ok(file.write_all(results.json(run.estimates())?.as_bytes())?)),
+            Form::Scenario => {}
+        }
     }
-    let results = if *as_json || *quiet {
-        results
-    } else {
-        results.timed(&prepared.scenario).map_err(|error| prepared.bad_run(error))?
-    };
+    record_out.iter().for_each(|path| save(path, &|file| write_record(&run, prepared.is_measured, file)));
+    if let Some((number, path)) = fixed {
+        write_fixed(&prepared, results.causes(), usize::from(number), path)?;
+    }
     if !quiet {
-        let text = if *as_json { json(&prepared, &results)? } else { results.table(*verbose) + &results.free_runs() };
+        let json = || results.json(&[]).map(|json| json + "\n").map_err(|error| bad(&error));
+        let text = if *as_json { json()? } else { results.table(*verbose) };
         if let Err(error) = print_beside(&outputs, &text) {
             well = false;
             report_error(&error);
@@ -90,35 +126,35 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         say(&format_args!("--fail-on: the verdict on {name} is {}", kind.name()));
     }
     Ok(match refused.is_empty() {
-        false => Ending::Verdict,
-        true if well && !results.any_stopped() => Ending::Well,
-        true => Ending::Stopped,
+        false => 3,
+        true if well && !results.any_stopped() => 0,
+        true => 1,
     })
 }
 
-fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Remedy>>) {
+/// The results of a whole run, and their free runs over some records.
+fn of_history<'a>(run: &'a Run, records: &[(&str, &Record)], quiet: bool) -> Results<'a> {
     let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
     drop(progress);
     let mut progress = Progress::of_results(run.estimates().len(), quiet);
-    let causes = causes(run, &analysis, &mut |told| progress.tell_results(told));
-    (analysis, causes)
+    let causes = causes(run, &analysis, &mut |now| progress.show_results(now));
+    Results::of_run(run, &analysis, causes).with_free_runs(run, records)
 }
 
-/// The results without a history, over the record of a run without filters.
-fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results<'a>, InputError> {
-    let Prepared { scenario, .. } = prepared;
-    let mut progress = Progress::of_results(scenario.filters.len(), quiet);
-    let mut tell = |told: FilterProgress<'_>| progress.tell_results(told);
-    let results = Results::in_turn(scenario, run, &prepared.for_free_runs(run), &mut tell);
-    results.map_err(|error| prepared.bad_run(error))
-}
-
-/// The results as JSON, without times, which differ from run to run.
-fn json(prepared: &Prepared, results: &Results<'_>) -> Result<String, InputError> {
-    let Prepared { file, .. } = prepared;
-    let bad = |error: DocumentError| InputError::bad(file, &error);
-    Ok(results.json().map_err(bad)? + "\n")
+/// The command of a run, without its outputs.
+fn command(source: &SourceArgs) -> String {
+    let SourceArgs { input: InputArgs { scenario, record, map }, holdout: _, no_input, seed } = source;
+    let path = |path: &PathBuf| {
+        let path = path.display().to_string();
+        if path.contains(char::is_whitespace) { format!("'{path}'") } else { path }
+    };
+    let mut words = vec!["kalmanscope-cli run".to_owned(), path(scenario)];
+    words.extend(record.iter().map(|record| format!("--record {}", path(record))));
+    words.extend(map.iter().map(|map| format!("--map {}", path(map))));
+    words.extend(no_input.then(|| "--no-input".to_owned()));
+    words.extend(seed.map(|seed| format!("--seed {seed}")));
+    words.join(" ")
 }
 
 fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<(), OutputError> {
@@ -128,25 +164,11 @@ fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<()
     Ok(run.record().write_csv(file)?)
 }
 
-pub(crate) fn write_report(args: &ReportArgs) -> Result<(), InputError> {
-    let ReportArgs { source, out } = args;
-    let prepared = Prepared::new(source, &places("--out", [out]), false)?;
-    let run = prepared.run(false)?;
-    let (analysis, causes) = judged(&run, false);
-    let records = prepared.for_free_runs(&run);
-    let file = &prepared.file;
-    let title = file.file_stem().map_or_else(|| "Kalmanscope".to_owned(), |stem| stem.to_string_lossy().into_owned());
+fn page(prepared: &Prepared, run: &Run, results: &Results<'_>) -> Result<String, ScenarioError> {
+    let title = prepared.file.file_stem().map_or_else(|| "Kalmanscope".into(), |stem| stem.to_string_lossy());
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let parts = Parts {
-        title: &title,
-        day: &day(now.as_secs_f64()),
-        causes: &causes,
-        figures: &pages(&run),
-        free_runs: &records,
-        ..Parts::default()
-    };
-    let page = report(&run, &analysis, &parts).map_err(|error| InputError::unwritten(out, &error))?;
-    write_text(out, &page)
+    let parts = Parts { title: &title, day: &day(now.as_secs_f64()), reasons: &[], figures: &pages(run) };
+    report(results, &parts)
 }
 
 /// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.
@@ -172,12 +194,12 @@ fn write_fixed<'a>(
         }
         let refused = |error| bad(&format!("--fix {number}: {name}: {error}"));
         fixed = Edit::apply_all(&remedy.edits, &fixed).map_err(refused)?;
-        let ends = remedy.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
+        let after = remedy.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
         let names: Vec<&str> = remedy.causes().map(|likely| likely.cause.name).collect();
-        said.push(format!("{name}: the remedy against {} is written, then {ends}", names.join(" and then ")));
+        said.push(format!("{name}: wrote the remedy for {}; then {after}", names.join(" and ")));
     }
     if said.is_empty() {
-        let reason = "there is nothing to fix: no filter has a verdict with a cause that was found";
+        let reason = "there is nothing to fix: no cause was found for any filter";
         return Err(bad(&reason));
     }
     if let Some(mapping) = fixed.record.as_mut().filter(|mapping| !mapping.file.is_empty()) {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use kalmanscope_cli::harmless;
 use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::document::{Document, json};
+use kalmanscope_core::document::Document;
 use kalmanscope_core::{Channel, EventError, EventFilter, Pass, RunError, Sample, Scenario};
 use kalmanscope_sources::{Lines, StreamRow, open, read_line};
 
@@ -36,8 +36,8 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let written = |error: io::Error| InputError::unwritten(Path::new("-"), &error);
     let mut input = open(&source.to_string_lossy()).map_err(unread)?;
     let mut lines = Lines::new(&scenario);
-    let mut writer = Writer::new(io::stdout().lock(), *json);
-    if !writer.begin(filters.iter().map(|one| (one.name.as_str(), &one.filter))).map_err(written)? {
+    let mut writer = Writer { output: io::stdout().lock(), json: *json, columns: Vec::new() };
+    if !writer.begin(&filters).map_err(written)? {
         return Ok(true);
     }
     let (mut bytes, mut number, mut refused) = (Vec::new(), 0_u64, 0);
@@ -62,7 +62,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
         if let (Some(EventError::Gap { before, .. }), [first]) = (&reason, taken.as_slice()) {
             refuse(
                 *first,
-                &format_args!("its time, {before} s, is far from that of the next line, as of a clock that is not set"),
+                &format_args!("its time, {before} s, is far from that of the next line, as if its clock was not set"),
             );
             filters = followed(file, &scenario, *late)?;
             reason = take(&mut filters, &row);
@@ -73,8 +73,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
                 if taken.len() < 2 {
                     taken.push(number);
                 }
-                let all = filters.iter_mut().map(|one| (&mut one.filter, &one.watch, one.has_stopped));
-                if !writer.write(all).map_err(written)? {
+                if !writer.write(&mut filters).map_err(written)? {
                     break;
                 }
             }
@@ -89,11 +88,11 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     Ok(filters.iter().any(|one| !one.has_stopped))
 }
 
-/// The filters of a scenario that can follow events. One that cannot is said; it is an error if there is no other.
+/// The filters of a scenario that can follow events. Reports the others; it is an error if none can.
 fn followed(file: &Path, scenario: &Scenario, late: f64) -> Result<Vec<Followed>, InputError> {
     let bad = |error: RunError| InputError::Run { file: file.to_owned(), error };
     let mut filters = Vec::new();
-    let mut last = None;
+    let mut left_out = Vec::new();
     for place in 0..scenario.filters.len() {
         let name = Pass::history(scenario, place).map_err(bad)?.name().to_owned();
         match EventFilter::new(scenario, place) {
@@ -102,16 +101,14 @@ fn followed(file: &Path, scenario: &Scenario, late: f64) -> Result<Vec<Followed>
                 filters.push(Followed { name, filter, watch: Watch::default(), has_stopped: false });
             }
             Err(kalmanscope_core::EventSetupError::Run(error)) => return Err(bad(error)),
-            Err(error) => {
-                say(&format_args!("{name} is left out: {error}"));
-                last = Some(error);
-            }
+            Err(error) => left_out.push((name, error)),
         }
     }
     if filters.is_empty() {
-        let reason = last.map_or_else(|| "it has no filter".to_owned(), |error| error.to_string());
+        let reason = left_out.pop().map_or_else(|| "it has no filter".to_owned(), |(_, error)| error.to_string());
         return Err(InputError::bad(file, &reason));
     }
+    left_out.iter().for_each(|(name, error)| say(&format_args!("{name} is left out: {error}")));
     Ok(filters)
 }
 
@@ -138,6 +135,7 @@ const LEAST: usize = 20;
 #[derive(Clone, Debug, Default)]
 struct Watch {
     last: VecDeque<(f64, u32)>,
+    /// NIS of the last sample; NaN if it has no readings.
     nis: f64,
 }
 
@@ -152,11 +150,6 @@ impl Watch {
         if self.last.len() > WINDOW {
             self.last.pop_front();
         }
-    }
-
-    /// NIS of the last sample; NaN if it has no readings.
-    fn nis(&self) -> f64 {
-        self.nis
     }
 
     /// The verdict on the last updates in words: their mean NIS against its 95 % interval.
@@ -175,66 +168,103 @@ impl Watch {
     }
 }
 
+/// The columns of a filter behind those of its channels.
+const LAST: [&str; 3] = ["nis", "again", "verdict"];
+
+impl Followed {
+    /// The names of its columns.
+    fn columns(&self) -> Vec<String> {
+        let of = |prefix: &str| {
+            let each = |channel: &Channel| ["", "std_"].map(|what| format!("{prefix}{what}{}", channel.key()));
+            self.filter.channels().iter().flat_map(each).collect::<Vec<_>>()
+        };
+        let mut columns = of("");
+        columns.extend(LAST.map(str::to_owned));
+        if self.filter.looks_back() {
+            columns.push("hindsight_t".to_owned());
+            columns.extend(of("hindsight_"));
+        }
+        columns
+    }
+
+    /// A value for each column: the newest estimate, and that in hindsight. `null` for a filter that has stopped, and where nothing is
+    /// old enough.
+    fn values(&mut self) -> Vec<Document> {
+        let Self { filter, watch, has_stopped, name: _ } = self;
+        let channels = filter.channels().to_vec();
+        let nothing = || vec![Document::Null; 2 * channels.len()];
+        let mut values = if *has_stopped { nothing() } else { moments(&filter.sample(), &channels) };
+        values.extend(if *has_stopped {
+            [Document::Null, Document::Null, "stopped".into()]
+        } else {
+            [watch.nis.into(), filter.again().into(), watch.verdict().into()]
+        });
+        if filter.looks_back() {
+            let then = filter.hindsight().filter(|_| !*has_stopped);
+            let then = then.map(|(time, sample)| (time.into(), moments(&sample, &channels)));
+            let (time, then) = then.unwrap_or_else(|| (Document::Null, nothing()));
+            values.push(time);
+            values.extend(then);
+        }
+        values
+    }
+}
+
+/// Mean and standard deviation of each channel in canonical form: (-ωₙ, -ζ) and (ωₙ, ζ) are the same oscillator.
+fn moments(sample: &Sample<'_>, channels: &[Channel]) -> Vec<Document> {
+    let place = |channel| channels.iter().position(|one| *one == channel);
+    let mirrored = place(Channel::NATURAL_FREQUENCY).is_some_and(|place| sample.mean[place] < 0.0);
+    let n = channels.len();
+    let of = |(i, channel): (usize, &Channel)| {
+        let mean = if mirrored && channel.is_mirrored() { -sample.mean[i] } else { sample.mean[i] };
+        [mean.into(), sample.cov[i * n + i].sqrt().into()]
+    };
+    channels.iter().enumerate().flat_map(of).collect()
+}
+
 /// Writes lines, each flushed. A closed pipe is the end and no error.
 struct Writer<W> {
     output: W,
     json: bool,
-    names: Vec<String>,
-    line: String,
+    /// The names of each filter's columns.
+    columns: Vec<Vec<String>>,
 }
 
-/// The columns of a filter behind those of its channels, and the word before those in hindsight.
-const LAST: [&str; 3] = ["nis", "again", "verdict"];
-const HINDSIGHT: &str = "hindsight";
-
 impl<W: Write> Writer<W> {
-    fn new(output: W, json: bool) -> Self {
-        Self { output, json, names: Vec::new(), line: String::new() }
-    }
-
     /// Writes the header of a table for these filters. Returns whether anybody reads it.
-    fn begin<'a>(&mut self, filters: impl Iterator<Item = (&'a str, &'a EventFilter)>) -> io::Result<bool> {
-        self.line = "t".to_owned();
-        for (name, filter) in filters {
-            self.names.push(name.to_owned());
-            let name = harmless(name).replace([',', '"'], "_");
-            let of = |prefix: &str| {
-                let each = |channel: &Channel| {
-                    [channel.key(), &format!("std_{}", channel.key())].map(|key| format!("{prefix}{key}"))
-                };
-                filter.channels().iter().flat_map(each).collect::<Vec<_>>()
-            };
-            let mut columns = of("");
-            columns.extend(LAST.map(str::to_owned));
-            if filter.looks_back() {
-                columns.push(format!("{HINDSIGHT}_t"));
-                columns.extend(of(&format!("{HINDSIGHT}_")));
-            }
-            columns.iter().for_each(|column| self.line.push_str(&format!(",{name}.{column}")));
-        }
-        if self.json { Ok(true) } else { self.flush() }
-    }
-
-    /// Writes the newest estimates of all filters, and those in hindsight. A filter that has stopped has none. Returns whether anybody
-    /// reads them.
-    fn write<'a>(&mut self, filters: impl Iterator<Item = (&'a mut EventFilter, &'a Watch, bool)>) -> io::Result<bool> {
-        let all: Vec<FilterRow> = filters.map(FilterRow::of).collect();
-        let time = all.iter().find_map(|one| one.now.as_ref()).map_or(f64::NAN, |now| now.time);
-        self.line.clear();
+    fn begin(&mut self, filters: &[Followed]) -> io::Result<bool> {
+        self.columns = filters.iter().map(Followed::columns).collect();
         if self.json {
-            let each = self.names.iter().zip(&all).map(|(name, one)| (name.clone(), one.in_json()));
-            let entries = std::iter::once(("t".to_owned(), time.into())).chain(each);
-            self.line = Document::from_iter(entries).to_string();
-            return self.flush();
+            return Ok(true);
         }
-        self.line.push_str(&cell(time));
-        all.iter().for_each(|one| one.write(&mut self.line));
-        self.flush()
+        let names = filters.iter().map(|one| harmless(&one.name).replace([',', '"'], "_"));
+        let names = names
+            .zip(&self.columns)
+            .flat_map(|(name, columns)| columns.iter().map(move |column| format!(",{name}.{column}")));
+        let line = std::iter::once("t".to_owned()).chain(names).collect();
+        self.line(line)
     }
 
-    fn flush(&mut self) -> io::Result<bool> {
-        self.line.push('\n');
-        let done = self.output.write_all(self.line.as_bytes()).and_then(|()| self.output.flush());
+    /// Writes the estimates of all filters. Returns whether anybody reads them.
+    fn write(&mut self, filters: &mut [Followed]) -> io::Result<bool> {
+        let time: Document = filters.iter().find(|one| !one.has_stopped).and_then(|one| one.filter.time()).into();
+        let values: Vec<Vec<Document>> = filters.iter_mut().map(Followed::values).collect();
+        let line = if self.json {
+            let of = |columns: &Vec<String>, values| {
+                Document::from_iter(columns.iter().cloned().zip::<Vec<Document>>(values))
+            };
+            let all = filters.iter().zip(&self.columns).zip(values);
+            let all = all.map(|((one, columns), values)| (one.name.clone(), of(columns, values)));
+            Document::from_iter(std::iter::once(("t".to_owned(), time)).chain(all)).to_string()
+        } else {
+            let cells = values.iter().flatten().map(|value| format!(",{}", cell(value)));
+            std::iter::once(cell(&time)).chain(cells).collect()
+        };
+        self.line(line)
+    }
+
+    fn line(&mut self, line: String) -> io::Result<bool> {
+        let done = self.output.write_all((line + "\n").as_bytes()).and_then(|()| self.output.flush());
         match done {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(false),
             done => done.map(|()| true),
@@ -242,95 +272,11 @@ impl<W: Write> Writer<W> {
     }
 }
 
-struct FilterRow {
-    channels: Vec<Channel>,
-    /// The newest estimate; `None` of a filter that has stopped.
-    now: Option<Estimate>,
-    /// The estimate in hindsight: `None` without a look-ahead, and inside where nothing is old enough.
-    hindsight: Option<Option<Estimate>>,
-    nis: f64,
-    again: usize,
-    verdict: &'static str,
-}
-
-/// Mean and standard deviation of each channel at a time \[s\], in canonical form: (-ωₙ, -ζ) and (ωₙ, ζ) are the same oscillator.
-struct Estimate {
-    time: f64,
-    numbers: Vec<[f64; 2]>,
-}
-
-impl Estimate {
-    fn of(time: f64, sample: &Sample<'_>, channels: &[Channel]) -> Self {
-        let place = |channel| channels.iter().position(|one| *one == channel);
-        let mirrored = place(Channel::NATURAL_FREQUENCY).is_some_and(|place| sample.mean[place] < 0.0);
-        let n = channels.len();
-        let of = |(i, channel): (usize, &Channel)| {
-            let mean = if mirrored && channel.is_mirrored() { -sample.mean[i] } else { sample.mean[i] };
-            [mean, sample.cov[i * n + i].sqrt()]
-        };
-        Self { time, numbers: channels.iter().enumerate().map(of).collect() }
+/// A value in a table: numbers with ten digits, nothing for `null`.
+fn cell(value: &Document) -> String {
+    match value {
+        Document::Null => String::new(),
+        Document::String(word) => word.clone(),
+        value => value.as_f64().filter(|_| value.is_f64()).map_or_else(|| value.to_string(), |x| format!("{x:.9e}")),
     }
-
-    fn entries<'a>(&'a self, channels: &'a [Channel]) -> impl Iterator<Item = (String, Document)> + 'a {
-        let numbers = channels.iter().zip(&self.numbers);
-        numbers.map(|(channel, [mean, std])| (channel.key().to_owned(), json!({ "mean": mean, "std": std })))
-    }
-
-    fn write(&self, line: &mut String) {
-        self.numbers.iter().flatten().for_each(|number| line.push_str(&format!(",{}", cell(*number))));
-    }
-}
-
-impl FilterRow {
-    fn of((filter, watch, stopped): (&mut EventFilter, &Watch, bool)) -> Self {
-        let channels = filter.channels().to_vec();
-        let time = filter.time().unwrap_or(f64::NAN);
-        let now = (!stopped).then(|| Estimate::of(time, &filter.sample(), &channels));
-        let (looks_back, again) = (filter.looks_back(), filter.again());
-        let hindsight = filter.hindsight().filter(|_| !stopped);
-        let hindsight = looks_back.then(|| hindsight.map(|(time, sample)| Estimate::of(time, &sample, &channels)));
-        let verdict = if stopped { "stopped" } else { watch.verdict() };
-        Self { channels, now, hindsight, nis: watch.nis(), again, verdict }
-    }
-
-    fn write(&self, line: &mut String) {
-        let Self { channels, now, hindsight, nis, again, verdict } = self;
-        let nothing = ",".repeat(2 * channels.len());
-        match now {
-            Some(now) => {
-                now.write(line);
-                line.push_str(&format!(",{},{again},{verdict}", cell(*nis)));
-            }
-            None => line.push_str(&format!("{nothing},,,{verdict}")),
-        }
-        match hindsight {
-            None => {}
-            Some(None) => line.push_str(&format!(",{nothing}")),
-            Some(Some(then)) => {
-                line.push_str(&format!(",{}", cell(then.time)));
-                then.write(line);
-            }
-        }
-    }
-
-    fn in_json(&self) -> Document {
-        let Self { channels, now, hindsight, nis, again, verdict } = self;
-        let last = ("verdict".to_owned(), Document::from(*verdict));
-        let Some(now) = now else { return Document::from_iter([last]) };
-        let then = hindsight.iter().flatten().map(|then| {
-            let time = ("t".to_owned(), then.time.into());
-            (HINDSIGHT.to_owned(), Document::from_iter(std::iter::once(time).chain(then.entries(channels))))
-        });
-        let all = now.entries(channels).chain([
-            ("nis".to_owned(), (*nis).into()),
-            ("again".to_owned(), (*again).into()),
-            last,
-        ]);
-        Document::from_iter(all.chain(then))
-    }
-}
-
-/// A number in a table: ten digits, nothing for NaN.
-fn cell(number: f64) -> String {
-    if number.is_nan() { String::new() } else { format!("{number:.9e}") }
 }

@@ -8,7 +8,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use indicatif::ProgressBar;
 use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
@@ -17,7 +16,7 @@ use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels
 use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
-use crate::progress::ticking;
+use crate::progress::Progress;
 
 pub(crate) const MOST_THREADS: usize = 256;
 
@@ -27,7 +26,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { input: InputArgs { scenario: file, .. }, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
     if !is_stream && out.extension().is_none_or(|end| end != "csv") {
-        let reason = "the table must be a .csv file, beside which finished rows are kept to continue from there, or -";
+        let reason = "the table must be a .csv file, so that finished rows can be kept beside it, or -";
         return Err(InputError::bad(file, &format!("--out {}: {reason}", out.display())));
     }
     let (runner, record) = runner(args)?;
@@ -69,14 +68,16 @@ fn run_cells(
     let SweepArgs { input: InputArgs { scenario: file, .. }, out, threads, .. } = args;
     let threads = (*threads).min(MOST_THREADS).min(cells.len().max(1));
     let team = Threads::new(threads, 0).map_err(|error| InputError::bad(file, &error))?;
-    let bar = bar(cells.len(), done);
+    let mut progress = Progress::new(cells.len() - done, false);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
     let work = team.rows(Priority::Map, runner, order, |_| {});
     // Rows come in any order, and are written in the order of the cells.
     let mut waiting = BTreeMap::new();
     let mut next = cells.start + done;
+    let mut finished = 0;
     while let Some(slice) = work.wait() {
-        bar.inc(slice.cells.len() as u64);
+        finished += slice.cells.len();
+        progress.show(finished, "runs");
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
@@ -86,7 +87,6 @@ fn run_cells(
     if next != cells.end {
         return Err(InputError::bad(file, &"a thread ended before its work was done"));
     }
-    bar.finish_and_clear();
     Ok(())
 }
 
@@ -150,13 +150,6 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
     hash(all.as_bytes())
 }
 
-/// The bar on standard error; hidden if that is no terminal.
-fn bar(cells: usize, done: usize) -> ProgressBar {
-    let bar = ProgressBar::new(cells as u64).with_position(done as u64);
-    bar.reset_eta();
-    ticking(bar, "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left")
-}
-
 const FIRST: &str = "# sweep ";
 
 /// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
@@ -169,7 +162,9 @@ impl Part {
     /// The part file beside the table. Returns the number of rows that it has already, if it is of the same sweep.
     fn open(out: &Path, fingerprint: &str, ensemble: &Ensemble, most: usize) -> Result<(Self, usize), InputError> {
         let unwritten = |error| InputError::unwritten(out, &error);
-        let path = beside(out, ".part");
+        let mut path = out.as_os_str().to_owned();
+        path.push(".part");
+        let path = PathBuf::from(path);
         let header = format!("{FIRST}{fingerprint}\n{}\n", heading(ensemble));
         let columns = names(ensemble).len();
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
@@ -178,24 +173,31 @@ impl Part {
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(InputError::bad(out, &"another program is writing this table"));
         }
-        let found = complete(&file, &header, columns, most).map_err(unwritten)?;
-        if found.is_none() && file.metadata().map_err(unwritten)?.len() > 0 {
-            if !begins_as_part(&mut file).map_err(unwritten)? {
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(unwritten)?;
+        let kept = bytes.strip_prefix(header.as_bytes()).map(|rows| {
+            let is_whole =
+                |row: &&[u8]| row.ends_with(b"\n") && row.iter().filter(|&&byte| byte == b',').count() + 1 == columns;
+            let rows = rows.split_inclusive(|&byte| byte == b'\n').take(most).take_while(is_whole);
+            rows.fold((header.len(), 0), |(bytes, count), row| (bytes + row.len(), count + 1))
+        });
+        if kept.is_none() && !bytes.is_empty() {
+            if !bytes.starts_with(FIRST.as_bytes()) {
                 return Err(InputError::bad(
                     &path,
-                    &"this file is no part of a sweep, and stays as it is; write the table elsewhere",
+                    &"this file is not part of a sweep and stays as it is; write the table elsewhere",
                 ));
             }
-            say(&format_args!("{}: it is of another sweep, and is begun anew", path.display()));
+            say(&format_args!("{}: it belongs to another sweep, so the table begins again", path.display()));
         }
         // The last row may be torn.
-        file.set_len(found.map_or(0, |(bytes, _)| bytes)).map_err(unwritten)?;
+        file.set_len(kept.map_or(0, |(bytes, _)| bytes as u64)).map_err(unwritten)?;
         file.seek(SeekFrom::End(0)).map_err(unwritten)?;
         let mut file = BufWriter::new(file);
-        if found.is_none() {
+        if kept.is_none() {
             file.write_all(header.as_bytes()).map_err(unwritten)?;
         }
-        Ok((Self { path, file }, found.map_or(0, |(_, rows)| rows)))
+        Ok((Self { path, file }, kept.map_or(0, |(_, rows)| rows)))
     }
 
     fn append(&mut self, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
@@ -230,47 +232,9 @@ fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::R
     Ok(())
 }
 
-fn begins_as_part(file: &mut File) -> io::Result<bool> {
-    let mut head = Vec::new();
-    file.seek(SeekFrom::Start(0))?;
-    file.take(FIRST.len() as u64).read_to_end(&mut head)?;
-    Ok(head == FIRST.as_bytes())
-}
-
 fn names(ensemble: &Ensemble) -> Vec<String> {
     let axes = ensemble.plan().axes.iter().map(|axis| axis.key.clone());
     let scenario = ensemble.scenario();
     let drawn = ensemble.drawn().iter().map(|address| scenario.address_by_name(&address.to_string()));
     axes.chain(drawn).chain(ensemble.columns()).map(|name| name.replace([',', '\n', '"'], "_")).collect()
-}
-
-fn beside(out: &Path, ending: &str) -> PathBuf {
-    let mut name = out.as_os_str().to_owned();
-    name.push(ending);
-    name.into()
-}
-
-/// The length in bytes of the whole rows in a part file, and their number, if it is of the same sweep.
-fn complete(file: &File, header: &str, columns: usize, most: usize) -> io::Result<Option<(u64, usize)>> {
-    let mut lines = BufReader::new(file);
-    let mut line = Vec::new();
-    let mut head = Vec::new();
-    for _ in header.lines() {
-        lines.read_until(b'\n', &mut head)?;
-    }
-    if head != header.as_bytes() {
-        return Ok(None);
-    }
-    let (mut bytes, mut rows) = (header.len() as u64, 0);
-    while rows < most {
-        line.clear();
-        lines.read_until(b'\n', &mut line)?;
-        let is_whole = line.ends_with(b"\n") && line.iter().filter(|&&byte| byte == b',').count() + 1 == columns;
-        if !is_whole {
-            break;
-        }
-        bytes += line.len() as u64;
-        rows += 1;
-    }
-    Ok(Some((bytes, rows)))
 }

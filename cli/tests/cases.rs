@@ -62,7 +62,11 @@ const CASES: &[(&str, &[&str], Wanted)] = &[
     ("autopilot-log.csv", &[], FoundAndSaid(7.54, 0.01, &["by their steps they are µs"])),
     ("autopilot-log.csv", &["--decay", "d.csv"], Found(7.54, 0.01)),
     ("phone-nanoseconds-z-y-x.csv", &[], Found(7.54, 0.01)),
-    ("phone-nanoseconds-z-y-x.csv", &["--decay", "d.csv"], Found(7.54, 0.01)),
+    (
+        "phone-nanoseconds-z-y-x.csv",
+        &["--decay", "d.csv"],
+        FoundAndSaid(7.54, 0.01, &["a free decay: ", " s on, along (", "fitted to all its readings"]),
+    ),
     ("printer-accelerometer.csv", &[], Found(282.74, 0.06)),
     ("printer-accelerometer.csv", &["--decay", "d.csv"], Found(282.74, 0.06)),
     ("phone-gyroscope.csv", &[], Found(7.54, 0.01)),
@@ -149,22 +153,17 @@ fn write_files(folder: &Folder) {
 /// A scenario with a fault, or a file with the arguments behind its name; whether the record of the run has no truth; and words of the
 /// first line that names a cause or a likelier model.
 const FAULTS: &[(&str, &[&str], bool, &str)] = &[
-    ("euler.toml", &[], false, "cause 1: steps of the propagation that are too coarse"),
+    ("euler.toml", &[], false, "): steps of the propagation that are too coarse"),
     ("euler.toml", &[], true, "likelier model 1: steps of the propagation that are too coarse"),
     ("q-on-velocity.toml", &[], true, "likelier model 1: a white force in place of Q"),
     ("hardens-a-little.toml", &[], true, "likelier model 1: a spring that hardens"),
-    ("coarse-and-late-change.toml", &[], true, "cause 1: the coarse steps of a sensor"),
-    ("scale-and-large-r.toml", &[], true, "cause 1: the scale of a sensor"),
-    ("bias-estimated-without-q.toml", &[], false, "cause 1: a sensor's bias or drift"),
-    ("coloured-noise.toml", &[], false, "cause 1: coloured noise of a sensor"),
-    ("r-as-variance.toml", &[], false, "cause 1: R of a sensor: R of the displacement is 10000 times too small"),
-    ("acceleration-in-g.toml", &[], false, "cause 1: the scale of a sensor"),
-    (
-        "zero-spread-stiffness.toml",
-        &[],
-        false,
-        "cause 1: an initial guess that is too sure: σ of the natural frequency is 0",
-    ),
+    ("coarse-and-late-change.toml", &[], true, "): the coarse steps of a sensor"),
+    ("scale-and-large-r.toml", &[], true, "): the scale of a sensor"),
+    ("bias-estimated-without-q.toml", &[], false, "): a sensor's bias or drift"),
+    ("coloured-noise.toml", &[], false, "): coloured noise of a sensor"),
+    ("r-as-variance.toml", &[], false, "): R of a sensor: R of the displacement is 10000 times too small"),
+    ("acceleration-in-g.toml", &[], false, "): the scale of a sensor"),
+    ("zero-spread-stiffness.toml", &[], false, "): an initial guess that is too sure: σ of the natural frequency is 0"),
     (
         "rate-90-for-100.csv",
         &["--rate", "90", "--sensor", "displacement=disp", "--sensor", "velocity=speed", "--input", "force"],
@@ -175,7 +174,7 @@ const FAULTS: &[(&str, &[&str], bool, &str)] = &[
         "absolute-as-relative.csv",
         &["--ground", "--input", "ground", "--sensor", "acceleration=acc"],
         false,
-        "cause 1: an absolute accelerometer taken for a relative one",
+        "): an absolute accelerometer taken for a relative one",
     ),
 ];
 
@@ -198,7 +197,7 @@ fn each_fault_has_its_name() {
             arguments.extend(["--record", "r.csv"]);
         }
         let (table, _) = folder.succeeds(&arguments);
-        let first = table.lines().find(|line| line.contains(" 1: ")).unwrap_or_default();
+        let first = table.lines().find(|line| line.contains(" 1: ") || line.contains(" 1 (")).unwrap_or_default();
         (!first.contains(words)).then(|| format!("{file}: no `{words}` in {table}"))
     });
     let failed: Vec<String> = failed.collect();
@@ -246,7 +245,7 @@ fn failure(folder: &Folder, (file, arguments, wanted): &(&str, &[&str], Wanted))
     if matches!(wanted, Inside(..)) {
         let line = table.lines().find(|line| line.contains("ωₙ natural frequency")).unwrap_or_default();
         let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-        let is_inside = numbers.len() == 2 && (numbers[0] - estimates[0]).abs() <= 2.0 * numbers[1];
+        let is_inside = numbers.len() >= 2 && (numbers[0] - estimates[0]).abs() <= 2.0 * numbers[1];
         return if is_inside && !table.contains("overconfident") { None } else { bad(&table) };
     }
     let found = ["ωₙ natural frequency", "ζ  damping ratio"].map(|name| crate::value(&table, name));

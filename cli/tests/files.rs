@@ -19,14 +19,14 @@ fn an_output_is_never_an_input() {
     for arguments in [
         &["run", "truth.toml", "--record", "sheet.csv", "--out", "sheet.csv"][..],
         &["run", "sheet.toml", "--out", "./sheet.csv"],
-        &["run", "sheet.toml", "--svg", "link.csv"],
+        &["run", "sheet.toml", "--out", "link.csv"],
         &["run", "sheet.toml", "--record-out", "hard.csv"],
         &["run", "sheet.toml", "--holdout", "plain.csv", "--out", "plain.csv"],
-        &["run", "sheet.toml", "--out", "sheet.toml"],
-        &["run", "sheet.toml", "--out", "new.csv", "--svg", "new.csv"],
-        &["run", "sheet.toml", "--out", "-", "--svg", "-"],
-        &["report", "sheet.toml", "--out", "sheet.toml"],
+        &["run", "sheet.toml", "--fix", "1", "--out", "sheet.toml"],
+        &["run", "sheet.toml", "--out", "new.csv", "--out", "new.csv"],
+        &["run", "sheet.toml", "--out", "-", "--out", "-"],
         &["import", "sheet.csv", "--out", "sheet.csv"],
+        &["import", "sheet.csv", "--decay", "sheet.csv"],
         &["sweep", "sheet.toml", "--out", "sheet.csv"],
         &["tune", "sheet.toml", "--turn", "filters.EKF.fading", "--out", "sheet.toml"],
     ] {
@@ -41,14 +41,12 @@ fn an_output_is_never_an_input() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_result_that_cannot_be_written_is_told_by_each_command() {
+fn a_result_that_cannot_be_written_is_reported_by_each_command() {
     let folder = Folder::of(SCENARIO);
     folder.measured();
     for arguments in [
         &["run", "scenario.toml", "--out", "/dev/full"][..],
-        &["run", "scenario.toml", "--svg", "/dev/full"],
         &["run", "scenario.toml", "--record-out", "/dev/full"],
-        &["report", "scenario.toml", "--out", "/dev/full"],
         &["import", "sheet.csv", "--out", "/dev/full"],
         &["import", "sheet.csv", "--out", "nowhere/new.toml"],
         &["tune", "scenario.toml", "--turn", "filters.one.fading=1:1.1", "--out", "/dev/full"],
@@ -80,7 +78,7 @@ fn a_measured_record_runs_again_with_its_scenario() {
 }
 
 #[test]
-fn a_file_of_others_is_no_part_of_a_sweep() {
+fn a_foreign_file_is_not_part_of_a_sweep() {
     let folder = Folder::of(SCENARIO);
     folder.file("table.csv.part", "my own notes\n");
     let sweep = ["sweep", "scenario.toml", "--vary", "filters.one.fading=1:1.1:3", "--out", "table.csv"];
@@ -89,7 +87,7 @@ fn a_file_of_others_is_no_part_of_a_sweep() {
     assert_eq!(folder.read("table.csv.part"), "my own notes\n");
     folder.file("table.csv.part", "# sweep 0123456789abcdef\na,b\n1,2\n");
     let (_, error) = folder.succeeds(&sweep);
-    assert!(error.contains("of another sweep, and is begun anew"), "{error}");
+    assert!(error.contains("belongs to another sweep, so the table begins again"), "{error}");
     assert_eq!((folder.read("table.csv").lines().count(), folder.names().len()), (4, 2));
 }
 
@@ -100,7 +98,7 @@ fn extreme_axes_are_drawn() {
         (0..40).map(|k| format!("{k},0,{}\n", if k % 2 == 0 { "1.7e308" } else { "-1.7e308" })).collect();
     folder.file("record.csv", &format!("t,force,displacement\n{record}"));
     let (code, _, error) =
-        folder.call(&["run", "scenario.toml", "--record", "record.csv", "--quiet", "--svg", "a.svg"]);
+        folder.call(&["run", "scenario.toml", "--record", "record.csv", "--quiet", "--out", "a.svg"]);
     assert!(code < 2, "{code} {error}");
     assert!(folder.read("a.svg").ends_with("</svg>\n"));
 }

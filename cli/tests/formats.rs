@@ -9,6 +9,26 @@ fn table_of(text: &str) -> (Table, Vec<String>) {
     (table, names)
 }
 
+/// A file of as many rows has columns of these names, some with `[unit]`, numbers by column and row, and remarks with these words.
+#[track_caller]
+fn check(text: &str, rows: usize, columns: &[&str], numbers: &[(usize, usize, f64)], remarks: &[&str]) -> Table {
+    let (table, names) = table_of(text);
+    assert_eq!((table.rows(), names.len()), (rows, columns.len()), "{names:?} in {text}");
+    for (column, expected) in table.columns.iter().zip(columns) {
+        let (name, unit) = expected.split_once(" [").unwrap_or((expected, ""));
+        let unit = unit.trim_end_matches(']');
+        let has_unit = unit.is_empty() || column.unit.as_deref() == Some(unit);
+        assert!(column.name == name && has_unit, "{} [{:?}], not {expected}", column.name, column.unit);
+    }
+    for &(column, row, expected) in numbers {
+        let found = table.columns[column].values[row];
+        assert!(found == expected || found.is_nan() && expected.is_nan(), "{column}, {row}: {found}, not {expected}");
+    }
+    let all = table.remarks.iter().zip(remarks).all(|(remark, words)| remark.contains(words));
+    assert!(all && table.remarks.len() == remarks.len(), "{:?}", table.remarks);
+    table
+}
+
 fn v2(channel: u32, size: f64) -> String {
     let block = |kind: &str, unit: &str, form: &str, rows: &[[f64; 4]]| {
         let head =
@@ -27,63 +47,40 @@ fn v2(channel: u32, size: f64) -> String {
         + &format!("/&  ----------  End of data for channel  {channel}  ----------\n")
 }
 
-#[test]
-fn numbers_that_abut_and_several_channels_are_read() {
-    let (table, names) = table_of(&(v2(1, 1.0) + &v2(2, -0.1)));
-    let expected = ["acceleration", "velocity, integrated", "displacement, integrated"];
-    let expected = [1, 2].map(|channel| expected.map(|kind| format!("channel {channel} 180 Deg {kind}"))).concat();
-    assert_eq!(names[1..], expected);
-    assert_eq!(table.columns[1].values, [-0.001, -1234.567, -2345.678, 12.0, 1.0, 2.0, 3.0, 123456.789]);
-    assert_eq!(table.columns[4].values[7], -12345.679);
-    assert_eq!((table.columns[1].unit.as_deref(), table.columns[0].values[3]), (Some("cm/sec2"), 0.03));
-    assert_eq!(table.remarks, Vec::<String>::new());
-}
-
-#[test]
-fn the_step_of_cosmos_stands_among_the_real_values() {
-    let values: String = (0..100)
-        .map(|k| format!("{:15.6}{}", [-999.0, 0.01][usize::from(k == 33)], ["", "\n"][usize::from(k % 5 == 4)]))
-        .collect();
-    let text = format!(
-        "Corrected acceleration    (Format v01.20 with 13 text lines)\nSta Chan   1:270 deg (Rcrdr Chan  1) Location:10\n\
-         \x20100 Real-header values follow on  20 lines, Format= (5F15.6)\n{values}   1 Comment line(s) follow, each starting with a \"|\":\n\
-         | Sensor: Kinemetrics_Episensor\n   12 acceleration pts, approx  0 secs, units=cm/s^2 (4),Format=(10F8.5)\n\
-         -0.00003-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004\n 0.00001 0.00002\n\
-         End-of-data for Chan  1 acceleration\n"
-    );
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "channel 1 270 deg acceleration"]);
-    assert_eq!((table.rows(), table.columns[0].values[1], table.columns[1].values[11]), (12, 0.01, 0.00002));
-    assert_eq!(table.columns[1].values[1], -0.00004);
-}
-
 const NEW: &str = "PEER NGA STRONG MOTION DATABASE RECORD\nImperial Valley-02, 5/19/1940, El Centro Array #9, 180\n\
                    ACCELERATION TIME SERIES IN UNITS OF G\nNPTS=     7, DT=   .0100 SEC,\n\
                    \x20  .1234567E-02  -.2345678E-02   .3000000E-02   .4000000E-02  -.5000000E-02\n\
                    \x20  .6000000E-02   .7000000E-02\n";
 
 #[test]
-fn a_series_is_one_column_whatever_its_lines() {
-    let (table, names) = table_of(NEW);
-    assert_eq!(names, ["time", "acceleration"]);
-    assert_eq!(table.columns[1].unit.as_deref(), Some("g"));
-    assert_eq!(table.columns[1].values, [0.001234567, -0.002345678, 0.003, 0.004, -0.005, 0.006, 0.007]);
-    assert_eq!(table.columns[0].values[6], 0.06);
+fn accelerograms_have_their_channels_steps_and_units() {
+    let columns = [1, 2].map(|channel| {
+        let kinds = ["acceleration [cm/sec2]", "velocity, integrated", "displacement, integrated"];
+        kinds.map(|kind| format!("channel {channel} 180 Deg {kind}"))
+    });
+    let columns: Vec<&str> = std::iter::once("time").chain(columns.iter().flatten().map(String::as_str)).collect();
+    let abut = [(0, 3, 0.03), (1, 1, -1234.567), (1, 2, -2345.678), (1, 7, 123456.789), (4, 7, -12345.679)];
+    check(&(v2(1, 1.0) + &v2(2, -0.1)), 8, &columns, &abut, &[]);
+    let values: String = (0..100)
+        .map(|k| format!("{:15.6}{}", [-999.0, 0.01][usize::from(k == 33)], ["", "\n"][usize::from(k % 5 == 4)]))
+        .collect();
+    let cosmos = format!(
+        "Corrected acceleration    (Format v01.20 with 13 text lines)\nSta Chan   1:270 deg (Rcrdr Chan  1) Location:10\n\
+         \x20100 Real-header values follow on  20 lines, Format= (5F15.6)\n{values}   1 Comment line(s) follow, each starting with a \"|\":\n\
+         | Sensor: Kinemetrics_Episensor\n   12 acceleration pts, approx  0 secs, units=cm/s^2 (4),Format=(10F8.5)\n\
+         -0.00003-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004\n 0.00001 0.00002\n\
+         End-of-data for Chan  1 acceleration\n"
+    );
+    let step = [(0, 1, 0.01), (1, 1, -0.00004), (1, 11, 0.00002)];
+    check(&cosmos, 12, &["time", "channel 1 270 deg acceleration"], &step, &[]);
+    let peer = [(0, 6, 0.06), (1, 0, 0.001234567), (1, 1, -0.002345678), (1, 6, 0.007)];
+    let table = check(NEW, 7, &["time", "acceleration [g]"], &peer, &[]);
     assert_eq!((table.line(0), table.line(5)), (5, 6));
     assert_eq!(table.form, "PEER (AT2): 1 series of 7 numbers, 0.01 s apart");
-}
-
-#[test]
-fn older_headers_and_velocities_are_known_and_what_is_missing_is_said() {
     let old = "PEER STRONG MOTION DATABASE\nVELOCITY TIME HISTORY IN UNITS OF CM/S\n    6    0.0200    NPTS, DT\n 1 2 3\n 4 5\n";
-    let (table, names) = table_of(old);
-    assert_eq!((names[1].as_str(), table.rows()), ("velocity", 5));
-    assert_eq!(table.columns[1].unit.as_deref(), Some("cm/s"));
-    assert_eq!(table.remarks, ["`velocity` has 5 numbers, but its header tells of 6"]);
+    check(old, 5, &["time", "velocity [cm/s]"], &[], &["`velocity` has 5 numbers, but its header tells of 6"]);
     let more = NEW.replace("NPTS=     7", "NPTS=     5");
-    let (table, _) = table_of(&more);
-    assert_eq!((table.rows(), table.remarks.len()), (5, 1));
-    assert!(table.remarks[0].contains("1 line(s) of numbers behind the last series"), "{:?}", table.remarks);
+    check(&more, 5, &["time", "acceleration"], &[], &["1 line(s) of numbers behind the last series"]);
 }
 
 fn series(name: &str, start: &str, numbers: &str) -> String {
@@ -92,22 +89,13 @@ fn series(name: &str, start: &str, numbers: &str) -> String {
 }
 
 #[test]
-fn channels_stand_side_by_side_at_their_times() {
+fn channels_stand_side_by_side_at_their_times_and_pieces_are_one_column() {
     let text = series("XX_A__HHZ_R", "01.000000", "1 2 3\n4 5 6") + &series("XX_A__HHN_R", "01.040000", "-1.5E-3 7\n8");
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "XX_A__HHZ_R", "XX_A__HHN_R"]);
-    assert_eq!(table.columns[1].values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-    assert_eq!(table.columns[2].values[2..5], [-0.0015, 7.0, 8.0]);
-    assert!(table.columns[2].values[0].is_nan() && table.columns[2].values[5].is_nan());
-    assert_eq!((table.columns[0].values[1], table.columns[1].unit.as_deref()), (0.02, Some("m/s")));
-}
-
-#[test]
-fn a_series_in_pieces_is_one_column_with_a_gap() {
+    let nan = f64::NAN;
+    let numbers = [(0, 1, 0.02), (1, 5, 6.0), (2, 0, nan), (2, 2, -0.0015), (2, 4, 8.0), (2, 5, nan)];
+    check(&text, 6, &["time", "XX_A__HHZ_R [m/s]", "XX_A__HHN_R"], &numbers, &[]);
     let text = series("XX_A__HHZ_R", "01.000000", "1 2") + &series("XX_A__HHZ_R", "01.080000", "5 6");
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "XX_A__HHZ_R"]);
-    assert_eq!(format!("{:?}", table.columns[1].values), "[1.0, 2.0, NaN, NaN, 5.0, 6.0]");
+    check(&text, 6, &["time", "XX_A__HHZ_R"], &[(1, 1, 2.0), (1, 2, nan), (1, 3, nan), (1, 4, 5.0)], &[]);
 }
 
 fn set(function: u32, quantity: u32, [kind, count, is_even]: [usize; 3], data: &str) -> String {
@@ -127,35 +115,18 @@ fn functions_of_time_are_columns_and_others_are_left_out() {
     let numbers = "  1.00000e+00 -2.00000e+00  3.00000e+00  4.00000e+00  5.00000e+00  6.00000e+00\n  7.00000e+00\n";
     let forces: String =
         (0..7).map(|k| format!("{:20.12}{}", f64::from(k) + 0.25, ["", "\n"][usize::from(k % 4 == 3)])).collect();
-    let spectrum = "  1.00000e+00  0.00000e+00  2.00000e+00  1.00000e+00\n";
+    let spectrum = set(4, 12, [5, 2, 1], "  1.00000e+00  0.00000e+00  2.00000e+00  1.00000e+00\n");
     let units = "    -1\n   164\n         1  SI: Meter (newton)         2\n  1.0 1.0 1.0\n    -1\n";
-    let text = units.to_owned()
-        + &set(1, 12, [2, 7, 1], numbers)
-        + &set(4, 12, [5, 2, 1], spectrum)
-        + &set(1, 13, [4, 7, 1], &(forces + "\n"));
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "Beam acceleration 7 +Z", "Beam force 7 +Z"]);
-    assert_eq!(table.columns[1].values, [1.0, -2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-    assert_eq!(table.columns[2].values[6], 6.25);
-    assert_eq!((table.columns[0].values[2], table.columns[1].unit.as_deref()), (0.01, Some("m/s^2")));
+    let text =
+        units.to_owned() + &set(1, 12, [2, 7, 1], numbers) + &spectrum + &set(1, 13, [4, 7, 1], &(forces + "\n"));
+    let columns = ["time", "Beam acceleration 7 +Z [m/s^2]", "Beam force 7 +Z"];
     let left = "`Beam acceleration 7 +Z` is a frequency response, no function of time; it is left out";
-    assert_eq!(table.remarks, [left]);
-    let none = read(set(4, 12, [5, 2, 1], spectrum).as_bytes(), None).unwrap_err().to_string();
-    assert!(
-        none.starts_with("`Beam acceleration 7 +Z` is a frequency response, no function of time, and none"),
-        "{none}"
-    );
-}
-
-#[test]
-fn uneven_functions_bring_their_times() {
+    check(&text, 7, &columns, &[(0, 2, 0.01), (1, 1, -2.0), (1, 6, 7.0), (2, 6, 6.25)], &[left]);
+    let none = read(spectrum.as_bytes(), None).unwrap_err().to_string();
+    assert!(none.contains("is a frequency response, no function of time, and none"), "{none}");
     let pairs = "  0.00000e+00  1.00000e+00  1.00000e-01  2.00000e+00  2.50000e-01  3.00000e+00\n";
-    let (table, names) = table_of(&set(1, 8, [2, 3, 0], pairs));
-    assert_eq!(names, ["time", "Beam displacement 7 +Z"]);
-    assert_eq!(
-        (table.columns[0].values.as_slice(), table.columns[1].values.as_slice()),
-        (&[0.0, 0.1, 0.25][..], &[1.0, 2.0, 3.0][..])
-    );
+    let uneven = [(0, 1, 0.1), (0, 2, 0.25), (1, 2, 3.0)];
+    check(&set(1, 8, [2, 3, 0], pairs), 3, &["time", "Beam displacement 7 +Z"], &uneven, &[]);
 }
 
 fn file(columns: &str, names: &str, rows: &str) -> String {
@@ -169,76 +140,45 @@ fn file(columns: &str, names: &str, rows: &str) -> String {
 }
 
 #[test]
-fn one_column_of_times_and_channels_of_unequal_length_are_read() {
-    let text = file(
-        "One",
-        "X_Value\tAcceleration\tForce\tComment",
-        "0.000000\t1.5\t2.5\tfirst\n0.250000\t1.25\t2.25\n0.500000\t1.0\t\n\t\t\t\n",
-    );
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "Acceleration", "Force"]);
-    assert_eq!((table.columns[1].unit.as_deref(), table.columns[2].unit.as_deref()), (Some("m/s^2"), Some("N")));
-    assert_eq!(table.columns[1].values, [1.5, 1.25, 1.0]);
-    assert!(table.columns[2].values[2].is_nan());
-}
-
-#[test]
-fn without_times_the_step_of_the_header_counts_and_other_segments_are_told() {
+fn labview_has_one_column_of_times_or_several_or_none() {
+    let nan = f64::NAN;
+    let names = "X_Value\tAcceleration\tForce\tComment";
+    let one = file("One", names, "0.000000\t1.5\t2.5\tfirst\n0.250000\t1.25\t2.25\n0.500000\t1.0\t\n\t\t\t\n");
+    check(&one, 3, &["time", "Acceleration [m/s^2]", "Force [N]"], &[(1, 1, 1.25), (1, 2, 1.0), (2, 2, nan)], &[]);
     let rows = "\t1.5\t2.5\n\t1.25\t2.25\n\t1.0\t2.0\n\nChannels\t2\nSamples\t3\t3\n***End_of_Header***\nX_Value\tA\tB\n\t9\t9\n";
-    let (table, names) = table_of(&file("No", "X_Value\tAcceleration\tForce\tComment", rows));
-    assert_eq!(names, ["time", "Acceleration", "Force"]);
-    assert_eq!((table.rows(), table.columns[0].values[2], table.columns[1].values[2]), (3, 0.5, 1.0));
-    assert_eq!(table.remarks, ["line 28 begins another table; it is left out, with all below it"]);
-    let comma = file("No", "X_Value\tA\tB", "\t1,5\t2\n\t1\t2\n")
-        .replace("Decimal_Separator\t.", "Decimal_Separator\t,")
-        .replace("2.500000E-1", "0,25");
-    assert_eq!(table_of(&comma).0.columns[0].values[1], 0.25);
+    let another = "line 28 begins another table; it is left out, with all below it";
+    check(&file("No", names, rows), 3, &["time", "Acceleration", "Force"], &[(0, 2, 0.5), (1, 2, 1.0)], &[another]);
+    let comma =
+        file("No", "X_Value\tA\tB", "\t1,5\t2\n\t1\t2\n").replace("Decimal_Separator\t.", "Decimal_Separator\t,");
+    check(&comma.replace("2.500000E-1", "0,25"), 2, &["time", "A", "B"], &[(0, 1, 0.25)], &["3 rows, but there are 2"]);
+    let equal = file("Multi", "X_Value\tA\tX_Value\tB\tComment", "0.0\t1\t0.0\t2\n0.25\t3\t0.25\t4\n");
+    check(&equal, 2, &["time", "A", "B"], &[(2, 0, 2.0), (2, 1, 4.0)], &["3 rows, but there are 2"]);
+    let unlike = "0.0\t1\t0.0\t2\n0.25\t3\t0.5\t4\n0.5\t5\t1.0\t6\n0.75\t7\t\t\n";
+    let unlike = file("Multi", "X_Value\tA\tX_Value\tB\tComment", unlike)
+        .replace("Delta_X\t2.500000E-1\t2.500000E-1", "Delta_X\t0.25\t\t0.5\t")
+        .replace("m/s^2\tN", "m/s^2\t\tmm")
+        .replace("Samples\t3\t2", "Samples\t4\t\t3");
+    check(&unlike, 4, &["time", "A [m/s^2]", "time (2)", "B [mm]"], &[(2, 1, 0.5), (2, 2, 1.0)], &[]);
 }
 
 #[test]
-fn of_several_columns_of_times_the_first_counts() {
-    let text = file("Multi", "X_Value\tA\tX_Value\tB\tComment", "0.0\t1\t0.0\t2\n0.25\t3\t0.25\t4\n");
-    let (table, names) = table_of(&text);
-    assert_eq!(names, ["time", "A", "B"]);
-    assert_eq!(table.columns[2].values, [2.0, 4.0]);
-}
-
-#[test]
-fn times_follow_from_start_and_increment() {
-    let (table, names) = table_of(
-        "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-2.000000e-03,1.000000e-03\n0,1.0e-01,2.0e-02,,\n1,1.1e-01,2.1e-02,,\n2,1.2e-01,2.2e-02,,\n",
-    );
-    assert_eq!(names, ["time", "CH1", "CH2"]);
-    assert_eq!(table.columns[0].values, [-0.002, -0.001, 0.0]);
-    assert_eq!((table.columns[1].unit.as_deref(), table.columns[2].values[2]), (Some("Volt"), 0.022));
-    let (table, names) = table_of("Time(s),CH1(V),t0 = -5e-01, tInc = 2.5e-01,\n,0.5,,\n,0.25,,\n,0.125,,\n");
-    assert_eq!(names, ["time", "CH1"]);
-    assert_eq!((table.columns[0].values[2], table.columns[1].values[2]), (0.0, 0.125));
-}
-
-#[test]
-fn settings_are_no_columns() {
-    let text = "Record Length,2.500000e+03,,-0.005000000000,  0.00000,\nSample Interval,4.000000e-06,,-0.004996000000,  0.00160,\n\
+fn oscilloscopes_and_loggers_have_settings_beside_and_above_their_columns() {
+    let rigol = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-2.000000e-03,1.000000e-03\n0,1.0e-01,2.0e-02,,\n1,1.1e-01,2.1e-02,,\n2,1.2e-01,2.2e-02,,\n";
+    check(rigol, 3, &["time", "CH1 [Volt]", "CH2"], &[(0, 0, -0.002), (0, 2, 0.0), (2, 2, 0.022)], &[]);
+    let newer = "Time(s),CH1(V),t0 = -5e-01, tInc = 2.5e-01,\n,0.5,,\n,0.25,,\n,0.125,,\n";
+    check(newer, 3, &["time", "CH1"], &[(0, 2, 0.0), (1, 2, 0.125)], &[]);
+    let tektronix = "Record Length,2.500000e+03,,-0.005000000000,  0.00000,\nSample Interval,4.000000e-06,,-0.004996000000,  0.00160,\n\
                 Trigger Point,1.250000000000e+03,,-0.004992000000, -0.00320,\n,,,-0.004988000000,  0.00480,\n,,,-0.004984000000,  0.00160,\n\
                 ,,,-0.004980000000,  0.00160,\nSource,CH2,,-0.004976000000,  0.00000,\nVertical Units,V,,-0.004972000000,  0.00160,\n\
                 Vertical Scale,2.000000e-02,,-0.004968000000,  0.00160,\nHorizontal Units,s,,-0.004964000000,  0.00000,\n\
                 ,,,-0.004960000000,  0.00160,\n";
-    let (table, names) = table_of(text);
-    assert_eq!(names, ["time", "CH2"]);
-    assert_eq!((table.rows(), table.columns[0].values[2], table.columns[1].values[3]), (11, -0.004992, 0.0048));
-    assert_eq!((table.columns[0].unit.as_deref(), table.columns[1].unit.as_deref()), (Some("s"), Some("V")));
-}
-
-#[test]
-fn names_and_units_stand_in_the_second_and_third_line() {
-    let text = "\"TOA5\",\"Bridge\",\"CR6\",\"1234\",\"CR6.Std.08\",\"CPU:acc.CR6\",\"51234\",\"Fast\"\n\
+    check(tektronix, 11, &["time [s]", "CH2 [V]"], &[(0, 2, -0.004992), (1, 3, 0.0048)], &[]);
+    let campbell = "\"TOA5\",\"Bridge\",\"CR6\",\"1234\",\"CR6.Std.08\",\"CPU:acc.CR6\",\"51234\",\"Fast\"\n\
                 \"TIMESTAMP\",\"RECORD\",\"Accel_1\",\"Batt_V\"\n\"TS\",\"RN\",\"m/s^2\",\"Volts\"\n\"\",\"\",\"Smp\",\"Smp\"\n\
                 \"2024-05-01 12:00:00\",0,0.125,12.5\n\"2024-05-01 12:00:00.02\",1,-0.25,12.5\n\
                 \"2024-05-01 12:00:00.04\",2,\"NAN\",12.5\n";
-    let (table, names) = table_of(text);
-    assert_eq!(names, ["TIMESTAMP", "RECORD", "Accel_1", "Batt"]);
-    assert_eq!(table.columns[2].unit.as_deref(), Some("m/s^2"));
-    assert_eq!((table.rows(), table.columns[2].values[1]), (3, -0.25));
+    let columns = ["TIMESTAMP", "RECORD", "Accel_1 [m/s^2]", "Batt"];
+    let table = check(campbell, 3, &columns, &[(2, 1, -0.25), (2, 2, f64::NAN)], &[]);
     assert!(table.form.starts_with("Campbell TOA5: UTF-8, commas"), "{}", table.form);
     let (mapping, _) = Mapping::guess(&table);
     assert_eq!(mapping.time.column.as_deref(), Some("TIMESTAMP"));
@@ -271,23 +211,6 @@ fn what_a_header_leaves_open_is_found_and_what_it_says_wrongly_is_said() {
         assert_eq!(table.remarks.len(), said.iter().len(), "{:?}", table.remarks);
         assert!(said.is_none_or(|said| table.remarks[0].contains(said)), "{:?}", table.remarks);
     }
-}
-
-#[test]
-fn unlike_columns_of_times_are_clocks() {
-    let text = file(
-        "Multi",
-        "X_Value\tA\tX_Value\tB\tComment",
-        "0.0\t1\t0.0\t2\n0.25\t3\t0.5\t4\n0.5\t5\t1.0\t6\n0.75\t7\t\t\n",
-    );
-    let text = text
-        .replace("Delta_X\t2.500000E-1\t2.500000E-1", "Delta_X\t0.25\t\t0.5\t")
-        .replace("m/s^2\tN", "m/s^2\t\tmm")
-        .replace("Samples\t3\t2", "Samples\t4\t\t3");
-    let (table, names) = table_of(&text);
-    assert_eq!((names, table.remarks.len()), (["time", "A", "time (2)", "B"].map(str::to_owned).to_vec(), 0));
-    assert_eq!([&table.columns[1], &table.columns[3]].map(|c| c.unit.as_deref()), [Some("m/s^2"), Some("mm")]);
-    assert_eq!(table.columns[2].values[..3], [0.0, 0.5, 1.0]);
 }
 
 fn swing(k: usize) -> f64 {

@@ -271,7 +271,7 @@ fn numbers_and_words_for_missing_readings_are_said() {
 }
 
 #[test]
-fn readings_that_stand_still_are_told() {
+fn readings_that_stand_still_are_known() {
     let still = import("t,force,x\n0,1,2\n0.1,2,2\n0.2,1,\n0.3,1,2\n", |_| {});
     assert_eq!(still.still, Some(Quantity::DISPLACEMENT));
     assert_eq!(import("t,force,x\n0,1,2\n0.1,2,3\n0.2,,4\n", |_| {}).still, None);

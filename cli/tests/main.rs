@@ -133,16 +133,16 @@ impl Folder {
                      [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.002\n";
         self.file("truth.toml", truth);
         self.succeeds(&["run", "truth.toml", "--record-out", "plain.csv"]);
-        self.file("sheet.csv", &("Zeit [s];Kraft;Weg [mm]\n".to_owned() + &sheet(&self.read("plain.csv"))));
+        self.file("sheet.csv", &("Zeit [s];Kraft [N];Weg [mm]\n".to_owned() + &sheet(&self.read("plain.csv"), 2.0)));
         self.succeeds(&["import", "sheet.csv", "--out", "sheet.toml"]);
     }
 }
 
-/// The rows of a record as a spreadsheet writes them: semicolons, decimal commas, millimetres.
-fn sheet(record: &str) -> String {
+/// The rows of a record with a mass \[kg\] as a spreadsheet writes them: semicolons, decimal commas, millimetres.
+fn sheet(record: &str, mass: f64) -> String {
     let row = |line: &str| {
         let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
-        format!("{:.2};{:.5};{:.4}\n", cells[0], cells[1], 1000.0 * cells[2]).replace('.', ",")
+        format!("{:.2};{:.5};{:.4}\n", cells[0], mass * cells[1], 1000.0 * cells[2]).replace('.', ",")
     };
     record.lines().skip(1).map(row).collect()
 }

@@ -40,31 +40,3 @@ fn a_dash_is_standard_output_and_the_table_goes_beside() {
     assert!(out.starts_with("filter,k,t,") && !out.contains("mean NIS") && error.contains("mean NIS"), "{out}{error}");
     assert_eq!(folder.names(), ["scenario.toml"]);
 }
-
-#[test]
-fn only_short_texts_in_files_and_pipes_are_read() {
-    let folder = Folder::of(SCENARIO);
-    folder.file("long.toml", &format!("{SCENARIO}#{}", " ".repeat(1_000_000)));
-    folder.file("device.toml", "[record]\nfile = \"/dev/zero\"\n[record.sensors.displacement]\ncolumn = \"x\"\n");
-    for (arguments, sentence) in [
-        (&["run", "long.toml"][..], "more than 1 MB"),
-        (&["run", "/dev/zero"], "neither a file nor a pipe"),
-        (&["run", "."], "neither a file nor a pipe"),
-        (&["run", "scenario.toml", "--record", "/dev/zero"], "neither a file nor a pipe"),
-        (&["run", "scenario.toml", "--record", "scenario.toml", "--map", "/dev/zero"], "neither a file nor a pipe"),
-        (&["run", "device.toml"], "neither a file nor a pipe"),
-    ] {
-        let error = folder.refused(arguments);
-        assert!(error.contains(sentence) && error.lines().count() == 1, "{arguments:?}: {error}");
-    }
-}
-
-#[test]
-fn a_record_in_place_of_a_scenario_is_known_as_one() {
-    let folder = Folder::new();
-    folder.measured();
-    for file in ["plain.csv", "sheet.csv"] {
-        let error = folder.refused(&["run", file]);
-        assert!(error.contains("this is a record") && error.contains("import"), "{error}");
-    }
-}

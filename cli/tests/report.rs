@@ -11,7 +11,7 @@ const OVERCONFIDENT: &str = "duration = 20.0\n[[filters]]\nname = \"<script>aler
 #[test]
 fn a_report_is_one_page_without_scripts() {
     let folder = Folder::of(OVERCONFIDENT);
-    folder.succeeds(&["report", "scenario.toml", "--out", "report.html"]);
+    folder.succeeds(&["run", "scenario.toml", "--out", "report.html"]);
     let page = folder.read("report.html");
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
     for part in [
@@ -20,7 +20,7 @@ fn a_report_is_one_page_without_scripts() {
         "2001 samples from 0 s to 20 s",
         "&lt;script&gt;alert(1)&lt;/script&gt;",
         "overconfident: ",
-        "<h4>Cause 1: ",
+        "<h4>cause 1 (",
         "sensor_std = ",
         "natural frequency",
         "prefers-color-scheme: dark",
@@ -50,7 +50,7 @@ fn a_report_on_a_measured_record_has_the_free_run() {
         ["ekf-acceleration-only.toml", "ekf-acceleration-only.record.csv"].map(|name| data.join(name));
     let folder = Folder::of("");
     let [scenario, record] = [&scenario, &record].map(|path| path.to_str().unwrap());
-    folder.succeeds(&["report", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
+    folder.succeeds(&["run", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
     let page = folder.read("report.html");
     assert!(page.contains("Over its own record: ") && page.contains("one step ahead"), "there is a free run");
     assert!(page.contains("ekf-acceleration-only.record.csv: "), "there is another");
@@ -58,25 +58,23 @@ fn a_report_on_a_measured_record_has_the_free_run() {
 }
 
 #[test]
-fn a_sensor_that_reads_no_channel_has_its_plot() {
-    let folder = Folder::of("duration = 5.0\n[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.3");
-    folder.succeeds(&["run", "scenario.toml", "--svg", "plots.svg"]);
-    let svg = folder.read("plots.svg");
-    assert_eq!(svg.matches("predicted acceleration").count(), 1);
-    assert!(svg.contains("measurement") && !svg.contains("NaN"), "dots are in the legend");
-}
-
-#[test]
-fn a_measured_record_has_a_plot_of_every_sensor() {
+fn sensors_have_plots_where_no_channel_shows_them() {
     let folder = Folder::of("duration = 5.0");
-    folder.succeeds(&["run", "scenario.toml", "--record-out", "record.csv", "--svg", "simulated.svg"]);
+    folder.succeeds(&["run", "scenario.toml", "--record-out", "record.csv", "--out", "simulated.svg"]);
     let kept = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",") + "\n";
-    let measured: String = folder.read("record.csv").lines().map(kept).collect();
-    folder.file("measured.csv", &measured);
-    folder.succeeds(&["run", "scenario.toml", "--record", "measured.csv", "--svg", "measured.svg"]);
-    for sensor in ["predicted displacement", "predicted velocity"] {
-        assert!(folder.read("measured.svg").contains(sensor), "{sensor}");
-        assert!(!folder.read("simulated.svg").contains(sensor), "the channel's plot shows it beside the truth");
+    folder.file("measured.csv", &folder.read("record.csv").lines().map(kept).collect::<String>());
+    folder.succeeds(&["run", "scenario.toml", "--record", "measured.csv", "--out", "measured.svg"]);
+    folder.file("a.toml", "duration = 5.0\n[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.3");
+    folder.succeeds(&["run", "a.toml", "--out", "acceleration.svg"]);
+    for (file, sensor, count) in [
+        ("simulated.svg", "predicted displacement", 0),
+        ("measured.svg", "predicted displacement", 1),
+        ("measured.svg", "predicted velocity", 1),
+        ("acceleration.svg", "predicted acceleration", 1),
+    ] {
+        let svg = folder.read(file);
+        assert_eq!(svg.matches(sensor).count(), count, "{file}, {sensor}");
+        assert!(svg.contains("measurement") && !svg.contains("NaN"), "dots are in the legend");
     }
 }
 

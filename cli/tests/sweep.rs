@@ -82,14 +82,6 @@ fn a_sweep_that_was_killed_goes_on() {
 }
 
 #[test]
-fn rows_of_another_sweep_are_not_taken_for_those_of_this_one() {
-    let folder = Folder::of(SCENARIO);
-    let expected = table(&folder, "a.csv", &GRID);
-    folder.file("a.csv.part", "# sweep 0123\nfilters\n1,2\n");
-    assert_eq!(table(&folder, "a.csv", &GRID), expected);
-}
-
-#[test]
 fn two_programs_do_not_write_one_table() {
     let folder = Folder::of(SCENARIO);
     let held = File::create(folder.path("a.csv.part")).unwrap();
@@ -98,28 +90,6 @@ fn two_programs_do_not_write_one_table() {
     assert!(error.contains("another program is writing this table") && !folder.has("a.csv"), "{error}");
     drop(held);
     assert_eq!(table(&folder, "a.csv", &GRID).lines().count(), 13);
-}
-
-#[test]
-fn wrong_arguments_are_refused_in_a_sentence() {
-    let folder = Folder::of(SCENARIO);
-    for (out, arguments, message) in [
-        ("a.csv", &["--vary", "plant.mass=1:2:3"][..], "the scenario has no number `plant.mass` to vary"),
-        ("a.csv", &["--vary", "seed=1:2"], "is not an axis"),
-        ("a.csv", &["--vary", "seed=1:3:3", "--seeds", "3"], "two axes vary `seed`"),
-        ("a.csv", &["--score", "speed"], "is no score; there are nis"),
-        ("a.csv", &["--filter", "KF"], "the scenario has no filter `KF`"),
-        ("a.csv", &["--shard", "4/3"], "expected I/N"),
-        ("a.txt", &GRID, "must be a .csv file, beside which finished rows are kept to continue from there"),
-        ("-", &["--vary", "filters.KF.fading=1:1.1:2"], "`filters.KF.fading` to vary; its filters are `EKF` and `UKF`"),
-        ("-", &["--seeds", "2", "--filter", "KF"], "no filter `KF`; its filters are `EKF` and `UKF`"),
-        ("-", &["--vary", "filters.EKF.fading=1:1.1:2", "--vary", "filters#1.fading=1:1.2:2"], "`filters#1.fading`"),
-    ] {
-        let (out, error) = folder.fails(&sweep(out, arguments), 2);
-        assert!(out.is_empty() && error.contains(message), "{error}");
-        let is_about_usage = error.contains("--help");
-        assert!(is_about_usage || error.lines().count() == 1, "{error}");
-    }
 }
 
 #[test]

@@ -64,20 +64,6 @@ fn numbers_that_are_no_readings_are_not_moved_into_others() {
 }
 
 #[test]
-fn files_that_cannot_be_joined_say_why() {
-    let folder = folder();
-    for (arguments, reason) in [
-        (&["sensor.csv", "--offset", "0"][..], "--joined"),
-        (&["sensor.csv", "--joined", "sensor.csv", "--offset", "0"], "would overwrite"),
-        (&["sensor.csv", "--joined", "both.csv", "--offset", "500"], "fewer than 2 samples in common"),
-        (&["sensor.csv", "--joined", "both.csv"], "--offset"),
-    ] {
-        let said = folder.refused(&[&["import", "force.csv", "--with"], arguments].concat());
-        assert!(said.contains(reason), "{said}");
-    }
-}
-
-#[test]
 fn columns_with_times_of_their_own_are_one_record() {
     let folder = Folder::new();
     let [force, sensor] = loggers();
@@ -89,7 +75,7 @@ fn columns_with_times_of_their_own_are_one_record() {
     let head = "t [s],force over mass [m/s²],t2 [ms],displacement [mm]\n";
     folder.file("both.csv", &(head.to_owned() + &rows.collect::<String>()));
     let (_, said) = folder.succeeds(&["import", "both.csv", "--out", "both.toml"]);
-    assert!(said.contains("column `t2`: a clock of its own"), "{said}");
+    assert!(said.contains("column `t2`: another clock"), "{said}");
     assert!(said.contains("the filters take each reading at its own time"), "{said}");
     let (_, said) = folder.succeeds(&["import", "both.csv", "--even", "--out", "even.toml"]);
     assert!(said.contains("s in common, at the steps of the clock `t`"), "{said}");

@@ -1,24 +1,46 @@
 //! Words: results, names, messages and help.
 
 use crate::Folder;
-use kalmanscope_core::document;
+use kalmanscope_core::document::{self, Document};
+
+/// The keys of a document and of all below it, but those of a scenario and of quantities and channels.
+fn keys(document: &Document, all: &mut Vec<String>) {
+    document.as_array().into_iter().flatten().for_each(|one| keys(one, all));
+    for (key, value) in document.as_object().into_iter().flatten() {
+        all.push(key.clone());
+        if !["scenario", "measured", "truth", "mean", "std", "innovation", "innovation_std", "value"].contains(&&**key)
+        {
+            keys(value, all);
+        }
+    }
+}
 
 #[test]
-fn results_are_one_document_of_json_or_nothing() {
+fn json_has_one_shape_which_is_that_of_its_page() {
     let folder = Folder::new();
     folder.measured();
-    let (out, _) = folder.fails(&["run", "sheet.toml", "--holdout", "plain.csv", "--json", "--map", "x"], 2);
+    let run = ["run", "sheet.toml", "--holdout", "sheet.csv", "--json"];
+    let (out, _) = folder.fails(&[&run[..], &["--map", "x"]].concat(), 2);
     assert_eq!(out, "");
-    let (out, _) = folder.succeeds(&["run", "sheet.toml", "--holdout", "sheet.csv", "--json"]);
-    let results = document::from_json(&out).unwrap();
-    for key in ["samples", "start", "dt", "measured", "filters", "free_runs"] {
-        assert!(results.get(key).is_some(), "{key} in {out}");
-    }
-    let filters = results["filters"].as_array().unwrap();
-    for key in ["name", "verdict", "evidence", "causes", "estimates", "mean_nis", "log_likelihood", "stopped"] {
-        assert!(filters.iter().all(|filter| filter.get(key).is_some()), "{key} in {out}");
-    }
-    assert_eq!(results["free_runs"].as_array().unwrap().len(), 2 * filters.len());
+    let (printed, _) = folder.succeeds(&[&run[..], &["--out", "all.json"]].concat());
+    let (alone, _) = folder.succeeds(&run);
+    assert_eq!(printed, alone, "a history changes nothing");
+    let mut all = document::from_json(&folder.read("all.json")).unwrap();
+    let page = include_str!("../../docs/command-line.md").split_once("## JSON").unwrap().1;
+    let page: Vec<&str> =
+        page.split("```").nth(1).unwrap().split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+    let mut found = Vec::new();
+    keys(&all, &mut found);
+    assert!(found.iter().all(|key| page.contains(&key.as_str())), "{found:?}");
+    let filters = all["filters"].as_array().unwrap().len();
+    assert_eq!(all["free_runs"].as_array().unwrap().len(), 2 * filters);
+    assert_eq!(
+        all["filters"][1]["series"]["nis"].as_array().map(Vec::len),
+        all["record"]["samples"].as_u64().map(|n| n as usize)
+    );
+    all["record"]["series"] = Document::Null;
+    (0..filters).for_each(|place| all["filters"][place]["series"] = Document::Null);
+    assert_eq!(document::from_json(&printed).unwrap(), all);
     assert_eq!(folder.quietly(&["run", "sheet.toml", "--quiet"]), "");
 }
 
@@ -48,24 +70,4 @@ fn filters_of_one_name_are_parted_and_this_is_said() {
     let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let different: std::collections::BTreeSet<&&str> = names.iter().collect();
     assert!(different.len() == names.len() && names.contains(&"EKF.nis") && names.contains(&"EKF 2.nis"), "{names:?}");
-}
-
-#[test]
-fn each_command_has_an_example() {
-    let folder = Folder::new();
-    for command in ["run", "report", "import", "sweep", "tune"] {
-        let (out, _) = folder.succeeds(&[command, "--help"]);
-        assert!(out.contains(&format!("  kalmanscope-cli {command} ")), "{out}");
-    }
-}
-
-#[test]
-fn words_that_are_nearly_right_are_known() {
-    let folder = Folder::new();
-    for (arguments, word) in
-        [(&["runn", "a.toml"][..], "'run'"), (&["run", "a.toml", "--record-ot", "b"], "'--record-out'")]
-    {
-        let error = folder.refused(arguments);
-        assert!(error.contains(word), "{error}");
-    }
 }

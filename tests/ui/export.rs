@@ -131,19 +131,20 @@ fn everything_is_one_json() {
         serde_json::from_str(&text(exported(&mut screen, &files, "Everything (JSON)"))).expect("it is JSON");
     assert_eq!(all["kalmanscope"], env!("CARGO_PKG_VERSION"));
     assert_eq!(all["scenario"]["duration"], 20.0);
-    assert_eq!(all["record"]["measured"]["velocity"].as_array().map(Vec::len), Some(2001));
+    assert_eq!(all["record"]["series"]["measured"]["velocity"].as_array().map(Vec::len), Some(2001));
     let session = screen.state().session();
     for (place, estimates) in session.run().estimates().iter().enumerate() {
         let filter = &all["filters"][place];
         assert_eq!(filter["name"], estimates.name());
         let at = estimates.place(Channel::NATURAL_FREQUENCY).expect("it is estimated");
-        assert_eq!(filter["mean"]["natural_frequency"][2000], estimates.canonical_mean(2000, at));
-        assert_eq!(filter["innovation"]["velocity"][7], estimates.innovation(7)[1]);
-        assert!(filter["innovation"]["velocity"][0].is_null(), "the first sample has none");
+        let series = &filter["series"];
+        assert_eq!(series["mean"]["natural_frequency"][2000], estimates.canonical_mean(2000, at));
+        assert_eq!(series["innovation"]["velocity"][7], estimates.innovation(7)[1]);
+        assert!(series["innovation"]["velocity"][0].is_null(), "the first sample has none");
         let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
         let kind = verdict.expect("there is a verdict").kind;
-        assert_eq!(filter["diagnosis"]["verdict"], kind.key());
-        assert!(filter["diagnosis"]["evidence"].as_array().is_some_and(|evidence| !evidence.is_empty()));
+        assert_eq!(filter["verdict"]["kind"], kind.key());
+        assert!(filter["evidence"].as_array().is_some_and(|evidence| !evidence.is_empty()));
     }
 }
 

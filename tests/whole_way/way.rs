@@ -103,17 +103,15 @@ fn results(run: &Run, findings: &mut Findings) {
     let wanted = Wanted { bounds: true, ..Wanted::default() };
     let Some(analysis) = findings.stage("analysis", || Analysis::new(run, wanted)) else { return };
     let causes = findings.stage("causes", || causes(run, &analysis, &mut |_| {})).unwrap_or_default();
-    if let Some(text) = findings.stage("table", || Results::of_run(run, &analysis, causes.clone()).table(true)) {
+    let records = [("its own record", run.record())];
+    let results = || Results::of_run(run, &analysis, causes).with_free_runs(run, &records);
+    let Some(results) = findings.stage("results", results) else { return };
+    if let Some(text) = findings.stage("table", || results.table(true)) {
         legible("table", &text, findings);
     }
-    let records = [("its own record", run.record())];
-    let free_runs = || Results::of_run(run, &analysis, Vec::new()).with_free_runs(run, &records).free_runs();
-    if let Some(text) = findings.stage("free runs", free_runs) {
-        legible("free runs", &text, findings);
-    }
     let figures = findings.stage("figures", || pages(run)).unwrap_or_default();
-    let parts = Parts { title: "case", causes: &causes, figures: &figures, free_runs: &records, ..Parts::default() };
-    if let Some(page) = findings.stage("report", || report(run, &analysis, &parts)) {
+    let parts = Parts { title: "case", figures: &figures, ..Parts::default() };
+    if let Some(page) = findings.stage("report", || report(&results, &parts)) {
         match page {
             Ok(page) => {
                 // The scenario stands last, as it is in its file.

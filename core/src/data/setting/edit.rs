@@ -47,32 +47,6 @@ impl Edit {
         format!("{} = {}", self.inner(), self.value)
     }
 
-    /// The whole lines that make some edits, each with the name of its filter if it is one of a filter's. A table with a number for
-    /// each channel is one line, so that it can take the place of that in a file.
-    ///
-    /// # Errors
-    /// As [`Self::apply`].
-    pub fn toml_lines(edits: &[Self], scenario: &Scenario) -> Result<Vec<(Option<String>, String)>, ScenarioError> {
-        let file = document::to_table(&Self::apply_all(edits, scenario)?)?;
-        let mut lines: Vec<(Option<String>, String)> = Vec::new();
-        for edit in edits {
-            let inner = edit.inner();
-            let outer = inner.split('.').next().unwrap_or(inner);
-            let place = scenario.filters_at(&edit.key).and_then(|(places, _)| places.first().copied());
-            let of_filter = |place: usize| file.get("filters")?.as_array()?.get(place)?.as_table();
-            let name = place.and_then(|place| Some(scenario.filters.get(place)?.name.clone()));
-            // A setting that is back at its default has no line in the file.
-            let value = place.map_or(Some(&file), of_filter).and_then(|table| table.get(outer));
-            let value = value.filter(|value| outer == inner || value.is_table());
-            let line = value.map_or_else(|| edit.toml_line(), |value| format!("{outer} = {value}"));
-            let line = (name, line);
-            if !lines.contains(&line) {
-                lines.push(line);
-            }
-        }
-        Ok(lines)
-    }
-
     pub(crate) fn inner(&self) -> &str {
         address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
     }
@@ -188,15 +162,6 @@ mod tests {
         assert_eq!((turned.filters[0].fading, turned.filters[1].fading), (1.5, scenario.filters[1].fading));
         renamed.filters[1].id = ekf;
         assert!(Edit::of_filter(ekf, "fading", 1.0).apply(&renamed).is_err(), "which of the two?");
-        let lines = Edit::toml_lines(&edits, &scenario).unwrap();
-        assert_eq!(lines.len(), 5);
-        assert_eq!((&lines[0].0, lines[0].1.as_str()), (&None, "hold = \"first\""));
-        // A file takes each line in place of its own, which is a table in one line.
-        let (name, line) = &lines[1];
-        assert_eq!(name.as_deref(), Some("UKF, no. 2"));
-        let line: toml::Table = toml::from_str(line).unwrap();
-        assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
-        assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
         for (wrong, why) in [
             (Edit::of_filter(9, "fading", 1.0), "the scenario has no setting `filters#9.fading`; its filters are"),
             (Edit::of_filter(ekf, "fadng", 1.0), "`filters[0].fadng`: unknown field `fadng`, expected one of"),
