@@ -7,7 +7,7 @@ use kalmanscope_cli::{Parts, day, report, write_estimates};
 use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::{self, Document, DocumentError, json};
-use kalmanscope_core::{Analysis, Channel, Diagnosis, Estimates, Record, Scenario, Stop, Task};
+use kalmanscope_core::{Analysis, Diagnosis, Estimates, Record, Scenario, Stop, Task};
 
 use crate::figure::Figure;
 use crate::inbox::Done;
@@ -227,7 +227,7 @@ impl Task for Everything {
 
 fn record(record: &Record) -> Document {
     let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), record.measured(i)));
-    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), record.truth(*c)?)));
+    let truth = record.true_channels().into_iter().filter_map(|c| Some((c.key(), record.truth(c)?)));
     json!({
         "dt": record.dt(),
         "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),

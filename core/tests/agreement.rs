@@ -1,7 +1,7 @@
 //! Different computations of the same numbers agree.
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Update, Values,
+    Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor, Update, Values,
 };
 
 use nalgebra::{DMatrix, Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
@@ -214,7 +214,7 @@ fn a_record_from_a_file_gives_the_same_bits() {
         let mut file = Vec::new();
         simulated.record().write_csv(&mut file).unwrap();
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let record = Record::read_csv(file.as_slice(), &sensors).unwrap();
+        let record = Record::read_csv(file.as_slice(), &sensors, &PlantKind::SDOF).unwrap();
         assert_eq!(record.dt().to_bits(), dt.to_bits(), "{steps} steps of {dt} s");
         assert_eq!(&record, simulated.record());
         let again = finished_on(&scenario, record);

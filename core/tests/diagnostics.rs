@@ -180,7 +180,7 @@ fn unknown_truths_and_missing_measurements_are_not_scored() {
     run.record().write_csv(&mut file).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
-    let record = Record::read_csv(text.as_bytes(), &sensors).unwrap();
+    let record = Record::read_csv(text.as_bytes(), &sensors, &PlantKind::SDOF).unwrap();
     let again = finished_on(&scenario, record);
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);

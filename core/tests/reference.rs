@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::{Record, Scenario};
+use kalmanscope_core::{PlantKind, Record, Scenario};
 
 use crate::run::finished_on;
 
@@ -26,7 +26,7 @@ fn worst_deviation(case: &str) -> (f64, usize) {
     let scenario = Scenario::from_toml(&toml).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let file = std::fs::File::open(data(&format!("{case}.record.csv"))).unwrap();
-    let run = finished_on(&scenario, Record::read_csv(file, &sensors).unwrap());
+    let run = finished_on(&scenario, Record::read_csv(file, &sensors, &PlantKind::SDOF).unwrap());
     let estimates = &run.estimates()[0];
     assert_eq!(estimates.stop(), None);
 

@@ -9,8 +9,8 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 };
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Signal,
-    Verdict, simulate,
+    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, PlantKind, Quantity, Record, Run, Scenario,
+    Signal, Verdict, simulate,
 };
 
 use crate::run::{built_in, finished, finished_on, oscillator, remedies, values};
@@ -246,7 +246,7 @@ fn stiffening_spring() -> Record {
             (x, v) = (x + h * c, v + h * d);
         }
     }
-    Record::read_csv(text.as_bytes(), &[Quantity::DISPLACEMENT, Quantity::VELOCITY]).unwrap()
+    Record::read_csv(text.as_bytes(), &[Quantity::DISPLACEMENT, Quantity::VELOCITY], &PlantKind::SDOF).unwrap()
 }
 
 #[test]

@@ -3,17 +3,18 @@
 use std::io::{Read, Write};
 
 use super::{Clocks, Input, Record, RecordError, Timed};
+use crate::mathematics::catalogue::all_and;
 use crate::mathematics::lists::numbers;
-use crate::{Channel, Hold, InputKind, Quantity};
+use crate::{Channel, Hold, InputKind, PlantKind, Quantity};
 
 impl Record {
     /// Reads a CSV file with a header. Requires the columns `t`, `force` (or `ground_acceleration`) and one for each of
-    /// `sensors`. Reads `true_displacement` and similar columns as the truth, and ignores other columns and lines that
-    /// begin with `#`. An empty cell or `nan` is a missing measurement.
+    /// `sensors`. Reads `true_displacement` and similar columns as the truth, of [`Channel::all`] and of a plant, and ignores other
+    /// columns and lines that begin with `#`. An empty cell or `nan` is a missing measurement.
     ///
     /// # Errors
     /// [`RecordError`] with the line and column at fault.
-    pub fn read_csv(input: impl Read, sensors: &[Quantity]) -> Result<Self, RecordError> {
+    pub fn read_csv(input: impl Read, sensors: &[Quantity], plant: &PlantKind) -> Result<Self, RecordError> {
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(input);
         let header = reader.headers()?.clone();
         let find = |name: &str| header.iter().position(|h| h == name);
@@ -27,8 +28,9 @@ impl Record {
             _ => (InputKind::Force, need(input_name(InputKind::Force))?),
         };
         let sensor_columns = sensors.iter().map(|s| need(s.key())).collect::<Result<Vec<_>, _>>()?;
+        let of_truth = |channel: Channel| Some((channel, find(&format!("true_{}", channel.key()))?));
         let (truth_channels, truth_columns): (Vec<Channel>, Vec<usize>) =
-            Channel::all().iter().filter_map(|&c| Some((c, find(&format!("true_{}", c.key()))?))).unzip();
+            all_and(plant.channels().iter().copied()).into_iter().filter_map(of_truth).unzip();
 
         let mut times = Vec::new();
         let mut input = Vec::new();
@@ -146,13 +148,13 @@ mod tests {
     const SENSORS: [Quantity; 1] = [Quantity::VELOCITY];
 
     fn message(text: &str) -> String {
-        Record::read_csv(text.as_bytes(), &SENSORS).unwrap_err().to_string()
+        Record::read_csv(text.as_bytes(), &SENSORS, &PlantKind::SDOF).unwrap_err().to_string()
     }
 
     #[test]
     fn columns_are_found_by_name_and_missing_measurements_are_nan() {
         let text = "velocity,force,t,true_velocity\n# a remark\n1,2,0.5,0.9\n,3,1.0,1\nnan,4,1.5,1.1\n";
-        let record = Record::read_csv(text.as_bytes(), &SENSORS).unwrap();
+        let record = Record::read_csv(text.as_bytes(), &SENSORS, &PlantKind::SDOF).unwrap();
         assert_eq!((record.dt(), record.time(2), record.input()), (0.5, 1.5, &[2.0, 3.0, 4.0][..]));
         assert_eq!(record.measured(0)[0], 1.0);
         assert!(record.measured(0)[1].is_nan() && record.measured(0)[2].is_nan());
@@ -163,10 +165,10 @@ mod tests {
     #[test]
     fn every_bit_survives_a_file() {
         let text = "t,force,velocity\n0,0.1,0.30000000000000004\n0.01,-1e-300,\n";
-        let record = Record::read_csv(text.as_bytes(), &SENSORS).unwrap();
+        let record = Record::read_csv(text.as_bytes(), &SENSORS, &PlantKind::SDOF).unwrap();
         let mut file = Vec::new();
         record.write_csv(&mut file).unwrap();
-        let again = Record::read_csv(file.as_slice(), &SENSORS).unwrap();
+        let again = Record::read_csv(file.as_slice(), &SENSORS, &PlantKind::SDOF).unwrap();
         assert_eq!(again.measured(0)[0].to_bits(), 0.300_000_000_000_000_04_f64.to_bits());
         assert!(again.measured(0)[1].is_nan());
         assert_eq!(again.input(), record.input());
