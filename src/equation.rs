@@ -2,6 +2,8 @@
 
 mod editor;
 
+use std::sync::LazyLock;
+
 use egui::text::LayoutJob;
 use egui::{Align, Color32, FontId, TextFormat};
 use kalmanscope_core::PlantKind;
@@ -14,15 +16,18 @@ const FIRST: &str = "x'' + 2 ζ ωₙ x' + ωₙ² x = f";
 pub(crate) const NAME: &str = "equation of your own";
 
 pub(crate) fn first() -> Option<PlantKind> {
-    PlantKind::of_equation(&EquationSettings::new(FIRST)).ok()
+    // A dialog offers it each frame.
+    static KIND: LazyLock<Option<PlantKind>> =
+        LazyLock::new(|| PlantKind::of_equation(&EquationSettings::new(FIRST)).ok());
+    KIND.clone()
 }
 
-fn typed(kind: PlantKind) -> EquationSettings {
+fn typed(kind: &PlantKind) -> EquationSettings {
     if let Some(own) = kind.own_equation() {
         return own.settings().clone();
     }
     let typed = EquationSettings::new(kind.equation().replace('ẍ', "x''").replace('ẋ', "x'"));
-    let is_one = kind != PlantKind::SDOF && typed.symbols().is_ok();
+    let is_one = *kind != PlantKind::SDOF && typed.symbols().is_ok();
     if is_one { typed } else { EquationSettings::new(FIRST) }
 }
 

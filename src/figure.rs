@@ -9,7 +9,6 @@ mod svg;
 use canvas::{Canvas, Geometry, Part, Pen, TYPE, extent};
 use egui::epaint::ClippedShape;
 use egui::{Color32, Label, Pos2, RichText, Sense, Ui, Vec2, pos2, vec2};
-use kalmanscope_core::Channel;
 
 use crate::legend::{Mark, paint_mark};
 use crate::plot::medium::Medium;
@@ -212,7 +211,7 @@ const SAMPLE: egui::Vec2 = vec2(18.0, 9.0);
 pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
     let ViewContext { session, palette, visible, .. } = *context;
     let record = session.run().record();
-    let knows_truth = Channel::all().iter().any(|channel| record.truth(*channel).is_some());
+    let knows_truth = !record.true_channels().is_empty();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(12.0, 2.0);
         if visible.truth && knows_truth {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::import::{Dimension, unit};
-use kalmanscope_core::{Axis, Measure, MeasureKind, PlantKind, Quantity, VerdictKind};
+use kalmanscope_core::{Axis, MeasureKind, PlantKind, Quantity, VerdictKind};
 use kalmanscope_lab::tune::Goal;
 
 use crate::files::{Places, places};
@@ -92,7 +92,7 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) seeds: Option<u32>,
     #[arg(long, value_name = "SCORES", value_delimiter = ',', help = score_help())]
-    pub(crate) score: Vec<Measure>,
+    pub(crate) score: Vec<String>,
     /// Score this filter only; may be given several times
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
@@ -389,7 +389,6 @@ fn plant(key: &str) -> Result<PlantKind, String> {
     if key.contains('=') {
         return PlantKind::of_equation(&EquationSettings::new(key)).map_err(|error| error.to_string());
     }
-    let all = || PlantKind::ALL.into_iter();
-    let keys = || all().map(|kind| kind.info().key).collect::<Vec<_>>().join(", ");
-    all().find(|kind| kind.info().key == key).ok_or_else(|| format!("expected an equation, or one of {}", keys()))
+    let keys = || PlantKind::ALL.map(|kind| kind.key().to_owned()).join(", ");
+    PlantKind::from_key(key).ok_or_else(|| format!("expected an equation, or one of {}", keys()))
 }

@@ -66,7 +66,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
-    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish);
+    let imported =
+        Builder::new(&table, &mapping, kind, Hold::First).and_then(|builder| builder.of_plant(plant).finish());
     drop(progress);
     // Without a sensor, the reasons say what is to be chosen.
     if matches!(imported, Ok(_) | Err(ImportError::NoSensor)) {
@@ -78,7 +79,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         return Err(bad(ImportError::Still(sensor.name())));
     }
     let mut scenario = scenario_for(&imported.record);
-    scenario.set_plant(*plant);
+    scenario.set_plant(plant.clone());
     scenario.record = Some(mapping);
     let progress = Progress::wait(false, "finding start values");
     let suggestion = suggest(&scenario, &imported.record);

@@ -3,7 +3,7 @@
 use kalmanscope_core::diagnosis::{Evidence, Final, Remedy};
 use kalmanscope_core::document::{self, Document, DocumentError, json};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Estimates, Fit, Record, Summary};
+use kalmanscope_core::{Estimates, Fit, Record, Summary};
 
 use crate::free_run::FreeFit;
 use crate::in_words::{are_models, sentence};
@@ -137,7 +137,7 @@ fn free_run(name: &str, fit: &FreeFit) -> Document {
 
 fn record_series(record: &Record) -> Document {
     let measured = record.sensors().iter().enumerate().map(|(i, quantity)| (quantity.key(), record.measured(i)));
-    let truth = Channel::all().iter().filter_map(|channel| Some((channel.key(), record.truth(*channel)?)));
+    let truth = record.true_channels().into_iter().filter_map(|channel| Some((channel.key(), record.truth(channel)?)));
     json!({
         "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),
         "input": record.input(),

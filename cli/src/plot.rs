@@ -72,7 +72,7 @@ fn draw(run: &Run, panels: &[Panel]) -> String {
 fn draw_legend(svg: &mut Svg, run: &Run) -> f32 {
     let record = run.record();
     let mut entries = Vec::new();
-    if Channel::all().iter().any(|&c| record.truth(c).is_some()) {
+    if !record.true_channels().is_empty() {
         entries.push(("truth".to_owned(), TRUTH));
     }
     if Panel::all(run).iter().any(|panel| panel.measured(record).is_some()) {
@@ -201,7 +201,7 @@ impl Panel {
     /// truth is known: then its prediction is the only comparison.
     fn all(run: &Run) -> Vec<Self> {
         let (channels, record) = (run.channels(), run.record());
-        let knows_truth = Channel::all().iter().any(|&channel| record.truth(channel).is_some());
+        let knows_truth = !record.true_channels().is_empty();
         let is_shown = |sensor: &Quantity| sensor.channel().is_some_and(|channel| channels.contains(&channel));
         let sensors = record.sensors().iter().copied().filter(|sensor| !(knows_truth && is_shown(sensor)));
         let used = |sensor: &Quantity| run.estimates().iter().any(|estimates| estimates.sensors().contains(sensor));

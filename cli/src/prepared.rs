@@ -222,7 +222,8 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
         let said = [Some(table.form.clone()), Some(meaning(&mapping)), left_out, Some(OVERRIDDEN.to_owned())];
         said.into_iter().flatten().collect()
     };
-    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold);
+    let imported = imported.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
     let mut imported = imported.map_err(bad)?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
-use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
+use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing, UnknownMeasure};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
 
 use crate::args::{InputArgs, Shard, SweepArgs};
@@ -101,7 +101,8 @@ fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
         let is_known = |measure: &Measure| !measure.info().needs_truth || matches!(source, Source::Simulated);
         Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
     } else {
-        score.clone()
+        let read = || score.iter().map(|text| text.parse()).collect::<Result<_, UnknownMeasure>>();
+        scenario.knowing(read).map_err(|reason| InputError::bad(file, &reason))?
     };
     let seeds = seeds.map(|seeds| Axis {
         key: "seed".to_owned(),

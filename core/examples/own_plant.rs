@@ -10,7 +10,7 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, RunE
 /// `ẍ + 2ζωₙẋ + ωₙ² sin x = f` with the angle x \[rad\] and state `y = [x, v, ωₙ, ζ]`.
 struct Pendulum;
 
-static INFO: PlantInfo = PlantInfo {
+static INFO: PlantInfo<'_> = PlantInfo {
     key: "pendulum",
     name: "pendulum",
     equation: "ẍ + 2ζωₙẋ + ωₙ² sin x = f",
@@ -21,8 +21,8 @@ static INFO: PlantInfo = PlantInfo {
 };
 
 impl Plant for Pendulum {
-    fn info(&self) -> &PlantInfo {
-        &INFO
+    fn info(&self) -> PlantInfo<'_> {
+        INFO
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {

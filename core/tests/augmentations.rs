@@ -135,7 +135,7 @@ fn chains_of_five_to_ten_masses_find_their_stiffness() {
 #[test]
 fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
     for plant in [PlantKind::SDOF, PlantKind::SHEAR_3, PlantKind::SHEAR_6] {
-        let model = Model::new(plant).augmented([Channel::INPUT_GAIN]);
+        let model = Model::new(plant.clone()).augmented([Channel::INPUT_GAIN]);
         let (n, motion) = (model.size(), model.motion());
         let gain = model.place(Channel::INPUT_GAIN).unwrap();
         let state = Vector::from_fn(n, |i, _| match model.channels()[i] {
@@ -175,7 +175,8 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
 #[test]
 fn transitions_are_derivatives_of_steps() {
     for plant in PlantKind::ALL {
-        let model = Model::new(plant).augmented([Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE]);
+        let model =
+            Model::new(plant.clone()).augmented([Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE]);
         let model = model.decaying(0.02).with_logarithms(plant == PlantKind::DUFFING);
         let values: Vec<f64> = (model.channels().iter().enumerate())
             .map(|(i, c)| if c.is_parameter() { c.usual_truth() + 0.01 } else { 0.1 * libm::sin(1.0 + i as f64) })

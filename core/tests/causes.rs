@@ -176,7 +176,7 @@ fn failure(row: &str, base: &Scenario) -> Option<String> {
     // The filter assumes another course of the input than that of the record.
     let record = simulate(if key == "hold" { base } else { &scenario });
     if key == "plant" || key == "plant.kind" {
-        scenario.filters[0].plant = Some(base.plant.kind);
+        scenario.filters[0].plant = Some(base.plant.kind.clone());
     }
     let found = on_record(&scenario, record.without_truth());
     let is_right = found.first().is_some_and(|first| {

@@ -87,7 +87,7 @@ fn duffing(plant: &str, cubic: &str) -> Scenario {
 fn filters_of_a_typed_plant_are_those_of_the_built_in_one() {
     let built_in = duffing("kind = \"duffing\"", "cubic_stiffness");
     let typed = duffing("equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"", "mu");
-    assert_eq!(typed.filters[0].initial_mean[Channel::from_key("mu").unwrap()], 100.0);
+    assert_eq!(typed.filters[0].initial_mean[typed.channel("mu").unwrap()], 100.0);
     for kind in ADAPTIVE {
         let of = |scenario: &Scenario| {
             let mut scenario = scenario.clone();
@@ -116,8 +116,8 @@ fn a_scenario_with_an_equation_can_be_written_and_read() {
     let friction = scenario.plant.kind.channels()[4];
     assert_eq!((friction.key(), friction.unit(), friction.usual().mean), ("friction", "m/s²", 0.05));
     assert!(friction.is_positive());
-    // Its key means it wherever it stands.
-    assert_eq!(Channel::from_key("friction").unwrap().usual().mean, 0.05);
+    // Its key means it in this scenario, and nothing elsewhere.
+    assert_eq!((scenario.channel("friction"), Channel::from_key("friction")), (Some(friction), None));
     assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
     let json = document::to_json(&scenario).unwrap();
     assert_eq!(document::read_json::<Scenario>(&json).unwrap(), scenario);
@@ -126,6 +126,43 @@ fn a_scenario_with_an_equation_can_be_written_and_read() {
     // The one whose parameter has other numbers is another plant.
     let other = Scenario::from_toml(&text.replace("0.05", "0.06")).unwrap();
     assert_ne!(other.plant.kind, scenario.plant.kind);
+}
+
+#[test]
+fn equations_that_give_one_name_other_numbers_do_not_disturb_each_other() {
+    let text = |guess: f64| {
+        format!(
+            "duration = 2.0\n[plant]\nequation = \"x'' + c x' + k x = f\"\nparameters = {{ k = {{ guess = {guess:?}, unit = \"1/s²\" }} }}\n\
+             [[filters]]\nkind = \"ekf\"\ncorrelation_time = {{ input_offset = 1.0 }}\naugment = [\"input_offset\"]\n"
+        )
+    };
+    let outcome = |scenario: &Scenario| {
+        let (k, run) = (scenario.channel("k").unwrap(), finished(scenario));
+        (k.usual().mean, scenario.filters[0].initial_mean[k], run.checksum(), scenario.to_toml().unwrap())
+    };
+    let read = |guess: f64| Scenario::from_toml(&text(guess)).unwrap();
+    let (one, fifty) = (read(1.0), read(50.0));
+    let expected = [outcome(&one), outcome(&fifty)];
+    assert_eq!([(expected[0].0, expected[0].1), (expected[1].0, expected[1].1)], [(1.0, 1.0), (50.0, 50.0)]);
+    assert_ne!(expected[0].2, expected[1].2);
+    let (fifty, one) = (read(50.0), read(1.0));
+    assert_eq!([outcome(&one), outcome(&fifty)], expected);
+    for (text, scenario) in [(&expected[0].3, &one), (&expected[1].3, &fifty)] {
+        assert_eq!(Scenario::from_toml(text).unwrap(), *scenario);
+    }
+    assert_eq!(Channel::from_key("k"), None);
+}
+
+#[test]
+fn numbers_of_an_earlier_equation_are_not_written() {
+    let mut scenario = Scenario::from_toml("[plant]\nk = 30.0\nequation = \"x'' + k x = f\"\n").unwrap();
+    let k = scenario.channel("k").unwrap();
+    scenario.filters[0].initial_mean[k] = 7.0;
+    scenario.set_plant(PlantKind::SDOF);
+    let (text, json) = (scenario.to_toml().unwrap(), document::to_json(&scenario).unwrap());
+    assert!(scenario.channel("k").is_none() && !text.contains("\nk =") && !json.contains("\"k\""), "{text}\n{json}");
+    let again = [Scenario::from_toml(&text).unwrap(), document::read_json(&json).unwrap()];
+    assert!(again.iter().all(|again| again.plant.kind == PlantKind::SDOF));
 }
 
 #[test]

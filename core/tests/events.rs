@@ -30,7 +30,7 @@ fn one_common_clock_gives_the_estimates_of_a_run() {
                 (PlantKind::SDOF, 1.0, 1, 4),
             ] {
                 let mut scenario = scenario(kind, hold);
-                scenario.set_plant(plant);
+                scenario.set_plant(plant.clone());
                 let filter = &mut scenario.filters[0];
                 (filter.fading, filter.substeps, filter.input_delay) = (fading, substeps, delay);
                 filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;

@@ -31,6 +31,7 @@ mod decay;
 mod delays;
 mod diagnosis;
 mod diagnostics;
+mod docs;
 mod equations;
 mod events;
 mod faults;

@@ -58,10 +58,10 @@ impl Circuit {
 }
 
 /// Where the scenario does not know the file's columns, the input stays linear between samples.
-fn identify(text: &str, plant: PlantKind, knows_columns: bool) -> (Scenario, Run) {
+fn identify(text: &str, plant: &PlantKind, knows_columns: bool) -> (Scenario, Run) {
     let rate = |mapping: &mut Mapping| mapping.time = Time { rate: Some(RATE), ..Time::default() };
     let change = |scenario: &mut Scenario| {
-        scenario.set_plant(plant);
+        scenario.set_plant(plant.clone());
         scenario.record = scenario.record.take().filter(|_| knows_columns);
     };
     let (suggestion, run) = suggested(&read(text.as_bytes(), None).unwrap(), rate, change);
@@ -78,7 +78,7 @@ fn free_run(scenario: &Scenario, record: &Record, run: &Run, filter: usize) -> F
 fn the_suggested_settings_find_a_linear_circuit() {
     for seed in 1..=5 {
         let text = Circuit { cubic: 0.0, amplitude: 0.002, seed }.file(8192);
-        let (scenario, run) = identify(&text, PlantKind::SDOF, true);
+        let (scenario, run) = identify(&text, &PlantKind::SDOF, true);
         for filter in 0..2 {
             let [wn, zeta] =
                 [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|c| last(&run.estimates()[filter], c).0);
@@ -94,7 +94,7 @@ fn the_suggested_settings_find_a_linear_circuit() {
 fn a_finer_input_makes_a_hardening_circuit_run_freely() {
     let text = Circuit { cubic: 7.3e5, amplitude: 0.008, seed: 7 }.file(6000);
     let error = |knows_columns: bool| {
-        let (scenario, run) = identify(&text, PlantKind::DUFFING, knows_columns);
+        let (scenario, run) = identify(&text, &PlantKind::DUFFING, knows_columns);
         let steps = scenario.record.as_ref().map_or(1, |mapping| mapping.interpolate);
         assert_eq!((steps, scenario.hold), (if knows_columns { 4 } else { 1 }, Hold::First));
         let cubic = last(&run.estimates()[0], Channel::CUBIC_STIFFNESS).0;

@@ -141,7 +141,7 @@ fn print_largest() {
     ];
     for scenario in cases {
         let filter = &scenario.filters[0];
-        let (plant, substeps) = (scenario.plant.kind, filter.substeps);
+        let (plant, substeps) = (&scenario.plant.kind, filter.substeps);
         let begin = Instant::now();
         let Ok(mut run) = Run::new(&scenario) else {
             println!("{} {} {substeps}: refused", filter.kind.name(), plant.key());

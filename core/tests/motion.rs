@@ -158,27 +158,27 @@ fn errors_of_the_duffing_oscillator_are_as_large_as_their_bands_say() {
 #[test]
 fn the_plant_says_how_the_mean_moves() {
     let linear = PlantKind::SDOF;
-    let steps = |filter: &FilterSettings, plant| filter.steps(plant, InputKind::Force, 0.02);
+    let steps = |filter: &FilterSettings, plant: &PlantKind| filter.steps(plant, InputKind::Force, 0.02);
     let usual = FilterSettings::default();
     for plant in PlantKind::ALL {
         let expected = if plant.info().is_linear { Propagation::LocalLinearisation } else { Propagation::RungeKutta };
-        assert_eq!(usual.propagation_for(plant), expected, "{plant:?}");
-        assert_eq!(steps(&usual, plant) == 1, plant.info().is_linear, "{plant:?}");
+        assert_eq!(usual.propagation_for(&plant), expected, "{plant:?}");
+        assert_eq!(steps(&usual, &plant) == 1, plant.info().is_linear, "{plant:?}");
     }
     // A filter moves as its own plant does.
     let own = FilterSettings { plant: Some(PlantKind::DUFFING), ..usual.clone() };
-    assert_eq!(own.propagation_for(linear), Propagation::RungeKutta);
+    assert_eq!(own.propagation_for(&linear), Propagation::RungeKutta);
     // A setting wins over the automatic number, and the textbook's steps are single ones.
     let set = FilterSettings { substeps: 3, ..usual.clone() };
-    assert_eq!([steps(&set, linear), steps(&set, PlantKind::DUFFING)], [3, 3]);
+    assert_eq!([steps(&set, &linear), steps(&set, &PlantKind::DUFFING)], [3, 3]);
     let local = Propagation::LocalLinearisation;
     let book = FilterSettings { propagation: Some(local), ..usual.clone() };
-    assert_eq!((book.propagation_for(PlantKind::DUFFING), steps(&book, PlantKind::DUFFING)), (local, 1));
+    assert_eq!((book.propagation_for(&PlantKind::DUFFING), steps(&book, &PlantKind::DUFFING)), (local, 1));
     // A stiffer spring and a longer step ask for more.
     let mut stiff = usual.clone();
     stiff.initial_mean[Channel::NATURAL_FREQUENCY] = 30.0;
-    assert!(steps(&stiff, PlantKind::DUFFING) > 2 * steps(&usual, PlantKind::DUFFING));
-    assert!(usual.steps(PlantKind::DUFFING, InputKind::Force, 0.1) > steps(&usual, PlantKind::DUFFING));
+    assert!(steps(&stiff, &PlantKind::DUFFING) > 2 * steps(&usual, &PlantKind::DUFFING));
+    assert!(usual.steps(&PlantKind::DUFFING, InputKind::Force, 0.1) > steps(&usual, &PlantKind::DUFFING));
 }
 
 #[test]

@@ -75,8 +75,9 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
 struct Impostor;
 
 impl Plant for Impostor {
-    fn info(&self) -> &PlantInfo {
-        PlantKind::SDOF.info()
+    fn info(&self) -> PlantInfo<'_> {
+        static SDOF: PlantKind = PlantKind::SDOF;
+        SDOF.info()
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
@@ -99,8 +100,8 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
         let error = scenario.validate().expect_err("it has a key of the registry").to_string();
         assert!(error.starts_with(message) && error.ends_with("a key that no built-in kind has"), "{error}");
     };
-    refused(&|scenario| scenario.plant.kind = plant, "`plant.kind` is \"sdof\" of your own");
-    refused(&|scenario| scenario.filters[1].plant = Some(plant), "`filters[1].plant` is \"sdof\" of your own");
+    refused(&|scenario| scenario.plant.kind = plant.clone(), "`plant.kind` is \"sdof\" of your own");
+    refused(&|scenario| scenario.filters[1].plant = Some(plant.clone()), "`filters[1].plant` is \"sdof\" of your own");
     refused(&|scenario| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own");
 }
 

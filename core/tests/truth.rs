@@ -227,7 +227,7 @@ fn response(kind: PlantKind, dt: f64, hold: Hold) -> Run {
     finished(&scenario)
 }
 
-fn from_lsim(run: &Run, kind: PlantKind, reference: &[Vec<f64>]) -> f64 {
+fn from_lsim(run: &Run, kind: &PlantKind, reference: &[Vec<f64>]) -> f64 {
     let mut worst = 0.0_f64;
     for (place, &channel) in kind.channels()[..kind.motion()].iter().enumerate() {
         let truth = truth(run.record(), channel);
@@ -247,14 +247,14 @@ fn a_linear_plant_answers_a_piecewise_linear_input_as_lsim_says() {
         (PlantKind::SHEAR_5, 0.02, include_str!("data/first-order-hold-shear_5.csv")),
     ] {
         let reference = rows(text);
-        let run = response(kind, dt, Hold::First);
+        let run = response(kind.clone(), dt, Hold::First);
         for (found, row) in run.record().input().iter().zip(&reference) {
             assert!((found - row[1]).abs() < 1e-12, "the force itself");
         }
-        let error = from_lsim(&run, kind, &reference);
+        let error = from_lsim(&run, &kind, &reference);
         assert!(error < 1e-9, "{kind:?}: {error}");
         // The same input with a zero-order hold gives another response.
-        assert!(from_lsim(&response(kind, dt, Hold::Zero), kind, &reference) > 1e-2, "{kind:?}");
+        assert!(from_lsim(&response(kind.clone(), dt, Hold::Zero), &kind, &reference) > 1e-2, "{kind:?}");
     }
 }
 

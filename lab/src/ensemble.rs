@@ -258,7 +258,7 @@ fn is_seed(setting: &Address) -> bool {
 pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
     let mut channels = Vec::new();
     for filter in filters.iter().filter_map(|&place| scenario.filters.get(place)) {
-        for &channel in filter.model(scenario.plant.kind, scenario.input).channels() {
+        for &channel in filter.model(&scenario.plant.kind, scenario.input).channels() {
             if !channels.contains(&channel) {
                 channels.push(channel);
             }
@@ -307,7 +307,7 @@ impl Trace {
         samples.dedup();
         let channels = |place: &usize| {
             let filter = scenario.filters.get(*place)?;
-            Some(filter.model(scenario.plant.kind, scenario.input).channels().to_vec())
+            Some(filter.model(&scenario.plant.kind, scenario.input).channels().to_vec())
         };
         let channels = plan.filters.iter().filter_map(channels).collect();
         Self { begin: plan.filters.len() * plan.measures.len(), samples, channels }

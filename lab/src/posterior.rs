@@ -166,8 +166,8 @@ impl Sampled {
 
 const PART: f64 = 0.3;
 
-fn parameters(filter: &FilterSettings, truth: PlantKind) -> Vec<Channel> {
-    let of_plant = filter.plant.unwrap_or(truth).parameters();
+fn parameters(filter: &FilterSettings, truth: &PlantKind) -> Vec<Channel> {
+    let of_plant = filter.plant.as_ref().unwrap_or(truth).parameters();
     let is_estimated = |channel: &Channel| !filter.knows(*channel) && filter.initial_std[*channel] > 0.0;
     of_plant.filter(|channel| !channel.is_augmentation()).filter(is_estimated).collect()
 }
@@ -235,7 +235,7 @@ impl Target {
         // The record fits the filter as it is.
         Pass::new(scenario, place, record)?;
         let filter = scenario.filters[place].clone();
-        let channels = parameters(&filter, scenario.plant.kind);
+        let channels = parameters(&filter, &scenario.plant.kind);
         if channels.is_empty() {
             return Err(NoPosterior::Known);
         }
@@ -314,7 +314,7 @@ impl Target {
 }
 
 fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) -> FilterSettings {
-    let is_linear = filter.plant.unwrap_or(scenario.plant.kind).info().is_linear;
+    let is_linear = filter.plant.as_ref().unwrap_or(&scenario.plant.kind).info().is_linear;
     let kind = match filter.kind {
         _ if is_linear => FilterKind::EKF,
         kind if kind.is_sampled() => FilterKind::UKF,

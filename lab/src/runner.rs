@@ -182,7 +182,7 @@ pub(crate) fn numbers(
     measures: &[Measure],
     (outcome, history): (&Outcome, Option<&Estimates>),
 ) -> Vec<f64> {
-    let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
+    let model = scenario.filters[place].model(&scenario.plant.kind, scenario.input);
     let whole = Whole::new(record, outcome, model.channels());
     let observed = history.map(|estimates| Observed::new(scenario, place, record, estimates));
     let number = |measure: &Measure| match &observed {

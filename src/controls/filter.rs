@@ -43,15 +43,15 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let length = Length::of(record.as_ref());
             let filter = &mut filters[place];
             for info in MEMORY {
-                filter_row_ui(ui, info, filter, plant.kind);
+                filter_row_ui(ui, info, filter, &plant.kind);
                 if *info == FADING {
                     half_life_ui(ui, filter.fading, *dt);
                 }
             }
-            changes_ui(ui, filter, plant.kind);
-            belief_ui(ui, filter, sensors, plant.kind, length);
+            changes_ui(ui, filter, &plant.kind);
+            belief_ui(ui, filter, sensors, &plant.kind, length);
             ui.add_space(2.0);
-            options_ui(ui, filter, plant.kind, sensors, length);
+            options_ui(ui, filter, &plant.kind, sensors, length);
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =
@@ -68,7 +68,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.add_space(6.0);
         });
     // Whatever has been opened: the kind of a folded filter can be changed too.
-    scenario.filters[place].turn_off_excluded(scenario.plant.kind);
+    scenario.filters[place].turn_off_excluded(&scenario.plant.kind);
     if duplicate {
         let id = scenario.free_filter_id();
         let color = free_color(scenario, id);
@@ -89,7 +89,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
 }
 
 /// The way in which the filter takes its parameters to change: none, or one of the others.
-fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
     let off = FilterSettings::default();
     let turn_off =
         |filter: &mut FilterSettings| CHANGES.iter().for_each(|(row, ..)| (row.set)(filter, (row.get)(&off)));
@@ -185,7 +185,7 @@ pub(super) fn belief_ui(
     ui: &mut Ui,
     filter: &mut FilterSettings,
     sensors: &[Sensor],
-    truth: PlantKind,
+    truth: &PlantKind,
     length: Length,
 ) {
     let channels = filter.model(truth, InputKind::Force).channels().to_vec();

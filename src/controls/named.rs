@@ -35,7 +35,7 @@ pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Addre
         let of_truth = address.channel().map(|channel| format!(" of true {}", channel.symbol())).unwrap_or_default();
         return sentence(name.strip_suffix(&of_truth).unwrap_or(&name));
     };
-    let symbol = setting.address.rsplit('.').next().and_then(kalmanscope_core::setting::symbol);
+    let symbol = setting.address.rsplit('.').next().and_then(|key| kalmanscope_core::setting::symbol(scenario, key));
     let symbol = symbol.filter(|_| address.table().is_none());
     let name = symbol.map_or_else(|| sentence(&name), str::to_owned);
     if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }

@@ -19,13 +19,13 @@ const OUTSIDE: PopupCloseBehavior = PopupCloseBehavior::CloseOnClickOutside;
 pub(super) fn options_ui(
     ui: &mut Ui,
     filter: &mut FilterSettings,
-    truth: PlantKind,
+    truth: &PlantKind,
     sensors: &[Sensor],
     length: Length,
 ) {
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
-        augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
+        augment_ui(ui, filter, truth, sensors);
         consider_ui(ui, filter, truth);
         bounds_ui(ui, filter, truth, length);
         let entries: Vec<Entry> = sensors.iter().map(|sensor| Entry::Sensor(sensor.measures)).collect();
@@ -48,8 +48,9 @@ pub(super) fn options_ui(
     });
 }
 
-fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensors: &[Sensor]) {
-    let FilterSettings { name, augment, .. } = filter;
+fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, sensors: &[Sensor]) {
+    let FilterSettings { name, augment, plant, .. } = filter;
+    let plant = plant.as_ref().unwrap_or(truth);
     let offered: Vec<Channel> = augment::of_all(sensors.iter().map(|sensor| sensor.measures)).collect();
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
          changes slowly (u) or is another one at each sample (w: wind, traffic), bias and gain of a sensor";
@@ -60,7 +61,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
     augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
 }
 
-fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
     let offered: Vec<Channel> = if filter.can(&CONSIDERED) { filter.considerable(truth).collect() } else { Vec::new() };
     let FilterSettings { name, consider, .. } = filter;
     // A filter that cannot consider a channel, or no longer has it, estimates it again or leaves it out.
@@ -101,11 +102,12 @@ fn listed<T: Into<String>>(all: impl Iterator<Item = T>, none: &str) -> String {
 
 fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
     let FilterSettings { name, plant, .. } = filter;
-    let text = |plant: Option<PlantKind>| plant.map_or("as the truth", PlantKind::name);
-    let (label, now) = (("its plant", "What the filter takes the truth for"), text(*plant));
-    list_ui(ui, label, now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
+    let text = |plant: &Option<PlantKind>| plant.as_ref().map_or("as the truth", PlantKind::name).to_owned();
+    let (label, now) = (("its plant", "What the filter takes the truth for"), text(plant));
+    list_ui(ui, label, &now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
-            ui.selectable_value(plant, kind, text(kind));
+            let text = text(&kind);
+            ui.selectable_value(plant, kind, text);
         }
     });
 }
@@ -113,7 +115,7 @@ fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
 /// The distance of a new end from the initial mean, in standard deviations of the initial belief.
 const FAR: f64 = 4.0;
 
-fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length: Length) {
+fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, length: Length) {
     let offered: Vec<Channel> = if filter.can(&BOUNDED) { filter.considerable(truth).collect() } else { Vec::new() };
     // A filter that can have no bounds, or no longer has the channel, loses them.
     filter.bounds.retain(|channel| offered.contains(&channel));

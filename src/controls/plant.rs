@@ -32,16 +32,17 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Pan
 }
 
 fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) {
-    let mut kind = scenario.plant.kind;
+    let mut kind = scenario.plant.kind.clone();
     let combo =
         ComboBox::from_id_salt("plant").selected_text(kind.name()).width(ui.available_width()).show_ui(ui, |ui| {
             let is_own = kind.own_equation().is_some();
             if ui.selectable_label(is_own, equation::NAME).clicked() && !is_own {
-                kind = equation::first().unwrap_or(kind);
+                kind = equation::first().unwrap_or(kind.clone());
                 asked.push(PanelRequest::Equation);
             }
             for other in PlantKind::ALL {
-                ui.selectable_value(&mut kind, other, other.name());
+                let name = other.name().to_owned();
+                ui.selectable_value(&mut kind, other, name);
             }
         });
     named(combo.response, "Kind of plant");
@@ -80,7 +81,7 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
     let combo = ComboBox::from_id_salt("augmentation").selected_text("Add gain, offset, bias …").show_ui(ui, |ui| {
         // A white force of the truth is its disturbance.
         let is_offered = |channel: &Channel| !has.contains(channel) && *channel != Channel::WHITE_FORCE;
-        for channel in augment::of(plant.kind).filter(is_offered) {
+        for channel in augment::of(&plant.kind).filter(is_offered) {
             ui.selectable_value(&mut chosen, Some(channel), format!("{} {}", channel.symbol(), channel.name()));
         }
     });

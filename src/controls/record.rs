@@ -101,7 +101,7 @@ pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
         choice_row_ui(ui, info, scenario, &sentence(info.name));
     }
     for info in &FORCE {
-        if (info.serves)(scenario, scenario.plant.kind) {
+        if (info.serves)(scenario, &scenario.plant.kind) {
             scenario_row_ui(ui, info, scenario, info.allowed.least());
         }
     }

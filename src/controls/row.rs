@@ -13,7 +13,7 @@ pub(super) fn filter_row_ui(
     ui: &mut Ui,
     info: &SettingInfo<FilterSettings>,
     filter: &mut FilterSettings,
-    truth: PlantKind,
+    truth: &PlantKind,
 ) {
     let key = filter.address(info.key);
     let label = (info.label)(filter).unwrap_or(info.name);

@@ -74,7 +74,7 @@ fn usual_noise(quantity: Quantity) -> f64 {
 }
 
 fn offered(scenario: &Scenario) -> Vec<Quantity> {
-    let (kind, input) = (scenario.plant.kind, scenario.input);
+    let (kind, input) = (scenario.plant.kind.clone(), scenario.input);
     let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
         aspect if aspect == Aspect::TOTAL_ACCELERATION => input == InputKind::GroundAcceleration,
         aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,

@@ -37,7 +37,7 @@ pub(crate) struct Editor {
 
 impl Editor {
     pub(crate) fn new(scenario: &Scenario, at: Option<Pos2>) -> Self {
-        let kind = scenario.plant.kind;
+        let kind = &scenario.plant.kind;
         Self {
             taken: kind.own_equation().map(|own| own.settings().clone()),
             draft: typed(kind),

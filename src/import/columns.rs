@@ -145,8 +145,8 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
         choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);
         ui.separator();
         ui.label("the filters assume");
-        let own = if draft.plant.own_equation().is_some() { Some(draft.plant) } else { equation::first() };
-        let plants = PlantKind::ALL.into_iter().chain(own).map(|kind| (kind, kind.name().to_owned()));
+        let own = if draft.plant.own_equation().is_some() { Some(draft.plant.clone()) } else { equation::first() };
+        let plants = PlantKind::ALL.into_iter().chain(own).map(|kind| (kind.clone(), kind.name().to_owned()));
         let plants: Vec<_> = plants.collect();
         choice_ui(ui, "Plant of the record", &mut draft.plant, &plants);
     });
@@ -223,12 +223,12 @@ pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, (usu
     }
 }
 
-pub(super) fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, String)]) -> bool {
-    let before = *value;
+pub(super) fn choice_ui<T: Clone + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, String)]) -> bool {
+    let before = value.clone();
     let text = all.iter().find(|(one, _)| one == value).map_or("", |(_, text)| text);
     let combo = ComboBox::from_id_salt(name).selected_text(text).show_ui(ui, |ui| {
         for (one, text) in all {
-            ui.selectable_value(value, *one, text);
+            ui.selectable_value(value, one.clone(), text);
         }
     });
     named(combo.response, name.to_owned());

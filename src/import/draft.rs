@@ -66,7 +66,7 @@ impl Draft {
     pub fn of_scenario(file: Arc<RecordFile>, scenario: &Scenario) -> Self {
         let draft = Self::new(file);
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
-        let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind);
+        let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind.clone());
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
     }
 
@@ -124,10 +124,11 @@ impl Draft {
     }
 
     fn make(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        let Self { file, mapping, input, hold, outcome, making, spectra, .. } = self;
+        let Self { file, mapping, input, hold, plant, outcome, making, spectra, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
-        let begun = under_way.unwrap_or_else(|| Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold));
+        let begin = || Ok(Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
+        let begun = under_way.unwrap_or_else(begin);
         let built = begun.and_then(|mut builder| {
             if builder.advance(while_time)? {
                 return builder.finish().map(Some);
@@ -184,7 +185,7 @@ impl Draft {
         (scenario.input, scenario.hold) = (self.input, self.hold);
         scenario.record = Some(self.mapping.clone());
         if scenario.plant.kind != self.plant {
-            scenario.set_plant(self.plant);
+            scenario.set_plant(self.plant.clone());
         }
         Some(scenario)
     }

@@ -89,7 +89,8 @@ impl Library {
         let file = self
             .file(mapping)
             .ok_or_else(|| format!("the record “{name}” is not here: drop the file on the window"))?;
-        let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+        let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
+        let built = built.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
         let built = built.map_err(|error| format!("“{name}”: {error}"))?;
         let samples = built.record.len();
         if samples > Session::LONGEST_WHOLE + 1 {
@@ -146,7 +147,8 @@ impl Library {
     pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
         let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
         let mapping = Mapping { from: None, to: None, ..mapping.clone() };
-        let built = Builder::new(&file.table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+        let built = Builder::new(&file.table, &mapping, scenario.input, scenario.hold);
+        let built = built.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
         let built = built.map_err(|error| format!("“{}”: {error}", file.name))?;
         self.held_out = Some((file.name.clone(), Arc::new(built.record)));
         Ok(())

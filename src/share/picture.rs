@@ -127,7 +127,10 @@ impl Picture {
             return Some(Err(PictureError::Format(format.to_string())));
         }
         document::put(&mut document, KEY, &Document::Null);
-        Some(document::read(&document).map_err(PictureError::from).and_then(Self::checked))
+        // Other parts name channels of the scenario, whose equations stand in a text.
+        let scenario = document.get("scenario").and_then(|text| Scenario::from_toml(text.as_str()?).ok());
+        let read = scenario.unwrap_or_default().knowing(|| document::read(&document));
+        Some(read.map_err(PictureError::from).and_then(Self::checked))
     }
 
     fn checked(self) -> Result<Self, PictureError> {

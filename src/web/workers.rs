@@ -64,7 +64,10 @@ impl Team for Workers {
 
     fn posterior(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Option<Sampled>>>> {
         let message = |number| posterior_message(number, scenario, record);
-        self.begin(Left::Outcome, &message, |part, _| report(part, sampled))
+        let scenario = scenario.clone();
+        self.begin(Left::Outcome, &message, move |part, _| {
+            report(part, |outcome| scenario.knowing(|| sampled(outcome)))
+        })
     }
 
     fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
@@ -90,7 +93,7 @@ impl Workers {
         &self,
         left: Left,
         message: &dyn Fn(u32) -> Array,
-        read: fn(&JsValue, usize) -> Option<T>,
+        read: impl Fn(&JsValue, usize) -> Option<T> + 'static,
     ) -> Option<Handle<T>> {
         let number = self.give(left, message)?;
         let task = Task { state: Rc::clone(&self.state), number };

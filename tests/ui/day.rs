@@ -5,7 +5,7 @@ use std::process::Command;
 
 use kalmanscope::session::{Mode, Session, Wanted};
 use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
-use kalmanscope_core::{Channel, Run, Scenario};
+use kalmanscope_core::{Run, Scenario};
 
 /// A day at 100 Hz with an EKF: 8.64 million samples.
 fn day() -> Scenario {
@@ -27,7 +27,7 @@ fn assert_bounded(session: &Session) {
     let (run, record) = (session.run(), session.run().record());
     let mut lengths = BTreeSet::from([run.len(), record.len(), record.input().len()]);
     lengths.extend((0..record.sensors().len()).map(|sensor| record.measured(sensor).len()));
-    lengths.extend(Channel::all().iter().filter_map(|&c| record.truth(c)).map(<[f64]>::len));
+    lengths.extend(record.true_channels().into_iter().filter_map(|c| record.truth(c)).map(<[f64]>::len));
     for estimates in run.estimates() {
         lengths.extend([estimates.len(), estimates.nis().len(), estimates.determinant().len()]);
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn equation(screen: &Screen) -> &'static str {
+fn equation(screen: &Screen) -> &str {
     scenario(screen).plant.kind.equation()
 }
 
@@ -67,11 +67,11 @@ fn new_symbols_are_asked_about_together_each_in_one_row() {
 #[test]
 fn a_fault_is_said_and_the_equation_from_before_stays() {
     let mut screen = editor();
-    let before = equation(&screen);
+    let before = equation(&screen).to_owned();
     type_into(&mut screen, " + (2 x");
     assert!(screen.query_by_label_contains("an operator or `)` is expected here, at character 35").is_some());
     press(&mut screen, Key::Enter);
-    assert_eq!((equation(&screen), screen.state().session().problem()), (before, None));
+    assert_eq!((equation(&screen), screen.state().session().problem()), (&*before, None));
     type_into(&mut screen, ")");
     press(&mut screen, Key::Enter);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f + (2 x)");
@@ -123,7 +123,7 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
         settings.parameter(key).cloned().unwrap_or_default()
     };
     let guess = |screen: &Screen, key: &str| {
-        let channel = Channel::from_key(key).expect("a channel");
+        let channel = scenario(screen).channel(key).expect("a channel");
         let filter = &scenario(screen).filters[0];
         (filter.initial_mean[channel], filter.initial_std[channel])
     };

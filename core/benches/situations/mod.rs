@@ -86,7 +86,7 @@ impl Situation {
         let kind = if !is_linear && draw.chance(0.15) { PlantKind::DUFFING } else { PlantKind::SDOF };
         let mut truth =
             Scenario { seed, dt, duration: samples.round() * dt, force, filters: Vec::new(), ..Scenario::default() };
-        truth.plant.kind = kind;
+        truth.plant.kind = kind.clone();
         truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
         truth.plant.set(Channel::DAMPING_RATIO, zeta);
         // The response of a linear oscillator to this force, as if it were white noise.
@@ -235,7 +235,8 @@ pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
 pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
     let input = Input { kind: record.input_kind(), hold: record.hold(), values };
     let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
-    let truth = Channel::all().iter().filter_map(|&channel| Some((channel, record.truth(channel)?.to_vec())));
+    let truth =
+        record.true_channels().into_iter().filter_map(|channel| Some((channel, record.truth(channel)?.to_vec())));
     let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
     other.expect("the columns are as long")
 }

@@ -160,7 +160,7 @@ fn damp(truth: &mut Scenario, damping: &str, parameters: &[(&str, f64)]) {
     let equation = EquationSettings::new(format!("x'' + 2 ζ ωₙ x' + {damping} + ωₙ² x = f"));
     truth.plant.kind = PlantKind::of_equation(&equation).expect("it is an equation");
     for (key, value) in parameters {
-        truth.plant.set(Channel::from_key(key).expect("it is of the equation"), *value);
+        truth.plant.set(truth.channel(key).expect("it is of the equation"), *value);
     }
 }
 

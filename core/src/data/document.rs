@@ -5,12 +5,16 @@
 
 use std::fmt;
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize as _, Serialize};
 pub use serde_json::{Value as Document, json};
 use serde_path_to_error::Segment;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+use crate::PlantKind;
+use crate::mathematics::catalogue::KnownPlants;
+use crate::mathematics::equation::EquationSettings;
 
 /// The value as a document. Numbers that are not finite become null.
 ///
@@ -20,12 +24,33 @@ pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Document, DocumentError> {
     Ok(serde_json::to_value(value)?)
 }
 
-/// Reads a value of a type.
+/// Reads a value of a type. Keys of channels are those of [`crate::Channel::all`] and of the equations anywhere in the document.
 ///
 /// # Errors
 /// [`DocumentError`] with the path of the key and the reason.
 pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError> {
+    let mut plants = Vec::new();
+    equations(document, &mut plants);
+    let _known = KnownPlants::new(plants);
     Ok(serde_path_to_error::deserialize(document)?)
+}
+
+/// The plants of equations, whose parameters have keys wherever they stand. A text that is no equation is reported where it is read.
+fn equations(document: &Document, plants: &mut Vec<PlantKind>) {
+    match document {
+        Document::Object(entries) => {
+            if let Some(equation) = entries.get("equation") {
+                let alone =
+                    json!({ "equation": equation, "parameters": entries.get("parameters").unwrap_or(&json!({})) });
+                let plant =
+                    EquationSettings::deserialize(&alone).ok().and_then(|one| PlantKind::of_equation(&one).ok());
+                plants.extend(plant);
+            }
+            entries.values().for_each(|value| equations(value, plants));
+        }
+        Document::Array(values) => values.iter().for_each(|value| equations(value, plants)),
+        _ => {}
+    }
 }
 
 /// The document in a text of JSON.

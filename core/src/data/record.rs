@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::mathematics::catalogue::all_and;
 use crate::{Channel, Hold, InputKind, Quantity};
 
 pub(crate) use clocks::Parts;
@@ -280,6 +281,11 @@ impl Record {
     /// All measurements of one quantity, if there is a sensor for it.
     pub fn measured_quantity(&self, quantity: Quantity) -> Option<&[f64]> {
         quantity.place_in(&self.sensors).map(|i| self.measured(i))
+    }
+
+    /// The channels whose true values are known, in the order of [`Channel::all`], and after them those of equations.
+    pub fn true_channels(&self) -> Vec<Channel> {
+        all_and(self.truth_channels.iter().copied()).into_iter().filter(|c| self.truth(*c).is_some()).collect()
     }
 
     /// The true values of a channel, if they are known; NaN where one is missing.

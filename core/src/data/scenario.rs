@@ -15,14 +15,15 @@ mod values;
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::data::document::is_default;
 use crate::data::import::Mapping;
+use crate::mathematics::catalogue::{KnownPlants, channel_of};
 use crate::mathematics::filter::FilterKind;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, InputKind};
-use crate::{Force, PlantKind, Quantity};
+use crate::{Channel, Force, PlantKind, Quantity};
 
 pub use crate::mathematics::quantity::MAX_SENSORS;
 pub use document::ScenarioError;
@@ -40,7 +41,7 @@ use true_noise::usable_std;
 ///
 /// A missing key has a default, an unknown key is an error. A run depends on these settings only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields, expecting = "a table")]
+#[serde(remote = "Self", default, deny_unknown_fields, expecting = "a table")]
 pub struct Scenario {
     /// Seed of every random number.
     pub seed: u64,
@@ -90,6 +91,32 @@ impl Sensor {
     /// A sensor with white normal noise of a standard deviation, in the quantity's unit.
     pub const fn new(measures: Quantity, noise_std: f64) -> Self {
         Self { measures, noise_std, faults: Faults::NONE }
+    }
+}
+
+impl Serialize for Scenario {
+    /// Leaves out numbers of channels that no plant here has, such as those of an earlier equation: no reader could know their keys.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let is_known = |channel: Channel| self.channel(channel.key()).is_some();
+        let values = self.filters.iter().flat_map(|one| [&one.initial_mean, &one.initial_std, &one.process_std]);
+        let signals = self.plant.signals().map(|(channel, _)| channel);
+        if values.flat_map(Values::iter).map(|(channel, _)| channel).chain(signals).all(is_known) {
+            return Self::serialize(self, serializer);
+        }
+        let mut written = self.clone();
+        written.plant.retain(is_known);
+        for one in &mut written.filters {
+            for values in [&mut one.initial_mean, &mut one.initial_std, &mut one.process_std] {
+                values.retain(is_known);
+            }
+        }
+        Self::serialize(&written, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scenario {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
     }
 }
 
@@ -146,6 +173,21 @@ impl Scenario {
         }
     }
 
+    /// The channel with a key: one of the truth's plant, of a filter's, or of [`Channel::all`].
+    pub fn channel(&self, key: &str) -> Option<Channel> {
+        channel_of(self.plants(), key).or_else(|| Channel::from_key(key))
+    }
+
+    /// Reads something in which keys can be those of this scenario's channels.
+    pub fn knowing<T>(&self, read: impl FnOnce() -> T) -> T {
+        let _known = KnownPlants::new(self.plants().cloned().collect());
+        read()
+    }
+
+    fn plants(&self) -> impl Iterator<Item = &PlantKind> {
+        std::iter::once(&self.plant.kind).chain(self.filters.iter().filter_map(|filter| filter.plant.as_ref()))
+    }
+
     /// The quantity of each sensor.
     pub fn measured(&self) -> Vec<Quantity> {
         mapped(&self.sensors, &|sensor| sensor.measures)
@@ -170,10 +212,10 @@ impl Scenario {
 
     /// Changes the truth's kind of plant and removes the sensors of quantities that it lacks.
     pub fn set_plant(&mut self, kind: PlantKind) {
-        self.plant.kind = kind;
         for quantity in self.sensors.iter().map(|s| s.measures).filter(|q| !kind.has(*q)).collect::<Vec<_>>() {
             self.remove_sensor(quantity);
         }
+        self.plant.kind = kind;
         self.fill_in();
     }
 
@@ -182,7 +224,7 @@ impl Scenario {
         self.name_filters();
         let Self { sensors, filters, plant, input, .. } = self;
         for filter in filters {
-            let model = filter.model(plant.kind, *input);
+            let model = filter.model(&plant.kind, *input);
             for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
                 values.complete(model.channels());
             }

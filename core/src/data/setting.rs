@@ -13,6 +13,7 @@ mod place;
 mod scenario;
 mod table;
 
+use crate::data::scenario::Scenario;
 use crate::mathematics::channel::Channel;
 
 pub use address::{Address, UnknownSetting, addresses, words_of};
@@ -30,12 +31,12 @@ pub use table::{
     CORRELATION_TIME, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo,
 };
 
-/// The symbol of a setting, a table or a channel with a key, if it has one.
-pub fn symbol(key: &str) -> Option<&'static str> {
+/// The symbol of a setting, a table or a channel of a scenario with a key, if it has one.
+pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {
     let of_filter = OF_FILTER.into_iter().flatten().map(|info| (info.key, info.symbol));
     let of_scenario = of_scenario().map(|info| (info.key, info.symbol));
     let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
     let mut all = of_filter.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
     let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
-    found.or_else(|| Channel::from_key(key).map(Channel::symbol))
+    found.or_else(|| scenario.channel(key).map(Channel::symbol))
 }

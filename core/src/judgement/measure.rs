@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::judgement::diagnosis::{CAUSES, Search};
+use crate::mathematics::catalogue::KnownPlants;
 use crate::{Channel, Diagnosis, Diagnostics, Estimates, Quantity, Record, Scenario, Task};
 
 pub use info::{Best, MeasureInfo, Value, ValueKind};
@@ -24,7 +25,7 @@ use rows::{ROWS, Row};
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
 ///
 /// In text it is a word, with the channel or the sensor behind a dot where it has one: `nis`, `error.natural_frequency`,
-/// `free_run.displacement`. Each is one row of a table, with its formula.
+/// `free_run.displacement`. Each is one row of a table, with its formula. [`Scenario::knowing`] reads those of an equation's channels.
 ///
 /// ```
 /// use kalmanscope_core::{Channel, Measure};
@@ -254,7 +255,7 @@ impl FromStr for Measure {
 fn read(text: &str) -> Option<Measure> {
     let mut parts = text.split('.');
     let kind = MeasureKind::from_word(parts.next()?)?;
-    let channel = if kind.needs_channel() { Some(Channel::from_key(parts.next()?)?) } else { None };
+    let channel = if kind.needs_channel() { Some(KnownPlants::channel(parts.next()?)?) } else { None };
     let sensor = match parts.next() {
         Some(key) => Some(Quantity::from_key(key)?),
         None => None,

@@ -1,6 +1,7 @@
-//! All channels: those of the plants in the registry, and the augmentations.
+//! All channels: those of the plants in the registry, the augmentations, and while a text is read, those of its equations.
 
-use std::sync::{PoisonError, RwLock};
+use std::cell::RefCell;
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, de};
 
@@ -8,30 +9,82 @@ use crate::mathematics::channel::{augment, expected};
 use crate::{Channel, PlantKind};
 
 impl Channel {
-    /// Every channel of every plant in the registry, every augmentation, and those of equations that have been read.
+    /// Every channel of every plant in the registry, and every augmentation.
     pub fn all() -> &'static [Self] {
-        static ALL: RwLock<(usize, &'static [Channel])> = RwLock::new((0, &[]));
-        let own = crate::mathematics::equation::channels();
-        let place = own.as_ptr() as usize;
-        let (of, all) = *ALL.read().unwrap_or_else(PoisonError::into_inner);
-        if of == place && !all.is_empty() {
-            return all;
-        }
-        let mut all = Vec::new();
-        let plants = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
-        for channel in plants.chain(augment::all()).chain(own.iter().copied()) {
-            if !all.contains(&channel) {
-                all.push(channel);
-            }
-        }
-        let all: &'static [Channel] = all.leak();
-        *ALL.write().unwrap_or_else(PoisonError::into_inner) = (place, all);
-        all
+        static ALL: LazyLock<Vec<Channel>> = LazyLock::new(|| {
+            let mut all = Vec::new();
+            PlantKind::ALL.iter().for_each(|kind| add(&mut all, kind.channels().iter().copied()));
+            add(&mut all, augment::all());
+            all
+        });
+        &ALL
     }
 
-    /// The channel with this key, if there is one.
+    /// The channel of a plant in the registry, or the augmentation, with this key, if there is one. A scenario knows those of its
+    /// equations too: [`crate::Scenario::channel`].
     pub fn from_key(key: &str) -> Option<Self> {
         Self::all().iter().copied().find(|channel| channel.key() == key)
+    }
+}
+
+fn add(all: &mut Vec<Channel>, others: impl IntoIterator<Item = Channel>) {
+    for channel in others {
+        if !all.contains(&channel) {
+            all.push(channel);
+        }
+    }
+}
+
+/// [`Channel::all`], and then those of `others` that are not among them.
+pub(crate) fn all_and(others: impl IntoIterator<Item = Channel>) -> Vec<Channel> {
+    let mut all = Channel::all().to_vec();
+    add(&mut all, others);
+    all
+}
+
+/// The channel with a key of the first of these plants that has one.
+pub(crate) fn channel_of<'a>(plants: impl IntoIterator<Item = &'a PlantKind>, key: &str) -> Option<Channel> {
+    plants.into_iter().flat_map(PlantKind::channels).copied().find(|channel| channel.key() == key)
+}
+
+thread_local! {
+    static PLANTS: RefCell<Vec<PlantKind>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Plants whose channels have a meaning in what this thread reads, until this is dropped: serde has no room for a context. Of one
+/// key the first of them counts, and before it those that were known last.
+pub(crate) struct KnownPlants {
+    before: usize,
+}
+
+impl KnownPlants {
+    pub(crate) fn new(plants: Vec<PlantKind>) -> Self {
+        PLANTS.with_borrow_mut(|known| {
+            let before = known.len();
+            known.extend(plants.into_iter().rev());
+            Self { before }
+        })
+    }
+
+    /// The known plant that is sought.
+    pub(crate) fn find(is_it: impl Fn(&PlantKind) -> bool) -> Option<PlantKind> {
+        PLANTS.with_borrow(|known| known.iter().rev().find(|kind| is_it(kind)).cloned())
+    }
+
+    fn channels() -> Vec<Channel> {
+        PLANTS.with_borrow(|known| all_and(known.iter().rev().flat_map(|kind| kind.channels().iter().copied())))
+    }
+
+    /// The channel with a key in what is read.
+    pub(crate) fn channel(key: &str) -> Option<Channel> {
+        let own = || PLANTS.with_borrow(|known| channel_of(known.iter().rev(), key));
+        Channel::from_key(key).or_else(own)
+    }
+}
+
+impl Drop for KnownPlants {
+    fn drop(&mut self) {
+        PLANTS.with_borrow_mut(|known| known.truncate(self.before));
     }
 }
 
@@ -39,11 +92,12 @@ impl<'de> Deserialize<'de> for Channel {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
         let expected = || expected_channels(|_| true);
-        Self::from_key(&key)
+        KnownPlants::channel(&key)
             .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
     }
 }
 
 pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
-    expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
+    let all = KnownPlants::channels();
+    expected(all.iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
 }

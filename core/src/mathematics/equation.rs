@@ -19,7 +19,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::mathematics::channel::Sign;
 pub use plant_kind::{Equation, Symbol};
-pub(crate) use plant_kind::{channels, is_read};
 use solve::solve;
 use token::key;
 pub use typeset::{Level, TextRun, typeset};

@@ -132,8 +132,8 @@ impl Model {
     }
 
     /// The plant.
-    pub fn plant(&self) -> PlantKind {
-        self.plant
+    pub fn plant(&self) -> &PlantKind {
+        &self.plant
     }
 
     /// The components of the state.

@@ -4,6 +4,7 @@ mod built_in;
 
 use std::any::{Any, TypeId};
 use std::fmt;
+use std::sync::Arc;
 
 use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::lists::numbers;
@@ -13,17 +14,17 @@ use crate::{Channel, Quantity};
 
 /// A plant's data other than its equation.
 #[derive(Clone, Copy, Debug)]
-pub struct PlantInfo {
+pub struct PlantInfo<'a> {
     /// The key in scenario files.
-    pub key: &'static str,
+    pub key: &'a str,
     /// The name in running text.
-    pub name: &'static str,
+    pub name: &'a str,
     /// The equation of motion, per mass.
-    pub equation: &'static str,
+    pub equation: &'a str,
     /// The source of the equation.
-    pub reference: &'static str,
+    pub reference: &'a str,
     /// The components of the state: the motion, then the parameters.
-    pub channels: &'static [Channel],
+    pub channels: &'a [Channel],
     /// Whether it is linear while its parameters are constant; its response is exact then.
     pub is_linear: bool,
     /// The symbol of its springs in the picture.
@@ -51,7 +52,7 @@ pub enum Spring {
 /// The force over mass f enters additively, and equally for every mass.
 pub trait Plant: Any + Send + Sync {
     /// Names, keys and the components of the state.
-    fn info(&self) -> &PlantInfo;
+    fn info(&self) -> PlantInfo<'_>;
 
     /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
     /// mass \[m/s²\].
@@ -61,9 +62,15 @@ pub trait Plant: Any + Send + Sync {
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]);
 }
 
-/// A plant by its data: one of the registry, or a user's own.
-#[derive(Clone, Copy)]
-pub struct PlantKind(&'static dyn Plant);
+/// A plant by its data: one of the registry, a user's own, or an equation that a user typed.
+#[derive(Clone)]
+pub struct PlantKind(Source);
+
+#[derive(Clone)]
+enum Source {
+    Program(&'static dyn Plant),
+    Shared(Arc<dyn Plant>),
+}
 
 registry! {
     PlantKind by PlantKind::new,
@@ -145,7 +152,11 @@ impl PlantKind {
     /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
     /// the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
-        Self(plant)
+        Self(Source::Program(plant))
+    }
+
+    pub(crate) fn shared(plant: Arc<dyn Plant>) -> Self {
+        Self(Source::Shared(plant))
     }
 
     /// The plant of the registry with this key, if there is one.
@@ -154,72 +165,75 @@ impl PlantKind {
     }
 
     /// Whether it is a user's own plant with a key of the registry: a file with this key would mean the registry's.
-    pub(crate) fn is_impostor(self) -> bool {
+    pub(crate) fn is_impostor(&self) -> bool {
         Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
     }
 
-    pub(crate) fn type_id(self) -> TypeId {
-        let plant: &dyn Any = self.0;
+    pub(crate) fn type_id(&self) -> TypeId {
+        let plant: &dyn Any = self.plant();
         plant.type_id()
     }
 
     /// The plant itself.
-    pub fn plant(self) -> &'static dyn Plant {
-        self.0
+    pub fn plant(&self) -> &(dyn Plant + 'static) {
+        match &self.0 {
+            Source::Program(plant) => *plant,
+            Source::Shared(plant) => &**plant,
+        }
     }
 
     /// Names, keys and the components of the state.
-    pub fn info(self) -> &'static PlantInfo {
-        self.0.info()
+    pub fn info(&self) -> PlantInfo<'_> {
+        self.plant().info()
     }
 
     /// The key in scenario files.
-    pub fn key(self) -> &'static str {
+    pub fn key(&self) -> &str {
         self.info().key
     }
 
     /// The name in running text.
-    pub fn name(self) -> &'static str {
+    pub fn name(&self) -> &str {
         self.info().name
     }
 
     /// The equation of motion, per mass.
-    pub fn equation(self) -> &'static str {
+    pub fn equation(&self) -> &str {
         self.info().equation
     }
 
     /// The source of the equation.
-    pub fn reference(self) -> &'static str {
+    pub fn reference(&self) -> &str {
         self.info().reference
     }
 
     /// The components of the state: the motion, then the parameters.
-    pub fn channels(self) -> &'static [Channel] {
+    pub fn channels(&self) -> &[Channel] {
         self.info().channels
     }
 
     /// The number of components that move.
-    pub fn motion(self) -> usize {
+    pub fn motion(&self) -> usize {
         self.channels().iter().take_while(|c| !c.is_parameter()).count()
     }
 
     /// The number of masses.
-    pub fn masses(self) -> usize {
+    pub fn masses(&self) -> usize {
         (0..MAX_MASSES).take_while(|&mass| self.channels().contains(&Channel::displacement(mass))).count()
     }
 
     /// The plant's parameters.
-    pub fn parameters(self) -> impl Iterator<Item = Channel> {
+    pub fn parameters(&self) -> impl Iterator<Item = Channel> {
         self.channels().iter().copied().filter(|c| c.is_parameter())
     }
 
     /// The measurable quantities of the plant.
-    pub fn quantities(self) -> impl Iterator<Item = Quantity> + Clone {
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + Clone {
         Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
     }
 
     /// Whether the plant has a quantity to measure.
-    pub fn has(self, quantity: Quantity) -> bool {
+    pub fn has(&self, quantity: Quantity) -> bool {
         quantity.reads().iter().all(|(term, _)| match term {
             Term::State(channel) | Term::Rate(channel) => self.channels().contains(channel),
             Term::Ground => true,
@@ -227,7 +241,7 @@ impl PlantKind {
     }
 
     /// Whether the force acts on a mass, counted from 0.
-    pub fn is_driven(self, mass: usize) -> bool {
+    pub fn is_driven(&self, mass: usize) -> bool {
         let rate = |force| {
             let mut rate = vec![0.0; self.motion()];
             self.plant().motion_rate(&self.anywhere(), force, &mut rate);
@@ -238,7 +252,7 @@ impl PlantKind {
 
     /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall: whether the displacement
     /// of one accelerates the other.
-    pub fn is_held(self, mass: usize) -> bool {
+    pub fn is_held(&self, mass: usize) -> bool {
         let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
         self.plant().motion_jacobian(&self.anywhere(), &mut jacobian);
         let accelerates = |by: Channel, mass: usize| {
@@ -253,12 +267,12 @@ impl PlantKind {
         }
     }
 
-    fn place(self, channel: Channel) -> Option<usize> {
+    fn place(&self, channel: Channel) -> Option<usize> {
         channel.place_in(self.channels())
     }
 
     /// A state at which no derivative is zero by chance.
-    fn anywhere(self) -> Vec<f64> {
+    fn anywhere(&self) -> Vec<f64> {
         numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
     }
 }

@@ -54,7 +54,7 @@ impl Identified {
     }
 
     fn new(scenario: &Scenario, settings: &FilterSettings, mut values: Vec<f64>) -> Self {
-        let model = settings.model(scenario.plant.kind, scenario.input).decaying(0.0);
+        let model = settings.model(&scenario.plant.kind, scenario.input).decaying(0.0);
         for place in [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(|force| model.place(force)) {
             values[place] = 0.0;
         }

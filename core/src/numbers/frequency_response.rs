@@ -29,14 +29,14 @@ pub struct Believed {
 }
 
 /// The transfer function of a plant at rest, with a value for each of its parameters in the channel's unit.
-pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
+pub fn transfer_function(plant: &PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
     let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
     let rest: Vec<f64> = mapped(plant.channels(), &|&channel| value(channel));
-    TransferFunction::of(&Model::new(plant), &rest)
+    TransferFunction::of(&Model::new(plant.clone()), &rest)
 }
 
 /// The true transfer function at sample `k`. `None` if a parameter of the truth is not known.
-pub fn true_transfer_function(plant: PlantKind, record: &Record, k: usize) -> Option<TransferFunction> {
+pub fn true_transfer_function(plant: &PlantKind, record: &Record, k: usize) -> Option<TransferFunction> {
     let known = |channel| record.truth(channel)?.get(k).copied().filter(|value| value.is_finite());
     plant.parameters().all(|c| known(c).is_some()).then(|| transfer_function(plant, |c| known(c).unwrap_or(f64::NAN)))
 }
@@ -70,7 +70,7 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
 
 /// The transfer functions for the mean of a filter's belief at sample `k` and for draws from it, at rest.
 fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
-    let model = Model::new(estimates.plant());
+    let model = Model::new(estimates.plant().clone());
     let (n, motion) = (model.size(), model.motion());
     let mut mean = Vector::zeros(n);
     for i in motion..n {

@@ -203,22 +203,22 @@ impl Suggestion {
 
     fn has_frequency(&self) -> bool {
         let Scenario { plant, input, filters, .. } = &self.scenario;
-        filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
+        filters.iter().any(|filter| filter.model(&plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
     /// A prediction over a large part of a period is divided, finely enough for a relative error `expected` of ωₙ, before a run for that of
     /// the guess. Local linearisation moves the mean of a linear plant exactly, but its Jacobian takes the motion for constant over a step.
     fn substeps(&mut self, dt: f64, expected: Option<f64>) {
-        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let (kind, input) = (self.scenario.plant.kind.clone(), self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
-            let model = filter.model(kind, input);
+            let model = filter.model(&kind, input);
             if model.place(Channel::NATURAL_FREQUENCY).is_none() {
                 continue;
             }
             let is_exact = model.is_linear()
                 && filter.kind.info().has_propagation
-                && filter.propagation_for(kind) == Propagation::LocalLinearisation;
+                && filter.propagation_for(&kind) == Propagation::LocalLinearisation;
             let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
             let guess = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
             let knows_all = guess == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
@@ -228,7 +228,7 @@ impl Suggestion {
             let turn = if model.is_linear() { swing } else { swing.max(filter.turn(&model, dt)) };
             let steps = steps_over(turn, Some(expected).filter(|expected| *expected > 0.0 && !is_exact));
             filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
-            most = most.max(filter.steps(kind, input, dt));
+            most = most.max(filter.steps(&kind, input, dt));
         }
         if let Some(last) = self.replaceable.last_mut() {
             let why = "steps a sample, because there are few samples in a period";
@@ -255,9 +255,9 @@ impl Suggestion {
     /// Gives the motion of all filters the smallest process noise, if the first filter has none there: once nothing
     /// moves any more, rounding makes a covariance without process noise singular.
     fn keep_from_rounding(&mut self) {
-        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let (kind, input) = (self.scenario.plant.kind.clone(), self.scenario.input);
         let is_without = |filter: &FilterSettings| {
-            let model = filter.model(kind, input);
+            let model = filter.model(&kind, input);
             model.channels()[..model.motion()].iter().all(|channel| filter.process_std[*channel] == 0.0)
         };
         let share = SHARES[1];
@@ -303,7 +303,7 @@ impl Suggestion {
 /// Makes the process noise of the motion in all filters a share of its size, which is that of the initial spread.
 fn set_share(scenario: &mut Scenario, share: f64) {
     for filter in &mut scenario.filters {
-        let model = filter.model(scenario.plant.kind, scenario.input);
+        let model = filter.model(&scenario.plant.kind, scenario.input);
         for &channel in &model.channels()[..model.motion()] {
             filter.process_std[channel] = rounded(share * filter.initial_std[channel].abs());
         }

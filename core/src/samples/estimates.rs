@@ -64,7 +64,7 @@ impl Estimates {
             name: settings.name.clone(),
             kind: settings.kind,
             color: settings.color,
-            plant,
+            plant: plant.clone(),
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
             monitor: Monitor::new(settings, channels, plant, &sensors),
@@ -122,8 +122,8 @@ impl Estimates {
     }
 
     /// The kind of plant that the filter takes the truth for.
-    pub fn plant(&self) -> PlantKind {
-        self.plant
+    pub fn plant(&self) -> &PlantKind {
+        &self.plant
     }
 
     /// The channels, in the order of every mean and covariance.

@@ -97,7 +97,8 @@ pub(crate) struct FilterContext {
 impl FilterContext {
     pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
         let &Scenario { seed, input, hold, .. } = scenario;
-        let (plant, sensors, stream) = (scenario.plant.kind, scenario.measured(), filter.id.saturating_sub(1) as usize);
+        let (plant, sensors) = (scenario.plant.kind.clone(), scenario.measured());
+        let stream = filter.id.saturating_sub(1) as usize;
         Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
     }
 
@@ -108,11 +109,11 @@ impl FilterContext {
     }
 
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
-        settings.steps(self.plant, self.input, self.dt)
+        settings.steps(&self.plant, self.input, self.dt)
     }
 
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
-        settings.model(self.plant, self.input)
+        settings.model(&self.plant, self.input)
     }
 }
 

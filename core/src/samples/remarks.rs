@@ -136,7 +136,12 @@ pub(crate) struct Monitor {
 }
 
 impl Monitor {
-    pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
+    pub(crate) fn new(
+        settings: &FilterSettings,
+        channels: &[Channel],
+        plant: &PlantKind,
+        sensors: &[Quantity],
+    ) -> Self {
         // The noise of the best sensor determines how well states can be distinguished.
         let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
         let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@ pub(crate) mod revision;
 
 use std::sync::Arc;
 
+use crate::mathematics::catalogue::all_and;
 use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::pass::apart;
 use crate::samples::run_error::sensor_places;
@@ -259,9 +260,10 @@ impl Run {
 
     /// Every channel of the truth and of the filters.
     pub fn channels(&self) -> Vec<Channel> {
-        let known =
-            |c: &Channel| self.record().truth(*c).is_some() || self.estimates().iter().any(|e| e.place(*c).is_some());
-        Channel::all().iter().copied().filter(known).collect()
+        let known = self.record().true_channels().into_iter();
+        let known: Vec<Channel> =
+            known.chain(self.estimates().iter().flat_map(|e| e.channels().iter().copied())).collect();
+        all_and(known.clone()).into_iter().filter(|channel| known.contains(channel)).collect()
     }
 
     /// A hash of all estimates that are kept, to compare platforms.
@@ -335,7 +337,7 @@ impl Bank {
     }
 
     fn empty(&self, filter: &FilterSettings) -> Estimates {
-        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
         let estimates = Estimates::new(filter, &model, self.quantities.clone());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
@@ -391,7 +393,7 @@ impl Bank {
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
     pub(crate) fn smoothed(&self, place: usize) -> Estimates {
         let filter = &self.scenario.filters[place];
-        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
         Estimates::new(filter, &model, Vec::new()).of_smoother()
     }
 }

@@ -75,7 +75,7 @@ pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, Stri
 }
 
 fn check_record(record: &Record, k: usize) -> Remedy {
-    let truth = Channel::all().iter().filter_map(|&c| Some(record.truth(c)?[k]));
+    let truth = record.true_channels().into_iter().filter_map(|c| Some(record.truth(c)?[k]));
     require(record.force(k).is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
     require(measured, || format!("the measurements at {k}"))
@@ -121,7 +121,7 @@ fn check_sample(
     let innovation = estimates.innovation(k);
     let mut told = false;
     for i in 0..m {
-        let known = settings.plant.is_none_or(|plant| plant.quantities().any(|q| q == estimates.sensors()[i]));
+        let known = settings.plant.as_ref().is_none_or(|plant| plant.quantities().any(|q| q == estimates.sensors()[i]));
         let delivers = k > 0 && known && !record.measured(i)[k].is_nan();
         told |= delivers;
         require(innovation[i].is_finite() == delivers, || format!("innovation {innovation:?}"))?;
@@ -185,9 +185,9 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
         seed: u64::from(dice.byte()),
         dt,
         duration: steps as f64 * dt,
-        plant: dice.plant(kind),
+        plant: dice.plant(&kind),
         force: dice.force(),
-        sensors: dice.sensors(kind),
+        sensors: dice.sensors(&kind),
         filters: Vec::new(),
         ..Scenario::default()
     };
@@ -213,8 +213,8 @@ impl Dice<'_> {
         self.byte() % n == n - 1
     }
 
-    fn pick<T: Copy>(&mut self, of: &[T]) -> T {
-        of[usize::from(self.byte()) % of.len()]
+    fn pick<T: Clone>(&mut self, of: &[T]) -> T {
+        of[usize::from(self.byte()) % of.len()].clone()
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -249,9 +249,9 @@ impl Dice<'_> {
         }
     }
 
-    fn plant(&mut self, kind: PlantKind) -> Plant {
+    fn plant(&mut self, kind: &PlantKind) -> Plant {
         let usual = Plant::default();
-        let mut plant = usual.of_kind(kind).with(Channel::NATURAL_FREQUENCY, 6.0);
+        let mut plant = usual.of_kind(kind.clone()).with(Channel::NATURAL_FREQUENCY, 6.0);
         for channel in kind.parameters() {
             let usual = plant.parameter(channel).map_or(1.0, |signal| signal.at(0.0));
             let mut signal = self.signal(usual);
@@ -279,7 +279,7 @@ impl Dice<'_> {
         }
     }
 
-    fn sensors(&mut self, kind: PlantKind) -> Vec<Sensor> {
+    fn sensors(&mut self, kind: &PlantKind) -> Vec<Sensor> {
         let quantities: Vec<Quantity> = kind.quantities().collect();
         let mut sensors: Vec<Sensor> = Vec::new();
         for _ in 0..self.pick(&[2, 1, 3, 4, 0]) {
@@ -321,7 +321,7 @@ impl Dice<'_> {
                 *std = Some(self.size(0.01)).filter(|&s| s > 0.0).unwrap_or(1e-200);
             }
         }
-        for &channel in filter.plant.unwrap_or(scenario.plant.kind).channels() {
+        for &channel in filter.plant.clone().unwrap_or(scenario.plant.kind.clone()).channels() {
             let mean = usual.initial_mean[channel];
             filter.initial_mean[channel] = if self.one_in(2) { self.value(mean.max(0.01)) } else { mean };
             if filter.log_parameters && channel.is_positive() {

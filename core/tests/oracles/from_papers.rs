@@ -69,7 +69,7 @@ fn assert_agrees_with_paper(what: &str, scenario: &Scenario) {
 fn every_filter_on_every_plant() {
     for plant in written() {
         for kind in DETERMINISTIC {
-            let scenario = Scenario { duration: 0.6, ..scenario(plant, kind) };
+            let scenario = Scenario { duration: 0.6, ..scenario(plant.clone(), kind) };
             assert_agrees_with_paper(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
         }
     }
@@ -89,7 +89,7 @@ fn every_propagation() {
             for eta in [0.0, 0.02] {
                 let settings = FilterSettings { propagation: Some(propagation), eta, ..FilterSettings::default() };
                 let what = format!("{propagation:?} of a {}, η = {eta}", plant.name());
-                assert_agrees_with_paper(&what, &with(plant, &settings));
+                assert_agrees_with_paper(&what, &with(plant.clone(), &settings));
             }
         }
     }
@@ -102,7 +102,7 @@ fn decay_and_logarithms() {
             for (eta, log_parameters) in [(0.02, false), (0.0, true), (0.02, true)] {
                 let settings = FilterSettings { kind, eta, log_parameters, ..FilterSettings::default() };
                 let what = format!("{} of a {}, η = {eta}, logarithms {log_parameters}", kind.name(), plant.name());
-                assert_agrees_with_paper(&what, &with(plant, &settings));
+                assert_agrees_with_paper(&what, &with(plant.clone(), &settings));
             }
         }
     }
@@ -114,7 +114,7 @@ fn an_iterated_update_of_any_length() {
         for iterations in [1, 2, 3, 20] {
             let settings = FilterSettings { kind: FilterKind::IEKF, iterations, ..FilterSettings::default() };
             let what = format!("{iterations} iterations of a {}", plant.name());
-            assert_agrees_with_paper(&what, &with(plant, &settings));
+            assert_agrees_with_paper(&what, &with(plant.clone(), &settings));
         }
     }
 }
@@ -126,7 +126,7 @@ fn noise_that_is_learnt() {
             for (sensor_noise, process_noise) in [(true, false), (false, true), (true, true)] {
                 let adaptation = Adaptation { sensor_noise, process_noise, forgetting: 0.99, training: 0.0 };
                 let settings = FilterSettings { kind, adaptation, ..FilterSettings::default() };
-                let mut scenario = with(plant, &settings);
+                let mut scenario = with(plant.clone(), &settings);
                 // The residual assumes sensors linear in the state, so that R is compared for these only.
                 if sensor_noise {
                     scenario.remove_sensor(Quantity::ACCELERATION);
@@ -143,7 +143,7 @@ fn noise_that_is_learnt() {
 fn records_with_gaps() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for kind in DETERMINISTIC {
-            let scenario = scenario(plant, kind);
+            let scenario = scenario(plant.clone(), kind);
             // Missing is the first sensor, the second, or both in turn.
             let record = simulate(&scenario).with_gaps(|sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
             let run = finished_on(&scenario, record.clone());
@@ -157,7 +157,7 @@ fn records_with_gaps() {
 fn a_linear_filter_may_follow_any_truth() {
     for truth in PlantKind::ALL {
         for kind in FilterKind::ALL {
-            let mut scenario = Scenario { duration: 3.0, ..scenario(truth, kind) };
+            let mut scenario = Scenario { duration: 3.0, ..scenario(truth.clone(), kind) };
             scenario.filters[0].plant = Some(PlantKind::SDOF);
             let run = finished(&scenario);
             let estimates = &run.estimates()[0];
@@ -206,7 +206,7 @@ fn in_logarithms(mut scenario: Scenario) -> Scenario {
 fn logarithms_change_little_where_the_belief_is_narrow() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_3] {
         for kind in DETERMINISTIC {
-            let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
+            let mut scenario = Scenario { duration: 3.0, ..scenario(plant.clone(), kind) };
             let settings = &mut scenario.filters[0];
             for channel in plant.parameters() {
                 settings.initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);

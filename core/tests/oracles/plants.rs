@@ -93,7 +93,7 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
-    pub(crate) fn channels(&self) -> &'static [Channel] {
+    pub(crate) fn channels(&self) -> &[Channel] {
         self.kind.channels()
     }
 
@@ -105,17 +105,17 @@ impl Plant {
     pub(crate) fn rate(&self, state: &[Dual], force: f64) -> Vec<Dual> {
         let plain = |i: usize| if self.is_log(i) { state[i].exp() } else { state[i].clone() };
         let y: Vec<Dual> = (0..state.len()).map(plain).collect();
-        let moving = match self.kind {
-            kind if kind == PlantKind::SDOF => {
+        let moving = match &self.kind {
+            kind if *kind == PlantKind::SDOF => {
                 let [x, v, wn, zeta] = &y[..] else { unreachable!("four components") };
                 vec![v.clone(), linear(x, v, wn, zeta) + force]
             }
-            kind if kind == PlantKind::DUFFING => {
+            kind if *kind == PlantKind::DUFFING => {
                 let [x, v, wn, zeta, mu] = &y[..] else { unreachable!("five components") };
                 let cubic = mu.clone() * x.clone() * x.clone() * x.clone();
                 vec![v.clone(), linear(x, v, wn, zeta) - cubic + force]
             }
-            kind if kind == PlantKind::BOUC_WEN => bouc_wen(&y, force),
+            kind if *kind == PlantKind::BOUC_WEN => bouc_wen(&y, force),
             _ => chain(&y, force),
         };
         let decay = |i: usize| {

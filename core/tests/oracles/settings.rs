@@ -20,7 +20,7 @@ fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
 }
 
 #[track_caller]
-fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
+fn assert_found(run: &Run, plant: &PlantKind, widest: f64) {
     for estimates in run.estimates() {
         assert_eq!(estimates.stop(), None, "{} of a {}", estimates.name(), plant.name());
         for channel in plant.parameters() {
@@ -48,7 +48,7 @@ fn parameters_are_identified() {
         (PlantKind::DUFFING, &particles, 0.1),
     ] {
         for seed in 1..=2 {
-            assert_found(&finished(&switched(plant, seed, kinds)), plant, widest);
+            assert_found(&finished(&switched(plant.clone(), seed, kinds)), &plant, widest);
         }
     }
 }
@@ -56,7 +56,7 @@ fn parameters_are_identified() {
 #[test]
 fn defaults_are_off_the_truth() {
     for plant in PlantKind::ALL {
-        let scenario = switched(plant, 1, &[FilterKind::EKF]);
+        let scenario = switched(plant.clone(), 1, &[FilterKind::EKF]);
         let settings = &scenario.filters[0];
         for channel in plant.parameters().filter(|&c| c != Channel::POST_YIELD_RATIO) {
             let off = settings.initial_mean[channel] / scenario.plant.parameter(channel).unwrap().at(0.0) - 1.0;
@@ -84,7 +84,7 @@ fn a_tiny_decay_is_close_to_none() {
         for kind in FilterKind::ALL {
             for log_parameters in [false, true] {
                 // Of few particles, one that is drawn or not changes much.
-                let mut scenario = Scenario { duration: 0.25, ..scenario(plant, kind) };
+                let mut scenario = Scenario { duration: 0.25, ..scenario(plant.clone(), kind) };
                 scenario.filters[0].log_parameters = log_parameters;
                 let without = last_belief(&finished(&scenario));
                 scenario.filters[0].eta = 1e-12;
@@ -101,7 +101,7 @@ fn a_tiny_decay_is_close_to_none() {
 fn zero_damping_is_allowed() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
-            let mut scenario = Scenario { duration: 3.0, ..small(plant, kind) };
+            let mut scenario = Scenario { duration: 3.0, ..small(plant.clone(), kind) };
             for channel in [Channel::DAMPING_RATIO, Channel::STOREY_DAMPING] {
                 *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(0.0);
                 scenario.filters[0].initial_mean[channel] = 0.0;
@@ -121,7 +121,7 @@ fn components_of_variance_zero_stay_constant() {
         for kind in FilterKind::ALL {
             for log_parameters in [false, true] {
                 for certain in &choices {
-                    let mut scenario = Scenario { duration: 0.25, ..small(plant, kind) };
+                    let mut scenario = Scenario { duration: 0.25, ..small(plant.clone(), kind) };
                     let settings = &mut scenario.filters[0];
                     settings.log_parameters = log_parameters;
                     for &channel in certain {
@@ -153,7 +153,7 @@ fn long_steps_give_finite_numbers_or_a_reason() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             for dt in [0.1, 0.5, 2.0, 20.0] {
-                let scenario = Scenario { dt, duration: 100.0 * dt, ..small(plant, kind) };
+                let scenario = Scenario { dt, duration: 100.0 * dt, ..small(plant.clone(), kind) };
                 let run = finished(&scenario);
                 let estimates = &run.estimates()[0];
                 assert_eq!(estimates.len(), estimates.stop().map_or(run.len(), |stop| stop.sample));
@@ -173,7 +173,7 @@ fn a_belief_without_any_variance_moves_as_the_plant_does() {
             // Local linearisation is of second order for a nonlinear plant.
             let linear = plant.info().is_linear;
             let tolerance = if linear { 1e-6 } else { 1e-3 };
-            let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..small(plant, kind) };
+            let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..small(plant.clone(), kind) };
             let settings = &mut scenario.filters[0];
             for &channel in plant.channels() {
                 settings.initial_std[channel] = 0.0;

@@ -55,7 +55,7 @@ impl<'a> Textbook<'a> {
     pub(crate) fn new(scenario: &'a Scenario, settings: &'a FilterSettings, dt: f64) -> Self {
         let known = settings.kind == FilterKind::KF;
         let plant = Plant {
-            kind: settings.plant.unwrap_or(scenario.plant.kind),
+            kind: settings.plant.clone().unwrap_or(scenario.plant.kind.clone()),
             eta: if known { 0.0 } else { settings.eta },
             log: settings.log_parameters,
         };
@@ -68,10 +68,10 @@ impl<'a> Textbook<'a> {
         let start = |(i, &c): (usize, &Channel)| {
             if plant.is_log(i) { settings.initial_mean[c].ln() } else { settings.initial_mean[c] }
         };
-        let parts = settings.steps(scenario.plant.kind, scenario.input, dt);
+        let parts = settings.steps(&scenario.plant.kind, scenario.input, dt);
         Self {
             scenario,
-            propagation: settings.propagation_for(scenario.plant.kind),
+            propagation: settings.propagation_for(&scenario.plant.kind),
             mean: channels.iter().enumerate().map(start).collect(),
             cov: variances(&settings.initial_std),
             process: variances(&settings.process_std),

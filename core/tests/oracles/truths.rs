@@ -18,7 +18,7 @@ fn chain(kind: PlantKind) -> Scenario {
     scenario
 }
 
-fn state_at(record: &Record, kind: PlantKind, k: usize) -> Vec<f64> {
+fn state_at(record: &Record, kind: &PlantKind, k: usize) -> Vec<f64> {
     kind.channels().iter().map(|&c| truth(record, c)[k]).collect()
 }
 
@@ -30,7 +30,7 @@ fn state_at(record: &Record, kind: PlantKind, k: usize) -> Vec<f64> {
 fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
     for (kind, masses) in CHAINS {
         let (stiffness, damping) = (180.0, 0.4);
-        let mut scenario = Scenario { force: Force::None, ..chain(kind) };
+        let mut scenario = Scenario { force: Force::None, ..chain(kind.clone()) };
         for channel in kind.parameters() {
             let value = if channel == Channel::STOREY_DAMPING { damping } else { stiffness };
             *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(value);
@@ -53,7 +53,7 @@ fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
             (0..masses).map(one_mode).sum()
         };
         for k in 0..record.len() {
-            let found = state_at(&record, kind, k);
+            let found = state_at(&record, &kind, k);
             for (mass, found) in found.iter().enumerate().take(masses) {
                 let error = (found - expected(record.time(k), mass)).abs();
                 assert!(error < 1e-11, "{kind:?}, mass {mass} at {k}: {error}");
@@ -65,13 +65,13 @@ fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
 #[test]
 fn unequal_and_changing_storeys_are_matrix_exponentials() {
     for (kind, masses) in CHAINS {
-        let mut scenario = Scenario { dt: 0.02, duration: 10.0, ..chain(kind) };
+        let mut scenario = Scenario { dt: 0.02, duration: 10.0, ..chain(kind.clone()) };
         scenario.plant.set(Channel::stiffness(1), Signal::Step(Step { from: 180.0, to: 90.0, at: 4.0 }));
         let record = simulated(&scenario);
-        let plant = Plant { kind, eta: 0.0, log: false };
-        let mut state = state_at(&record, kind, 0);
+        let plant = Plant { kind: kind.clone(), eta: 0.0, log: false };
+        let mut state = state_at(&record, &kind, 0);
         for k in 0..record.len() - 1 {
-            let parameters = state_at(&record, kind, k);
+            let parameters = state_at(&record, &kind, k);
             state[2 * masses..].copy_from_slice(&parameters[2 * masses..]);
             let rate = plant.rate(&Dual::state(&state), record.force(k));
             let (rate, a) = (values(&rate), jacobian(&rate));
@@ -213,7 +213,7 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         for dt in [0.002, 0.01, 0.05, 0.1] {
             for std in [1.0, 10.0, 60.0] {
-                let mut scenario = Scenario { force: Force::WhiteNoise { std }, ..shaken(kind, dt) };
+                let mut scenario = Scenario { force: Force::WhiteNoise { std }, ..shaken(kind.clone(), dt) };
                 if std > 50.0 {
                     // Such a strong force makes the cubic spring chaotic: rounding grows a millionfold in 20 s.
                     scenario.duration = 4.0;
@@ -229,7 +229,7 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
 #[test]
 fn nonlinear_plants_may_change() {
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
-        let mut scenario = shaken(kind, 0.01);
+        let mut scenario = shaken(kind.clone(), 0.01);
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 }));
         scenario.plant.set(Channel::DAMPING_RATIO, Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 }));
         let softening = Ramp { from: 800.0, to: -50.0, start: 3.0, end: 15.0 };

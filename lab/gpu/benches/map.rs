@@ -60,7 +60,7 @@ fn situations() -> Vec<(&'static str, Scenario, Source)> {
     let built_in = |plant: PlantKind| {
         let mut scenario = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, ..Scenario::default() };
         scenario.filters.truncate(1);
-        scenario.set_plant(plant);
+        scenario.set_plant(plant.clone());
         scenario.set_sensors(&plant.quantities().take(2).collect::<Vec<Quantity>>());
         scenario
     };

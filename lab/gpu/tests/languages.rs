@@ -68,7 +68,7 @@ fn programs_of_built_in_plants_can_be_put_into_the_languages_of_all_systems() {
                 Hold::Zero => Vec::new(),
                 Hold::First => augment::OF_INPUT.into_iter().take(room).collect(),
             };
-            let scenario = Scenario { input, ..built_in(plant, &quantities, &augment, hold) };
+            let scenario = Scenario { input, ..built_in(plant.clone(), &quantities, &augment, hold) };
             done += translate_all(&format!("{plant:?}, {hold:?}"), &scenario);
         }
     }

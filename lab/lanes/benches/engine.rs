@@ -50,11 +50,11 @@ fn main() {
         };
         for (plant, augment, hold) in [(PlantKind::SDOF, &[][..], Hold::Zero), (PlantKind::SDOF, gain, Hold::First)] {
             for rule in &Robust::ALL[1..] {
-                measure(kind, plant, augment, hold, rule.info().key, |settings| settings.robust = *rule);
+                measure(kind, plant.clone(), augment, hold, rule.info().key, |settings| settings.robust = *rule);
             }
-            measure(kind, plant, augment, hold, "learns R", |settings| learns(settings, true, false));
-            measure(kind, plant, augment, hold, "learns Q", |settings| learns(settings, false, true));
-            measure(kind, plant, augment, hold, "jumps", |settings| settings.jump = true);
+            measure(kind, plant.clone(), augment, hold, "learns R", |settings| learns(settings, true, false));
+            measure(kind, plant.clone(), augment, hold, "learns Q", |settings| learns(settings, false, true));
+            measure(kind, plant.clone(), augment, hold, "jumps", |settings| settings.jump = true);
             measure(kind, plant, augment, hold, "logarithms", |settings| settings.log_parameters = true);
         }
     }

@@ -25,8 +25,8 @@ impl Draw {
         self.below(times) == 0
     }
 
-    pub(crate) fn one<T: Copy>(&mut self, of: &[T]) -> T {
-        of[self.below(of.len())]
+    pub(crate) fn one<T: Clone>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())].clone()
     }
 }
 
@@ -67,7 +67,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     while augment.len() > room || (!augment.is_empty() && draw.once_in(2)) {
         augment.remove(draw.below(augment.len()));
     }
-    let mut scenario = truth(plant, &quantities, &augment, hold);
+    let mut scenario = truth(plant.clone(), &quantities, &augment, hold);
     scenario.seed = seed;
     scenario.input = draw.one(&[InputKind::Force, InputKind::GroundAcceleration]);
     scenario.dt = 10_f64.powf(draw.between(-2.5, -1.3));
@@ -83,7 +83,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     ]);
     for _ in 0..1 + draw.below(12) {
         let filter = FilterSettings { kind, ..good.clone() };
-        scenario.filters.push(changed(filter, plant, &augment, &mut draw));
+        scenario.filters.push(changed(filter, &plant, &augment, &mut draw));
     }
     let (robust, adapts, logs) = (draw.one(&ROBUST), draw.one(&ADAPTS), draw.once_in(4));
     let training = draw.one(&[0.0, 0.2]);
@@ -121,7 +121,7 @@ const ADAPTS: [[bool; 2]; 5] = [[false; 2], [false; 2], [true, false], [false, t
 const ADAPTS_FAST: Adaptation =
     Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9, training: 0.0 };
 
-fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
+fn changed(mut filter: FilterSettings, plant: &PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
     filter.fading = draw.one(&[1.0, 1.002, 1.05]);
     filter.input_delay = draw.below(6) as i32 - 2;
     if draw.once_in(6) {

@@ -96,7 +96,7 @@ fn a_cell_of_a_map_has_the_bits_of_the_run_alone() {
     for plant in PLANTS {
         for (quantities, hold) in sensors.into_iter().flat_map(|q| [(q, Hold::Zero), (q, Hold::First)]) {
             for (nth, augment) in augmentations.into_iter().enumerate() {
-                let mut scenario = truth(plant, quantities, augment, hold);
+                let mut scenario = truth(plant.clone(), quantities, augment, hold);
                 (scenario.duration, scenario.filters[0].fading, scenario.filters[0].input_delay) = (0.3, 1.002, 1);
                 let filter = &mut scenario.filters[0];
                 match nth {
@@ -143,7 +143,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
         (&[], FilterKind::EKF, PlantKind::SHEAR_10),
         (&[], FilterKind::UKF, PlantKind::SHEAR_7),
     ] {
-        let (scenario, record) = shaken(augment, kind, plant);
+        let (scenario, record) = shaken(augment, kind, plant.clone());
         let record = record.with_gaps(|sensor, k| k % 9 == sensor);
         let samples = check_scores(&scenario, &record, &format!("{plant:?} {kind:?}"), 1e-8);
         assert!(samples.iter().all(|samples| *samples > 900));
@@ -180,8 +180,8 @@ fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) ->
     outcomes_with(Level::best(), &runs, &samples).unwrap().into_iter().enumerate().map(compare).collect()
 }
 
-fn troubled(plant: PlantKind, kind: FilterKind) -> (Scenario, Record) {
-    let (mut scenario, _) = shaken(&[], kind, plant);
+fn troubled(plant: &PlantKind, kind: FilterKind) -> (Scenario, Record) {
+    let (mut scenario, _) = shaken(&[], kind, plant.clone());
     let fast = [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)];
     for channel in fast.into_iter().filter(|channel| plant.channels().contains(channel)) {
         let before = scenario.plant.parameter(channel).unwrap().at(0.0);
@@ -215,7 +215,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
         (PlantKind::BOUC_WEN, FilterKind::UKF),
         (PlantKind::SHEAR_2, FilterKind::EKF),
     ] {
-        let (mut scenario, record) = troubled(plant, kind);
+        let (mut scenario, record) = troubled(&plant, kind);
         let mut seen: Vec<Outcome> = Vec::new();
         for &(robust, adaptation, jump, log_parameters) in &cases {
             for filter in &mut scenario.filters {
@@ -237,7 +237,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
 fn a_truth_that_is_missing_at_times_is_scored_as_by_the_single_filter() {
     let scenario = Scenario { duration: 4.0, ..Scenario::default() };
     let record = simulate(&scenario);
-    let columns = PlantKind::SDOF.channels().iter().map(|&channel| {
+    let columns = scenario.plant.kind.channels().iter().map(|&channel| {
         let mut truth = record.truth(channel).unwrap().to_vec();
         if channel == Channel::NATURAL_FREQUENCY {
             truth[100..150].fill(f64::NAN);
@@ -360,7 +360,7 @@ fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
     assert!(all.len() > 4);
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
-        scenario.set_plant(kind);
+        scenario.set_plant(kind.clone());
         all.push((kind.key().to_owned(), scenario));
     }
     for (name, mut scenario) in all {

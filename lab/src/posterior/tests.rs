@@ -80,9 +80,9 @@ fn a_truth_from_the_initial_belief_has_any_rank_among_the_points() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         let mut ranks = Vec::new();
         for seed in 0..SEEDS {
-            let mut scenario = Scenario { duration: 2.0, ..scenario(plant, FilterKind::UKF, 100 + seed) };
+            let mut scenario = Scenario { duration: 2.0, ..scenario(plant.clone(), FilterKind::UKF, 100 + seed) };
             let mut random = Normal::from_seed(seed);
-            for channel in parameters(&scenario.filters[0], plant) {
+            for channel in parameters(&scenario.filters[0], &plant) {
                 let filter = &mut scenario.filters[0];
                 filter.initial_std[channel] = 0.1 * filter.initial_mean[channel];
                 let truth = filter.initial_mean[channel] + filter.initial_std[channel] * random.sample();

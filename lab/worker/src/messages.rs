@@ -7,7 +7,7 @@ use js_sys::{Array, Float64Array, Uint8Array, Uint32Array};
 use kalmanscope_core::import::{ImportError, Loaded, Loading, Table};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Channel, Pass, Quantity, Record, Scenario, Source, Tape, document};
+use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document};
 use kalmanscope_lab::posterior::{Posterior, Sampled};
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
@@ -153,8 +153,8 @@ const TIMED: &str = "@";
 fn in_message(source: &Source) -> JsValue {
     let Some(record) = source.record() else { return JsValue::NULL };
     let message = filtered(record);
-    for channel in Channel::all() {
-        if let Some(truth) = record.truth(*channel) {
+    for channel in record.true_channels() {
+        if let Some(truth) = record.truth(channel) {
             push(&message, &format!("{TRUE}{}", channel.key()), truth);
         }
     }
@@ -195,7 +195,7 @@ fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
                 _ => clocks.readings.push(timed),
             }
         } else if let Some(channel) = key.strip_prefix(TRUE) {
-            truth.push((Channel::from_key(channel)?, values));
+            truth.push((scenario.channel(channel)?, values));
         } else {
             sensors.push((Quantity::from_key(&key)?, values));
         }

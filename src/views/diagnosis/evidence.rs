@@ -140,7 +140,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
 }
 
 fn keys(filter: &FilterSettings, scenario: &Scenario) -> Vec<String> {
-    let model = filter.model(scenario.plant.kind, scenario.input);
+    let model = filter.model(&scenario.plant.kind, scenario.input);
     let parameters = model.channels().iter().filter(|channel| channel.is_parameter() && !filter.knows(**channel));
     let entries = parameters.map(|channel| format!("{}.{}", PROCESS_STD.key, channel.key()));
     let sensors = scenario.sensors.iter().map(|sensor| format!("{}.{}", SENSOR_STD.key, sensor.measures.key()));

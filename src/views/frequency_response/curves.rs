@@ -70,7 +70,7 @@ impl Memory {
             let make = || Arc::new(believed(estimates, k, frequencies));
             is_shown(estimates.id()).then(|| cached.get(Belief::new(estimates, k), make))
         };
-        let truth_now = true_transfer_function(run.scenario().plant.kind, run.record(), k);
+        let truth_now = true_transfer_function(&run.scenario().plant.kind, run.record(), k);
         Curves {
             frequencies: frequencies.clone(),
             truth: truth_now.map(|now| truth.get(now.clone(), || now.magnitude(frequencies).into())),
@@ -112,7 +112,7 @@ struct Belief {
 
 impl Belief {
     fn new(estimates: &Estimates, k: usize) -> Self {
-        Self { plant: estimates.plant(), mean: estimates.mean(k).to_vec(), cov: estimates.cov(k).to_vec() }
+        Self { plant: estimates.plant().clone(), mean: estimates.mean(k).to_vec(), cov: estimates.cov(k).to_vec() }
     }
 }
 
@@ -154,7 +154,7 @@ impl Force {
 /// is constant, and below the Nyquist frequency.
 fn range(session: &Session) -> (f64, f64) {
     let run = session.run();
-    let truth = true_transfer_function(run.scenario().plant.kind, run.record(), 0);
+    let truth = true_transfer_function(&run.scenario().plant.kind, run.record(), 0);
     let of_filter = |estimates: &Estimates| {
         let first = (!estimates.is_empty()).then(|| estimates.mean(0))?;
         let value = |channel| estimates.place(channel).map_or(0.0, |place| first[place]);

@@ -36,7 +36,7 @@ impl<'a> Scene<'a> {
         let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, context.unit("m"), palette);
         let record = self.record();
-        let kind = context.session.run().scenario().plant.kind;
+        let kind = &context.session.run().scenario().plant.kind;
         let spring = kind.info().spring;
         // Filters may have more masses than the truth.
         let is_known = |mass: usize| mass < kind.masses();
@@ -139,7 +139,7 @@ impl<'a> Scene<'a> {
     }
 
     fn equation(&self) -> LayoutJob {
-        let kind = self.context.session.run().scenario().plant.kind;
+        let kind = &self.context.session.run().scenario().plant.kind;
         let (font, color) = (self.stage.font(), self.context.palette.weak);
         match kind.own_equation() {
             Some(own) => {

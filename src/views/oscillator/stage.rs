@@ -168,7 +168,7 @@ mod tests {
     fn the_motion_of_every_plant_stays_on_the_stage() {
         for kind in PlantKind::ALL {
             let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
-            scenario.plant.kind = kind;
+            scenario.plant.kind = kind.clone();
             scenario.filters.clear();
             let mut run = Run::new(&scenario).unwrap();
             run.finish();

@@ -10,8 +10,9 @@ use super::times::{Clock, Timing};
 use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
 use crate::data::resample::Steps;
+use crate::mathematics::catalogue::all_and;
 use crate::mathematics::lists::mapped;
-use crate::{Channel, Hold, InputKind, Quantity, Record};
+use crate::{Channel, Hold, InputKind, PlantKind, Quantity, Record};
 
 /// A record from a file, with sentences about its making.
 #[derive(Clone, Debug)]
@@ -36,6 +37,7 @@ pub struct Builder<'a> {
     own: Option<OwnTimes>,
     is_kept: bool,
     remarks: Vec<String>,
+    plant: PlantKind,
 }
 
 impl<'a> Builder<'a> {
@@ -101,8 +103,14 @@ impl<'a> Builder<'a> {
             timing.start += 0.5 * timing.dt;
         }
         remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
-        let (mapping, sensors) = (mapping.clone(), Vec::new());
-        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, is_kept, remarks })
+        let (mapping, sensors, plant) = (mapping.clone(), Vec::new(), PlantKind::default());
+        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, is_kept, remarks, plant })
+    }
+
+    /// With the truth of this plant's channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
+    #[must_use]
+    pub fn of_plant(self, plant: &PlantKind) -> Self {
+        Self { plant: plant.clone(), ..self }
     }
 
     /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
@@ -258,7 +266,7 @@ impl<'a> Builder<'a> {
             self.conditioning().cut(&mut values);
             Some((*channel, values))
         };
-        Channel::all().iter().filter_map(of).collect()
+        all_and(self.plant.channels().iter().copied()).iter().filter_map(of).collect()
     }
 }
 

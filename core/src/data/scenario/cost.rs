@@ -62,7 +62,7 @@ impl FilterSettings {
     /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\]. It
     /// affects only the order and the portions of the work.
     pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
-        let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
+        let &Scenario { plant: Plant { kind: ref truth, .. }, input, dt, .. } = scenario;
         let one = (self.kind.info().time)(&self.method(truth), self.model(truth, input).size());
         let filters = self.guesses.max(1) * self.process_scales.max(1) * if self.walk > 0.0 { 2 } else { 1 };
         one * (self.steps(truth, input, dt) * filters) as f64
@@ -70,14 +70,14 @@ impl FilterSettings {
 
     /// The propagation of the mean of a KF, EKF or IEKF of a truth of this kind: that of the settings, else local linearisation where
     /// it is exact, and Runge-Kutta steps for a plant that is not linear.
-    pub fn propagation_for(&self, truth: PlantKind) -> Propagation {
-        let is_linear = self.plant.unwrap_or(truth).info().is_linear;
+    pub fn propagation_for(&self, truth: &PlantKind) -> Propagation {
+        let is_linear = self.plant.as_ref().unwrap_or(truth).info().is_linear;
         self.propagation.unwrap_or(if is_linear { Propagation::LocalLinearisation } else { Propagation::RungeKutta })
     }
 
     /// The number of steps from one sample to the next, `dt` \[s\] later: that of the settings, else as many as the error of a
     /// Runge-Kutta step asks for. A linear plant has one, so has the book's local linearisation, and a random sample errs by more.
-    pub fn steps(&self, truth: PlantKind, input: InputKind, dt: f64) -> usize {
+    pub fn steps(&self, truth: &PlantKind, input: InputKind, dt: f64) -> usize {
         if self.substeps > 0 {
             return self.substeps;
         }

@@ -3,8 +3,8 @@
 use thiserror::Error;
 
 use super::{Scenario, Sensor, Values};
-use crate::data::document::{self, Document, DocumentError, json};
-use crate::{PlantKind, Quantity};
+use crate::Quantity;
+use crate::data::document::{self, Document, DocumentError};
 
 /// The reason why a scenario cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -79,7 +79,6 @@ impl Scenario {
         if !document.is_object() {
             return Err(locate(DocumentError::new("expected a table")).into());
         }
-        know_equations(document);
         let mut scenario: Self = document::read(document).map_err(locate)?;
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
@@ -102,7 +101,7 @@ impl Scenario {
     /// Without channels that no plant has, numbers with their default value, and ids that equal the filters' places.
     fn as_written(&self) -> Self {
         let mut scenario = self.clone();
-        let (truth, input) = (scenario.plant.kind, scenario.input);
+        let (truth, input) = (&scenario.plant.kind, scenario.input);
         let are_in_order = (1..).zip(&scenario.filters).all(|(number, filter)| filter.id == number);
         for filter in &mut scenario.filters {
             if are_in_order {
@@ -142,23 +141,5 @@ impl Scenario {
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         // The detour over a table puts subtables after plain values.
         Ok(document::to_toml(&self.as_written())?)
-    }
-}
-
-/// Their parameters are then known wherever they stand in the file. A text that is none is reported where it is read.
-fn know_equations(document: &Document) {
-    if let Some(equation) = document.get("equation") {
-        let mut alone = json!({ "equation": equation });
-        if let Some(parameters) = document.get("parameters") {
-            alone["parameters"] = parameters.clone();
-        }
-        if let Ok(settings) = document::read(&alone) {
-            let _known = PlantKind::of_equation(&settings);
-        }
-    }
-    match document {
-        Document::Object(entries) => entries.values().for_each(know_equations),
-        Document::Array(values) => values.iter().for_each(know_equations),
-        _ => {}
     }
 }

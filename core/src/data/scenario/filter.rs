@@ -164,10 +164,10 @@ impl FilterSettings {
     }
 
     /// The filter's model of a truth of this kind under this input.
-    pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
+    pub fn model(&self, truth: &PlantKind, input: InputKind) -> Model {
         // The parameters of a KF are known and do not decay.
         let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
-        let model = Model::new(self.plant.unwrap_or(truth))
+        let model = Model::new(self.plant.as_ref().unwrap_or(truth).clone())
             .augmented(self.augment.iter().copied())
             .forgetting(self.correlation_time.iter());
         model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
@@ -179,7 +179,7 @@ impl FilterSettings {
     }
 
     /// The settings that its method reads, of a truth of this kind.
-    pub fn method(&self, truth: PlantKind) -> MethodSettings {
+    pub fn method(&self, truth: &PlantKind) -> MethodSettings {
         let Self { iterations, ensemble_size, .. } = *self;
         MethodSettings { propagation: self.propagation_for(truth), iterations, ensemble_size }
     }
@@ -199,15 +199,15 @@ impl FilterSettings {
     }
 
     /// The channels of a filter of this truth that it can consider, or that can have bounds.
-    pub fn considerable(&self, truth: PlantKind) -> impl Iterator<Item = Channel> {
-        let of_plant = self.plant.unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));
+    pub fn considerable<'a>(&'a self, truth: &'a PlantKind) -> impl Iterator<Item = Channel> + 'a {
+        let of_plant = self.plant.as_ref().unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));
         of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
     }
 
     /// Whether the filter estimates a natural frequency, from above 0 on.
-    pub(crate) fn has_frequency(&self, truth: PlantKind) -> bool {
+    pub(crate) fn has_frequency(&self, truth: &PlantKind) -> bool {
         let frequency = Channel::NATURAL_FREQUENCY;
-        let channels = self.plant.unwrap_or(truth).channels();
+        let channels = self.plant.as_ref().unwrap_or(truth).channels();
         channels.contains(&frequency) && !self.knows(frequency) && self.initial_mean[frequency] > 0.0
     }
 

@@ -103,7 +103,7 @@ impl FilterSettings {
     }
 
     /// Turns off the options that others exclude, and the guesses of a frequency that a filter of this truth does not estimate.
-    pub fn turn_off_excluded(&mut self, truth: PlantKind) {
+    pub fn turn_off_excluded(&mut self, truth: &PlantKind) {
         if !self.has_frequency(truth) {
             self.guesses = OFF.guesses;
         }
@@ -168,8 +168,8 @@ mod tests {
                     if let Some(words) = words {
                         let error = scenario.validate().expect_err(&name).to_string();
                         assert!(error.ends_with(&words), "{name}: {error}");
-                        let truth = scenario.plant.kind;
-                        scenario.filters[0].turn_off_excluded(truth);
+                        let truth = scenario.plant.kind.clone();
+                        scenario.filters[0].turn_off_excluded(&truth);
                         refused += 1;
                     }
                     let mut run = Run::new(&scenario).expect(&name);

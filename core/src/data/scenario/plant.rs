@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::Scenario;
 use crate::data::signal::Step;
-use crate::mathematics::catalogue::expected_channels;
-use crate::mathematics::equation::{self, Equation, EquationError, EquationSettings};
+use crate::mathematics::catalogue::{KnownPlants, expected_channels};
+use crate::mathematics::equation::{Equation, EquationError, EquationSettings};
 use crate::mathematics::model::{InputKind, Model};
 use crate::{Channel, PlantKind, Signal};
 
@@ -98,7 +98,11 @@ impl Plant {
     /// The truth as a model under an input.
     pub fn model(&self, input: InputKind) -> Model {
         let augmentations = self.parameters().filter(|c| c.is_augmentation());
-        Model::new(self.kind).augmented(augmentations).driven_by(input)
+        Model::new(self.kind.clone()).augmented(augmentations).driven_by(input)
+    }
+
+    pub(super) fn retain(&mut self, is_kept: impl Fn(Channel) -> bool) {
+        self.signals.retain(|(channel, _)| is_kept(*channel));
     }
 
     pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
@@ -182,10 +186,8 @@ impl<'de> Deserialize<'de> for Plant {
                         "equation" => {
                             let known = equation.get_or_insert_with(|| EquationSettings::new(""));
                             known.equation = map.next_value()?;
-                            // The keys that follow are those of its parameters.
-                            if !equation::is_read(&known.equation) {
-                                own(known)?;
-                            }
+                            // A fault of the equation goes before that of the keys that it should have.
+                            own(known)?;
                         }
                         "parameters" => {
                             equation.get_or_insert_with(|| EquationSettings::new("")).parameters = map.next_value()?;
@@ -195,7 +197,7 @@ impl<'de> Deserialize<'de> for Plant {
                         "disturbance_std" => plant.disturbance_std = map.next_value()?,
                         other => {
                             let signal = map.next_value::<Signal>()?;
-                            Channel::from_key(other).into_iter().for_each(|channel| plant.set(channel, signal));
+                            KnownPlants::channel(other).into_iter().for_each(|channel| plant.set(channel, signal));
                         }
                     }
                 }
@@ -222,7 +224,7 @@ const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "distu
 impl<'de> Deserialize<'de> for Key {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        if OWN_KEYS.contains(&key.as_str()) || Channel::from_key(&key).is_some_and(Channel::is_parameter) {
+        if OWN_KEYS.contains(&key.as_str()) || KnownPlants::channel(&key).is_some_and(Channel::is_parameter) {
             return Ok(Self(key));
         }
         let (own, channels) = (OWN_KEYS.join("`, `"), expected_channels(Channel::is_parameter));
@@ -237,11 +239,11 @@ impl Scenario {
     /// [`EquationError`] if it is no plant; nothing changes then.
     pub fn set_equation(&mut self, settings: &EquationSettings) -> Result<(), EquationError> {
         let kind = PlantKind::of_equation(settings)?;
-        let before = self.plant.kind.channels();
-        self.set_plant(kind);
+        let before = self.plant.kind.clone();
+        self.set_plant(kind.clone());
         for &channel in kind.channels() {
-            let Some(old) = before.iter().find(|old| **old == channel).map(|old| old.usual()) else { continue };
-            let new = channel.usual();
+            let Some(place) = channel.place_in(before.channels()) else { continue };
+            let (old, new) = (before.channels()[place].usual(), channel.usual());
             for filter in &mut self.filters {
                 if old.mean != new.mean {
                     filter.initial_mean[channel] = new.mean;

@@ -28,7 +28,7 @@ impl Scenario {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
         i64::try_from(*seed).map_err(|_| impossible("seed", seed, "a whole number from 0 to 2⁶³ - 1"))?;
-        for info in of_scenario().filter(|info| (info.serves)(self, plant.kind)) {
+        for info in of_scenario().filter(|info| (info.serves)(self, &plant.kind)) {
             check(format_args!(""), info, self)?;
         }
         require(
@@ -63,7 +63,7 @@ impl Scenario {
         }
         length(filters.len() <= MAX_FILTERS, "filters", filters.len(), format_args!("at most {MAX_FILTERS}"))?;
         for (i, filter) in filters.iter().enumerate() {
-            filter.validate(format_args!("filters[{i}]"), sensors.len(), *dt, plant.kind)?;
+            filter.validate(format_args!("filters[{i}]"), sensors.len(), *dt, &plant.kind)?;
         }
         for (key, law) in draw {
             if let Some(allowed) = law.problem() {
@@ -102,7 +102,7 @@ impl Plant {
 const MOST_PLUCKS: usize = 1000;
 
 impl FilterSettings {
-    fn validate(&self, path: Arguments<'_>, sensors: usize, dt: f64, truth: PlantKind) -> Result<(), ScenarioError> {
+    fn validate(&self, path: Arguments<'_>, sensors: usize, dt: f64, truth: &PlantKind) -> Result<(), ScenarioError> {
         let Self { kind, plant, ensemble_size, sensor_std, sensor_delay, plucks, initial_mean, .. } = self;
         own_key(kind.is_impostor(), format_args!("{path}.kind"), kind.key())?;
         if let Some(plant) = plant {
@@ -167,7 +167,7 @@ impl FilterSettings {
             }
         }
         if self.log_parameters {
-            for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
+            for channel in plant.as_ref().unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
                 let key = format_args!("{path}.initial_mean.{}", channel.key());
                 number(key, initial_mean[channel], Allowed::Above(0.0))?;
             }

@@ -8,7 +8,7 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Channel;
-use crate::mathematics::catalogue::expected_channels;
+use crate::mathematics::catalogue::{KnownPlants, all_and, expected_channels};
 use crate::mathematics::channel::Usual;
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
@@ -75,9 +75,14 @@ impl Values {
         self.set = own.chain(rest).collect();
     }
 
+    pub(super) fn retain(&mut self, is_kept: impl Fn(Channel) -> bool) {
+        self.set.retain(|(channel, _)| is_kept(*channel));
+    }
+
     /// The numbers of these channels and those that differ from `base`, over which the file is read.
     pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
-        let others = Channel::all().iter().copied().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
+        let own = all_and(self.iter().map(|(channel, _)| channel));
+        let others = own.into_iter().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
         let written = channels.iter().copied().chain(others);
         Self { otherwise: base.otherwise, set: written.map(|channel| (channel, self[channel])).collect() }
     }
@@ -159,7 +164,7 @@ impl<'de> Deserialize<'de> for Key {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
         let unknown = || format!("unknown field `{key}`, expected {}", expected_channels(|_| true));
-        Channel::from_key(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
+        KnownPlants::channel(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
     }
 }
 

@@ -252,9 +252,9 @@ fn signal_words(key: &str) -> (&'static str, Option<&'static str>) {
 pub fn addresses(scenario: &Scenario) -> Vec<Address> {
     let mut keys: Vec<String> = Vec::new();
     for filter in &scenario.filters {
-        let rows = OF_FILTER.into_iter().flatten().filter(|info| (info.serves)(filter, scenario.plant.kind));
+        let rows = OF_FILTER.into_iter().flatten().filter(|info| (info.serves)(filter, &scenario.plant.kind));
         keys.extend(rows.map(|info| filter.address(info.key)));
-        let model = filter.model(scenario.plant.kind, scenario.input);
+        let model = filter.model(&scenario.plant.kind, scenario.input);
         for table in TABLES {
             let channels = model.channels().iter().map(|channel| Entry::Channel(*channel));
             let sensors = scenario.sensors.iter().map(|sensor| Entry::Sensor(sensor.measures));
@@ -268,7 +268,7 @@ pub fn addresses(scenario: &Scenario) -> Vec<Address> {
     }
     keys.extend(scenario.sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key())));
     keys.extend(scenario.fault_addresses());
-    let rows = of_scenario().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+    let rows = of_scenario().filter(|info| (info.serves)(scenario, &scenario.plant.kind));
     keys.extend(rows.map(|info| info.key.to_owned()));
     keys.iter().filter_map(|key| Address::parse(scenario, key).ok()).collect()
 }

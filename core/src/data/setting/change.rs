@@ -10,7 +10,6 @@ use super::{
 };
 use crate::data::document::{self, Document};
 use crate::data::scenario::{FilterSettings, Scenario, ScenarioError, address};
-use crate::mathematics::channel::Channel;
 use crate::mathematics::plant::PlantKind;
 use crate::mathematics::quantity::Quantity;
 
@@ -136,7 +135,7 @@ impl<'a> Change<'a> {
         for Difference { key, now, .. } in &self.settings {
             put(&mut document, scenario, key, now, "")?;
         }
-        let mut changed: Scenario = document::read(&document)?;
+        let mut changed: Scenario = scenario.knowing(|| document::read(&document))?;
         changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));
         for &place in &self.added {
             changed.filters.insert(place.min(changed.filters.len()), self.now.filters[place].clone());
@@ -159,7 +158,7 @@ impl<'a> Change<'a> {
                     chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(|| set(of_scenario(), key, scenario, &number))
                 }
             };
-            let (name, value) = said.unwrap_or_else(|| (name(key), words(before, &number)));
+            let (name, value) = said.unwrap_or_else(|| (name([scenario, now], key), words(before, &number)));
             format!("{owner}{name} = {value}")
         };
         let (of_filters, of_scenario): (Vec<&Difference>, Vec<&Difference>) =
@@ -200,7 +199,8 @@ fn set<T: 'static>(
 }
 
 /// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
-fn name(key: &str) -> String {
+fn name(scenarios: [&Scenario; 2], key: &str) -> String {
+    let symbol = |part: &str| scenarios.into_iter().find_map(|scenario| symbol(scenario, part));
     let part = |part: &str| match (symbol(part), part.parse::<usize>()) {
         (Some(symbol), _) => symbol.to_owned(),
         (None, Ok(place)) => (place + 1).to_string(),
@@ -249,7 +249,7 @@ impl Edit {
         let key = self.inner();
         match (key, &self.value) {
             ("augment", Value::Array(wanted)) => {
-                let wanted = wanted.iter().filter_map(|key| Channel::from_key(key.as_str()?));
+                let wanted = wanted.iter().filter_map(|key| scenario.channel(key.as_str()?));
                 let new: Vec<String> = wanted
                     .filter(|channel| !filter.augment.contains(channel))
                     .map(|channel| format!("the {}", channel.name()))
@@ -296,7 +296,7 @@ impl Edit {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
                     return Some(format!("set {name} = {}", number(&self.value)?));
                 }
-                let (table, entry) = TableInfo::entry(key, &Quantity::from_key)?;
+                let (table, entry) = TableInfo::entry(key, &|key| scenario.channel(key), &Quantity::from_key)?;
                 Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
             }
         }

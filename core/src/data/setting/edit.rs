@@ -147,7 +147,7 @@ mod tests {
             Edit::of_filter(ekf, "augment", vec!["input_gain"]),
         ];
         let turned = Edit::apply_all(&edits, &scenario).unwrap();
-        assert_eq!((turned.hold, turned.filters[0].plant), (Hold::First, Some(PlantKind::DUFFING)));
+        assert_eq!((turned.hold, turned.filters[0].plant.clone()), (Hold::First, Some(PlantKind::DUFFING)));
         assert_eq!(turned.filters[0].augment, [Channel::INPUT_GAIN]);
         assert_eq!(turned.filters[1].process_std[Channel::VELOCITY], 0.5);
         assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);

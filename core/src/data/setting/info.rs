@@ -28,7 +28,7 @@ pub struct SettingInfo<T> {
     /// An explanation in one sentence.
     pub hint: &'static str,
     /// Whether it has an effect in a `T`, beside a truth of this kind.
-    pub serves: fn(&T, PlantKind) -> bool,
+    pub serves: fn(&T, &PlantKind) -> bool,
     /// Whether menus of maps and searches offer it.
     pub is_varied: bool,
     /// Reads it: 1 for yes, 0 for no, NaN where there is none.

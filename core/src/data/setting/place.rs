@@ -33,15 +33,14 @@ pub(super) enum Member {
 impl Place {
     pub(super) fn parse(scenario: &Scenario, text: &str) -> Option<Self> {
         let is_it =
-            |info: &&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, scenario.plant.kind);
+            |info: &&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, &scenario.plant.kind);
         if let Some(info) = of_scenario().find(is_it) {
             return Some(Self::Scenario(info));
         }
         let keys: Vec<&str> = text.split('.').collect();
         match keys[..] {
             ["plant", parameter, ref rest @ ..] => {
-                let channel = Channel::from_key(parameter)?;
-                let channel = scenario.plant.parameters().find(|own| *own == channel)?;
+                let channel = scenario.plant.parameters().find(|own| own.key() == parameter)?;
                 if rest.is_empty() {
                     return Some(Self::Parameter(channel));
                 }
@@ -75,14 +74,17 @@ impl Place {
         } else if let Some(table) = TableInfo::from_key(key).filter(|table| table.factor.is_some()) {
             Member::Factor(table, meant.into_iter().cloned().collect())
         } else {
-            let (table, entry) = TableInfo::entry(key, &|sensor| quantity(scenario, sensor))?;
+            let channel_of = |filter: &FilterSettings, key: &str| {
+                let model = filter.model(&scenario.plant.kind, scenario.input);
+                model.channels().iter().copied().find(|channel| channel.key() == key)
+            };
+            let (table, entry) =
+                TableInfo::entry(key, &|key| channel_of(first, key), &|sensor| quantity(scenario, sensor))?;
             let has = |filter: &&FilterSettings| match entry {
-                Entry::Channel(channel) => {
-                    filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
-                }
+                Entry::Channel(channel) => channel_of(filter, channel.key()).is_some(),
                 Entry::Sensor(_) => true,
             };
-            meant.iter().all(has).then_some(Member::Entry(table, entry))?
+            meant[1..].iter().all(has).then_some(Member::Entry(table, entry))?
         };
         Some(Self::Filters(id, member))
     }
@@ -100,7 +102,7 @@ impl Place {
         if text.starts_with("filters") {
             return scenario.filters_instead_of(text);
         }
-        let serving = of_scenario().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+        let serving = of_scenario().filter(|info| (info.serves)(scenario, &scenario.plant.kind));
         let (of_plant, others): (Vec<&str>, Vec<&str>) =
             serving.map(|info| info.key).partition(|key| key.starts_with(PLANT));
         if text.starts_with(PLANT) {

@@ -135,14 +135,14 @@ impl TableInfo {
         TABLES.into_iter().find(|table| table.key == key)
     }
 
-    pub(super) fn entry(key: &str, sensor: &dyn Fn(&str) -> Option<Quantity>) -> Option<(&'static Self, Entry)> {
+    pub(super) fn entry(
+        key: &str,
+        channel: &dyn Fn(&str) -> Option<Channel>,
+        sensor: &dyn Fn(&str) -> Option<Quantity>,
+    ) -> Option<(&'static Self, Entry)> {
         let (table, entry) = key.split_once('.')?;
         let table = Self::from_key(table)?;
-        let entry = if table.is_of_sensors() {
-            Entry::Sensor(sensor(entry)?)
-        } else {
-            Entry::Channel(Channel::from_key(entry)?)
-        };
+        let entry = if table.is_of_sensors() { Entry::Sensor(sensor(entry)?) } else { Entry::Channel(channel(entry)?) };
         Some((table, entry))
     }
 

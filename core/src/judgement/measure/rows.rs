@@ -116,7 +116,7 @@ measures! {
 
     Evaluations = row("evaluations", "evaluations of the rate per step", ValueKind::Size, MeasureSubject::Filter)
         .special()
-        => |part| number(evaluations(part.run.settings(), part.run.scenario.plant.kind));
+        => |part| number(evaluations(part.run.settings(), &part.run.scenario.plant.kind));
 
     Error = row("error", "last error of @", ValueKind::Error, MeasureSubject::Channel(None))
         .best(Best::Zero)
@@ -308,7 +308,7 @@ fn probability(part: &Part<'_>) -> Option<f64> {
 }
 
 /// Of `g(y, f)` in one predicted step. `truth` is the filter's plant unless its settings name another.
-fn evaluations(settings: &FilterSettings, truth: PlantKind) -> f64 {
+fn evaluations(settings: &FilterSettings, truth: &PlantKind) -> f64 {
     (settings.kind.info().evaluations)(&settings.method(truth), settings.model(truth, InputKind::Force).size()) as f64
 }
 

@@ -175,7 +175,7 @@ fn capital(text: &str) -> String {
 
 fn still(scenario: &Scenario) -> Writer {
     let plant = &scenario.plant;
-    let text = Writer::default().say(noun(plant.kind));
+    let text = Writer::default().say(noun(&plant.kind));
     let named = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     let known = named.into_iter().filter(|channel| plant.kind.parameters().any(|own| own == *channel));
     let mut text = text;
@@ -189,7 +189,7 @@ fn still(scenario: &Scenario) -> Writer {
     text.say(format!(" {}, and nothing about it changes", moved(scenario)))
 }
 
-fn noun(kind: PlantKind) -> String {
+fn noun(kind: &PlantKind) -> String {
     let name = kind.name().replace(", ", " of ");
     match name.as_str() {
         name if name.starts_with("equation") => format!("A system with an {name}"),

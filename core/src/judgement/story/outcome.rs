@@ -296,7 +296,7 @@ fn suffix(kind: VerdictKind) -> String {
 /// Local linearisation takes the motion for constant in a step: in a free decay the band of ωₙ is 1.2 times too narrow at half a
 /// radian, and 3.6 times at one. On a nonlinear plant a motion that is stiffer than the initial belief makes Runge-Kutta steps err.
 fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimates, record: &Record) -> Option<u8> {
-    let (info, plant, dt) = (filter.kind.info(), scenario.plant.kind, record.dt());
+    let (info, plant, dt) = (filter.kind.info(), &scenario.plant.kind, record.dt());
     let last = estimates.len().checked_sub(1).filter(|_| !info.is_sampled)?;
     let model = filter.model(plant, scenario.input);
     let step = dt / filter.steps(plant, scenario.input, dt) as f64;

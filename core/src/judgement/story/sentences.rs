@@ -90,9 +90,9 @@ fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
 const FOUND: f64 = 0.95;
 
 pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
-    let truth = run.scenario().plant.kind;
-    let plants: Vec<PlantKind> = mapped(&run.scenario().filters, &|filter| filter.plant.unwrap_or(truth));
-    let differ = plants.iter().any(|plant| *plant != plants[0]);
+    let truth = &run.scenario().plant.kind;
+    let plants: Vec<&PlantKind> = mapped(&run.scenario().filters, &|filter| filter.plant.as_ref().unwrap_or(truth));
+    let differ = plants.iter().any(|plant| **plant != *plants[0]);
     if !differ || diagnostics.len() < plants.len() || diagnostics.iter().all(|d| d.log_likelihood() == 0.0) {
         return None;
     }

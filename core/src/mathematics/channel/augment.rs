@@ -62,7 +62,7 @@ pub fn all() -> impl Iterator<Item = Channel> {
 }
 
 /// The augmentations that a plant can have: those of the input and of its measurable quantities.
-pub fn of(plant: PlantKind) -> impl Iterator<Item = Channel> {
+pub fn of(plant: &PlantKind) -> impl Iterator<Item = Channel> {
     of_all(plant.quantities())
 }
 

@@ -287,7 +287,7 @@ impl Notes {
         let force = input(model.size);
         let mut rate = vec![Noted::of(0.0); model.moving()];
         let acting = model.acting(&state, force);
-        with_equation!(model.plant, equation => equation.rate(&state, acting, &mut rate), _ => return None);
+        with_equation!(&model.plant, equation => equation.rate(&state, acting, &mut rate), _ => return None);
         model.decay(&state, &mut rate);
         let read = |reading| read(model, reading, &state, &rate, force);
         let readings: Vec<Noted<'_>> = readings.iter().map(read).collect();
@@ -370,7 +370,7 @@ mod tests {
         for kind in PlantKind::ALL.into_iter().filter(|kind| kind.channels().len() <= 16) {
             let quantities: Vec<Quantity> = kind.quantities().collect();
             let augmentations = augment::OF_INPUT.into_iter().chain([Channel::UNKNOWN_FORCE, quantities[0].bias()]);
-            let book = crate::Model::new(kind).augmented(augmentations).decaying(0.01);
+            let book = crate::Model::new(kind.clone()).augmented(augmentations).decaying(0.01);
             let readings: Vec<Reading> = quantities.iter().filter_map(|&quantity| book.reading(quantity)).collect();
             let model = Model::of(&book);
             let Notes { builder, rates, readings: noted, .. } = Notes::of(&model, &readings).expect("a built-in plant");

@@ -52,7 +52,7 @@ impl Operation {
 const REGISTERS: usize = 128;
 
 /// Operations in order. Their results stand in registers, which are used again.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct List {
     inputs: usize,
     registers: usize,
@@ -60,7 +60,7 @@ pub struct List {
     outputs: Vec<(usize, u8)>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Step {
     what: What,
     a: u8,
@@ -68,7 +68,7 @@ struct Step {
     to: u8,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum What {
     Constant(f64),
     Add,

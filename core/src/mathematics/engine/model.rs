@@ -100,7 +100,7 @@ impl Model {
     /// The rates of the components that move under this recorded force. `plain` is memory for n numbers.
     #[inline(always)]
     pub fn rate<T: Number, L: Level>(&self, level: L, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
-        with_equation!(self.plant, equation => {
+        with_equation!(&self.plant, equation => {
             if fits::<T, L>(level, equation) {
                 self.rate_by(equation, state, force, plain, rate);
             }

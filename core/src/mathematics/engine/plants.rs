@@ -1,5 +1,7 @@
 //! Plants, each one function: the rates of the moving components. Jacobians follow from it by [duals](super::dual).
 
+use std::sync::Arc;
+
 use super::dual::Dual;
 use super::level::{Baseline, Level};
 use super::list::List;
@@ -19,7 +21,7 @@ pub(crate) trait Equation<T>: Copy {
 }
 
 /// A plant that the engine has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Plant {
     Sdof(Sdof),
     /// The oscillator with a cubic spring.
@@ -29,7 +31,7 @@ pub enum Plant {
     /// The same with exponent 1.
     BoucWenOne(BoucWen<true>),
     ShearChain(ShearChain),
-    Typed(&'static Typed),
+    Typed(Arc<Typed>),
     /// A plant of a program's own, which knows plain numbers only.
     Own(Own),
 }
@@ -42,12 +44,15 @@ macro_rules! with_equation {
     ($plant:expr, $equation:ident => $do:expr, $own:pat => $other:expr) => {{
         use $crate::mathematics::engine::plants::Plant;
         match $plant {
-            Plant::Sdof($equation) => $do,
-            Plant::Duffing($equation) => $do,
-            Plant::BoucWen($equation) => $do,
-            Plant::BoucWenOne($equation) => $do,
-            Plant::ShearChain($equation) => $do,
-            Plant::Typed($equation) => $do,
+            &Plant::Sdof($equation) => $do,
+            &Plant::Duffing($equation) => $do,
+            &Plant::BoucWen($equation) => $do,
+            &Plant::BoucWenOne($equation) => $do,
+            &Plant::ShearChain($equation) => $do,
+            Plant::Typed(typed) => {
+                let $equation = &**typed;
+                $do
+            }
             Plant::Own($own) => $other,
         }
     }};
@@ -57,19 +62,19 @@ pub(super) use with_equation;
 
 impl Plant {
     /// The number of components.
-    pub fn size(self) -> usize {
+    pub fn size(&self) -> usize {
         with_equation!(self, equation => Equation::<f64>::sizes(equation)[0])
     }
 
     /// The number of components that move.
     #[inline(always)]
-    pub fn motion(self) -> usize {
+    pub fn motion(&self) -> usize {
         with_equation!(self, equation => Equation::<f64>::sizes(equation)[1])
     }
 
     /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
     #[inline(always)]
-    pub fn is_oscillator(self) -> bool {
+    pub fn is_oscillator(&self) -> bool {
         match self {
             Self::Sdof(_) | Self::Duffing(_) => true,
             Self::Typed(typed) => typed.motion == 2,
@@ -79,7 +84,7 @@ impl Plant {
 
     /// Of a plant whose motion is `[x, v]` of several masses, with `ẋ = v`: their number, and the largest distance of two masses in
     /// their row that act on each other.
-    pub fn coupling(self) -> Option<[usize; 2]> {
+    pub fn coupling(&self) -> Option<[usize; 2]> {
         match self {
             Self::ShearChain(chain) => Some([chain.masses, 1]),
             Self::Typed(typed) if typed.masses > 1 && typed.motion == 2 * typed.masses => {
@@ -90,24 +95,24 @@ impl Plant {
     }
 
     #[inline(always)]
-    pub(crate) fn linearise<T: Number, L: Level>(self, level: L, state: &[T], force: T, out: Slopes<'_, T>) {
+    pub(crate) fn linearise<T: Number, L: Level>(&self, level: L, state: &[T], force: T, out: Slopes<'_, T>) {
         match self {
-            Self::Sdof(equation) => linearise(level, equation, state, force, out),
-            Self::Duffing(equation) => linearise(level, equation, state, force, out),
-            Self::BoucWen(equation) => linearise(level, equation, state, force, out),
-            Self::BoucWenOne(equation) => linearise(level, equation, state, force, out),
+            &Self::Sdof(equation) => linearise(level, equation, state, force, out),
+            &Self::Duffing(equation) => linearise(level, equation, state, force, out),
+            &Self::BoucWen(equation) => linearise(level, equation, state, force, out),
+            &Self::BoucWenOne(equation) => linearise(level, equation, state, force, out),
             Self::ShearChain(chain) => chain.linearise(state, force, out),
             Self::Typed(typed) => typed.linearise(state, force, out),
             Self::Own(own) => own.linearise(state, force, out),
         }
     }
 
-    pub(crate) fn rate(self, state: &[f64], force: f64, rate: &mut [f64]) {
+    pub(crate) fn rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
         with_equation!(self, equation => equation.rate(state, force, rate));
     }
 
     /// The derivatives of the rates by the plant's components, row by row.
-    pub(crate) fn jacobian(self, state: &[f64], out: &mut [f64]) {
+    pub(crate) fn jacobian(&self, state: &[f64], out: &mut [f64]) {
         let (own, motion) = (self.size(), self.motion());
         let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
         let slopes = Slopes { rate: &mut rate, columns: &mut columns, rows: motion };
@@ -120,7 +125,7 @@ impl Plant {
     }
 
     /// The derivatives of the rates by the force, which do not depend on the state.
-    pub fn by_force(self) -> Vec<f64> {
+    pub fn by_force(&self) -> Vec<f64> {
         let state = vec![1.0; self.size()];
         let [mut with, mut without] = [vec![0.0; self.motion()], vec![0.0; self.motion()]];
         with_equation!(self, equation => {
@@ -340,11 +345,11 @@ impl<T: Real> Equation<T> for ShearChain {
 }
 
 /// A plant that is called lane by lane, with its Jacobian by hand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Own(pub PlantKind);
 
 impl Own {
-    fn linearise<T: Number>(self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
+    fn linearise<T: Number>(&self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
         self.rate(state, force, rate);
         let Self(kind) = self;
         let (own, motion) = (kind.channels().len(), kind.motion());
@@ -362,7 +367,7 @@ impl Own {
     }
 }
 
-impl<T: Number> Equation<T> for Own {
+impl<T: Number> Equation<T> for &Own {
     const IS_SMALL: bool = false;
 
     fn sizes(self) -> [usize; 2] {
@@ -370,7 +375,7 @@ impl<T: Number> Equation<T> for Own {
     }
 
     fn rate(self, state: &[T], force: T, rate: &mut [T]) {
-        let Self(kind) = self;
+        let Own(kind) = self;
         let (mut numbers, mut rates) = (vec![0.0; kind.channels().len()], vec![0.0; kind.motion()]);
         for lane in 0..T::LANES {
             take_lane(state, lane, &mut numbers);
@@ -389,7 +394,7 @@ fn take_lane<T: Number>(state: &[T], lane: usize, numbers: &mut [f64]) {
 }
 
 /// The plant of an equation that a user types: the rates and their derivatives, as lists of operations.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Typed {
     /// The number of components.
     pub size: usize,
@@ -403,14 +408,6 @@ pub struct Typed {
     pub jacobian: List,
 }
 
-impl PartialEq for Typed {
-    fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self, other)
-    }
-}
-
-impl Eq for Typed {}
-
 impl Typed {
     /// The largest distance of two masses that act on each other.
     pub fn reach(&self) -> usize {
@@ -423,7 +420,7 @@ impl Typed {
     }
 
     #[inline(always)]
-    fn linearise<T: Real>(&'static self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
+    fn linearise<T: Real>(&self, state: &[T], force: T, Slopes { rate, columns, rows }: Slopes<'_, T>) {
         self.rate(state, force, rate);
         for column in columns[..self.size * rows].chunks_exact_mut(rows) {
             column[..self.motion].fill(T::of(0.0));
@@ -437,7 +434,7 @@ impl Typed {
     }
 }
 
-impl<T: Real> Equation<T> for &'static Typed {
+impl<T: Real> Equation<T> for &Typed {
     const IS_SMALL: bool = false;
 
     #[inline(always)]
@@ -462,9 +459,9 @@ mod tests {
 
     #[test]
     fn plants_of_the_registry_have_their_sizes_in_the_engine() {
-        assert!(matches!(Plant::of(PlantKind::SHEAR_10), Plant::ShearChain(ShearChain { masses: 10 })));
+        assert!(matches!(Plant::of(&PlantKind::SHEAR_10), Plant::ShearChain(ShearChain { masses: 10 })));
         for kind in PlantKind::ALL {
-            let plant = Plant::of(kind);
+            let plant = Plant::of(&kind);
             let (n, motion) = (kind.channels().len(), kind.motion());
             assert_eq!((plant.size(), plant.motion()), (n, motion), "{kind:?}");
             let velocities = kind.channels()[..motion].iter().map(|channel| channel.rate().is_none());

@@ -23,7 +23,7 @@ impl<T: Number> RungeKutta<T> {
 
     #[inline(always)]
     pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
-        with_equation!(model.plant, equation => {
+        with_equation!(&model.plant, equation => {
             if fits::<T, L>(level, equation) {
                 self.advance_by(equation, model, state, step);
             }
@@ -233,7 +233,7 @@ mod tests {
         for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_3] {
             for eta in [0.0, 0.02] {
                 for count in 1..=9 {
-                    let model = crate::Model::new(plant).augmented([Channel::INPUT_GAIN]).decaying(eta);
+                    let model = crate::Model::new(plant.clone()).augmented([Channel::INPUT_GAIN]).decaying(eta);
                     let n = model.size();
                     let begin: Vec<f64> = (0..n * count).map(|i| 0.2 + 0.7 * libm::sin(i as f64).abs()).collect();
                     let step = Step { forces: [0.7, -0.4], has_slope: true, dt: 0.01 };

@@ -1,8 +1,8 @@
-//! The plant of an equation, and the meanings of its names. Each equation that has been read is kept once, for as long as the program
-//! runs. In files a plant is the key of a built-in one, or a table with an equation.
+//! The plant of an equation, and the meanings of its names. In files a plant is the key of a built-in one, or a table with an equation.
 
+use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{LazyLock, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
@@ -11,9 +11,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use super::solve::{Solved, StateComponent, solve};
 use super::token::{key, symbol};
 use super::{EquationError, EquationSettings, Numbers, ParameterSettings, size};
+use crate::mathematics::catalogue::KnownPlants;
 use crate::mathematics::channel::{ChannelInfo, Role, Usual};
 use crate::mathematics::engine::plants::Typed;
-use crate::mathematics::lists::mapped;
 use crate::mathematics::plant::{Plant, PlantInfo, Spring};
 use crate::{Channel, PlantKind};
 
@@ -26,9 +26,10 @@ const LARGEST: f64 = 1e30;
 /// The plant of an equation that a user typed.
 #[derive(Debug)]
 pub struct Equation {
-    info: PlantInfo,
     settings: EquationSettings,
-    pub(crate) typed: Typed,
+    channels: Vec<Channel>,
+    is_linear: bool,
+    pub(crate) typed: Arc<Typed>,
 }
 
 impl Equation {
@@ -42,17 +43,7 @@ impl Equation {
             }
         }
         let channels = components.iter().map(|one| channel(one, &known)).collect::<Result<Vec<_>, _>>()?;
-        let text: &'static str = settings.equation.clone().leak();
-        let info = PlantInfo {
-            key: text,
-            name: "equation of your own",
-            equation: text,
-            reference: "",
-            channels: channels.leak(),
-            is_linear,
-            spring: Spring::Linear,
-        };
-        Ok(Self { info, settings: settings.clone(), typed })
+        Ok(Self { settings: settings.clone(), channels, is_linear, typed: Arc::new(typed) })
     }
 
     /// The equation's settings, as in a scenario.
@@ -61,7 +52,7 @@ impl Equation {
     }
 
     pub(crate) fn is_linear(&self) -> bool {
-        self.info.is_linear
+        self.is_linear
     }
 
     /// The numbers of operations for the rates, and for their derivatives.
@@ -71,8 +62,17 @@ impl Equation {
 }
 
 impl Plant for Equation {
-    fn info(&self) -> &PlantInfo {
-        &self.info
+    fn info(&self) -> PlantInfo<'_> {
+        let text = &self.settings.equation;
+        PlantInfo {
+            key: text,
+            name: "equation of your own",
+            equation: text,
+            reference: "",
+            channels: &self.channels,
+            is_linear: self.is_linear,
+            spring: Spring::Linear,
+        }
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
@@ -81,7 +81,7 @@ impl Plant for Equation {
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
         // The force enters additively.
-        let Typed { size, motion, jacobian: list, .. } = &self.typed;
+        let Typed { size, motion, jacobian: list, .. } = &*self.typed;
         list.run(state, 0.0, |place, value| jacobian[place % motion * size + place / motion] = value);
     }
 }
@@ -95,8 +95,7 @@ fn as_key(name: &str) -> &str {
 }
 
 fn of_all_plants(name: &str) -> Option<Channel> {
-    let mut channels = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
-    channels.find(|channel| channel.key() == as_key(name))
+    Channel::from_key(as_key(name)).filter(|channel| !channel.is_augmentation())
 }
 
 fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
@@ -121,14 +120,18 @@ fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -
         }
         return Ok(channel);
     }
-    if crate::mathematics::channel::augment::all().any(|channel| channel.key() == as_key) {
+    if Channel::from_key(as_key).is_some() {
         return Err(EquationError::new(format!("`{name}` cannot be a name: an augmentation is called so")));
     }
     let usual = ParameterSettings::default();
-    Ok(Channel::new(Box::leak(Box::new(info(name, is_parameter, settings.unwrap_or(&usual))?))))
+    Ok(Channel::new(info(name, is_parameter, settings.unwrap_or(&usual))?))
 }
 
-fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<ChannelInfo, EquationError> {
+/// What equations say about their names, by its text: equal contents are kept once, as compilers keep symbols. It has no other meaning.
+/// It is not freed, since a [`Channel`] is copied in thousands of places; a content has a few hundred bytes.
+static INFOS: Mutex<BTreeMap<String, &'static ChannelInfo>> = Mutex::new(BTreeMap::new());
+
+fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<&'static ChannelInfo, EquationError> {
     let Numbers { mean, std, range: [low, high] } = settings.numbers(is_parameter);
     let (size, sign) = (size(mean), settings.sign);
     let numbers = [mean, std, low, high];
@@ -137,16 +140,21 @@ fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<
             "the numbers of `{name}` are impossible: a guess and a range from below to above are finite, std is at least 0"
         )));
     }
-    let shown: &'static str = symbol(name).leak();
-    let texts = |text: String| -> &'static [&'static str] { vec![&*text.leak()].leak() };
     let unsafe_text = |text: &str| text.chars().any(char::is_control) || text.chars().count() > 40;
     if settings.name.as_deref().is_some_and(unsafe_text) || unsafe_text(&settings.unit) {
         return Err(EquationError::new(format!(
             "the name and the unit of `{name}` have at most 40 characters, none of control"
         )));
     }
+    let mut infos = INFOS.lock().unwrap_or_else(PoisonError::into_inner);
+    let content = format!("{:?}", (name, is_parameter, &settings.name, &settings.unit, sign, numbers));
+    if let Some(info) = infos.get(&content) {
+        return Ok(info);
+    }
+    let shown: &'static str = symbol(name).leak();
+    let texts = |text: String| -> &'static [&'static str] { vec![&*text.leak()].leak() };
     let decimals = (2.0 - libm::floor(libm::log10(size))).clamp(0.0, 8.0);
-    Ok(ChannelInfo {
+    let info: &'static ChannelInfo = Box::leak(Box::new(ChannelInfo {
         keys: texts(name.to_owned()),
         names: texts(settings.name.clone().unwrap_or_else(|| {
             let what = if is_parameter { "parameter" } else { "internal state" };
@@ -165,7 +173,9 @@ fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<
             slider: (low, high),
             decimals: decimals as usize,
         },
-    })
+    }));
+    infos.insert(content, info);
+    Ok(info)
 }
 
 /// A name of an equation that is neither a displacement nor the force.
@@ -196,67 +206,31 @@ impl EquationSettings {
     }
 }
 
-/// Limits the equations of one program, each of which takes some kilobytes.
-const MOST: usize = 4096;
-
-static EQUATIONS: Mutex<Vec<&'static Equation>> = Mutex::new(Vec::new());
-
-/// The channels that equations have and built-in plants lack; of one key, the latest.
-static CHANNELS: RwLock<&'static [Channel]> = RwLock::new(&[]);
-
-pub(crate) fn channels() -> &'static [Channel] {
-    *CHANNELS.read().unwrap_or_else(PoisonError::into_inner)
-}
-
-pub(crate) fn is_read(text: &str) -> bool {
-    let known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
-    known.iter().any(|one| one.settings().equation == text)
-}
-
 impl PlantKind {
     /// The plant of an equation that a user typed.
     ///
     /// # Errors
     /// [`EquationError`] if it is not an equation, with the character and what is allowed there.
     pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
-        let mut known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(equation) = known.iter().find(|one| one.settings() == settings) {
-            register(Self::new(*equation));
-            return Ok(Self::new(*equation));
+        let is_it = |kind: &Self| kind.own_equation().is_some_and(|own| own.settings() == settings);
+        match KnownPlants::find(is_it) {
+            Some(kind) => Ok(kind),
+            None => Ok(Self::shared(Arc::new(Equation::new(settings)?))),
         }
-        if known.len() >= MOST {
-            return Err(EquationError::new(format!("{MOST} equations have been read: start the program again")));
-        }
-        let equation: &'static Equation = Box::leak(Box::new(Equation::new(settings)?));
-        known.push(equation);
-        let kind = Self::new(equation);
-        register(kind);
-        Ok(kind)
     }
 
     /// The equation of a plant that a user typed. `None` for a built-in plant.
-    pub fn own_equation(self) -> Option<&'static Equation> {
-        let plant: &'static dyn std::any::Any = self.plant();
+    pub fn own_equation(&self) -> Option<&Equation> {
+        let plant: &dyn std::any::Any = self.plant();
         plant.downcast_ref()
-    }
-}
-
-fn register(kind: PlantKind) {
-    let of_plants = |channel: Channel| PlantKind::ALL.iter().any(|kind| kind.channels().contains(&channel));
-    let own = || kind.channels().iter().copied().filter(|channel| !of_plants(*channel));
-    let mut channels = CHANNELS.write().unwrap_or_else(PoisonError::into_inner);
-    let is_known = |channel: Channel| channels.iter().any(|other| std::ptr::eq(other.info(), channel.info()));
-    if !own().all(is_known) {
-        let others = channels.iter().copied().filter(|one| !kind.channels().contains(one));
-        *channels = others.chain(own()).collect::<Vec<_>>().leak();
     }
 }
 
 impl PartialEq for PlantKind {
     /// Compares key and type: your own plant differs from the registry's plant with the same key.
     fn eq(&self, other: &Self) -> bool {
-        let equations = [self.own_equation(), other.own_equation()].map(|one| one.map(Equation::settings));
-        self.key() == other.key() && self.type_id() == other.type_id() && equations[0] == equations[1]
+        let [own, others] = [self, other].map(|kind| kind.own_equation().map(Equation::settings));
+        self.key() == other.key() && self.type_id() == other.type_id() && own == others
     }
 }
 
@@ -283,8 +257,8 @@ impl<'de> Deserialize<'de> for PlantKind {
             }
 
             fn visit_str<E: de::Error>(self, key: &str) -> Result<PlantKind, E> {
-                static KEYS: LazyLock<Vec<&'static str>> =
-                    LazyLock::new(|| mapped(&PlantKind::ALL, &|kind| kind.key()));
+                static ALL: LazyLock<Vec<PlantKind>> = LazyLock::new(|| PlantKind::ALL.into());
+                static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| ALL.iter().map(PlantKind::key).collect());
                 PlantKind::from_key(key).ok_or_else(|| de::Error::unknown_variant(key, &KEYS))
             }
 
@@ -295,5 +269,34 @@ impl<'de> Deserialize<'de> for PlantKind {
         }
 
         deserializer.deserialize_any(KindVisitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_equations_are_read_and_each_is_freed_with_its_last_plant() {
+        for guess in 0..10_000 {
+            let mut settings = EquationSettings::new("x'' + k x = f");
+            settings.parameter_mut("k").guess = Some(f64::from(guess));
+            let kind = PlantKind::of_equation(&settings).expect("it is an equation");
+            let typed = Arc::downgrade(&kind.own_equation().expect("it has one").typed);
+            let other = kind.clone();
+            drop(kind);
+            assert_eq!((typed.strong_count(), other.channels()[2].usual().mean), (1, f64::from(guess)));
+            drop(other);
+            assert!(typed.upgrade().is_none());
+        }
+    }
+
+    #[test]
+    fn equal_names_share_what_is_said_about_them() {
+        let infos = [1.0, 1.0, 2.0].map(|guess| {
+            let settings = ParameterSettings { guess: Some(guess), ..ParameterSettings::default() };
+            info("k", true, &settings).expect("its numbers are possible")
+        });
+        assert!(std::ptr::eq(infos[0], infos[1]) && !std::ptr::eq(infos[0], infos[2]));
     }
 }

@@ -1,6 +1,7 @@
 //! The plants of the registry: their data, beside their equations, which the engine has.
 
 use std::any::Any;
+use std::sync::Arc;
 
 use super::{Plant, PlantInfo, PlantKind, Spring};
 use crate::Channel;
@@ -9,13 +10,13 @@ use crate::mathematics::engine::plants::{self, Own};
 
 #[derive(Debug)]
 pub(super) struct BuiltInPlant {
-    pub(super) info: &'static PlantInfo,
+    pub(super) info: &'static PlantInfo<'static>,
     pub(super) plant: plants::Plant,
 }
 
 impl Plant for BuiltInPlant {
-    fn info(&self) -> &PlantInfo {
-        self.info
+    fn info(&self) -> PlantInfo<'_> {
+        *self.info
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
@@ -30,11 +31,14 @@ impl Plant for BuiltInPlant {
 
 impl plants::Plant {
     /// The engine's form of a plant.
-    pub fn of(kind: PlantKind) -> Self {
+    pub fn of(kind: &PlantKind) -> Self {
         let plant: &dyn Any = kind.plant();
         match plant.downcast_ref::<BuiltInPlant>() {
-            Some(built_in) => built_in.plant,
-            None => kind.own_equation().map_or(Self::Own(Own(kind)), |equation| Self::Typed(&equation.typed)),
+            Some(built_in) => built_in.plant.clone(),
+            None => match kind.own_equation() {
+                Some(equation) => Self::Typed(Arc::clone(&equation.typed)),
+                None => Self::Own(Own(kind.clone())),
+            },
         }
     }
 }
@@ -94,7 +98,7 @@ static DAMPING_RATIO: ChannelInfo = ChannelInfo {
     usual: Usual { mean: 0.1, std: 0.1, process: 3e-5, truth: &[0.05], slider: (0.0, 0.5), decimals: 4 },
 };
 
-static SDOF_INFO: PlantInfo = PlantInfo {
+static SDOF_INFO: PlantInfo<'_> = PlantInfo {
     key: "sdof",
     name: "linear oscillator",
     equation: "ẍ + 2ζωₙẋ + ωₙ²x = f",
@@ -111,7 +115,7 @@ static CUBIC_STIFFNESS: ChannelInfo = ChannelInfo::parameter(
     Usual { mean: 100.0, std: 200.0, process: 0.01, truth: &[300.0], slider: (-50.0, 1000.0), decimals: 1 },
 );
 
-static DUFFING_INFO: PlantInfo = PlantInfo {
+static DUFFING_INFO: PlantInfo<'_> = PlantInfo {
     key: "duffing",
     name: "Duffing oscillator",
     equation: "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
@@ -133,17 +137,17 @@ pub(super) const BOUC_WEN: BuiltInPlant =
 pub(super) const BOUC_WEN_1: BuiltInPlant =
     BuiltInPlant { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
 
-static BOUC_WEN_INFO: PlantInfo = bouc_wen(
+static BOUC_WEN_INFO: PlantInfo<'_> = bouc_wen(
     ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
     &bouc_wen_channels(Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA),
 );
 
-static BOUC_WEN_1_INFO: PlantInfo = bouc_wen(
+static BOUC_WEN_1_INFO: PlantInfo<'_> = bouc_wen(
     ["bouc_wen_1", "Bouc-Wen oscillator, exponent 1", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|"],
     &bouc_wen_channels(Channel::YIELD_BETA, Channel::YIELD_GAMMA),
 );
 
-const fn bouc_wen([key, name, equation]: [&'static str; 3], channels: &'static [Channel]) -> PlantInfo {
+const fn bouc_wen([key, name, equation]: [&'static str; 3], channels: &'static [Channel]) -> PlantInfo<'static> {
     let reference = "Wen (1976), Method for random vibration of hysteretic systems";
     let spring = Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT);
     PlantInfo { key, name, equation, reference, channels, is_linear: false, spring }
@@ -249,7 +253,7 @@ impl<const MASSES: usize> ShearPlant<MASSES> {
     pub(super) const PLANT: BuiltInPlant =
         BuiltInPlant { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);
-    const INFO: PlantInfo = PlantInfo {
+    const INFO: PlantInfo<'static> = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],
         name: by_mass!("shear chain, 1 mass"; "shear chain,", " ", " masses")[MASSES - 1],
         equation: "ẍ₁ = f - s₁ + s₂, ẍ₂ = f - s₂ + …; s₁ = κ₁x₁ + cẋ₁, s₂ = κ₂(x₂ - x₁) + c(ẋ₂ - ẋ₁), …",

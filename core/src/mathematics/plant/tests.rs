@@ -16,7 +16,7 @@ fn state(model: &Model, seed: usize) -> Vec<f64> {
 
 fn models() -> impl Iterator<Item = Model> {
     PlantKind::ALL.into_iter().flat_map(|kind| {
-        let full = Model::new(kind).augmented(augment::of(kind)).decaying(0.02);
+        let full = Model::new(kind.clone()).augmented(augment::of(&kind)).decaying(0.02);
         let shaken = full.clone().driven_by(InputKind::GroundAcceleration);
         [Model::new(kind), full.clone(), full.with_logarithms(true), shaken]
     })
@@ -69,7 +69,7 @@ fn gradients_of_readings_agree_with_differences() {
 #[test]
 fn a_plant_at_rest_takes_the_force_as_its_acceleration() {
     for kind in PlantKind::ALL {
-        let model = Model::new(kind);
+        let model = Model::new(kind.clone());
         let rest = vec![0.0; model.size()];
         for mass in 0..kind.masses() {
             let of = |aspect| model.read(&model.reading(Quantity::new(aspect, mass)).unwrap(), &rest, 3.0);

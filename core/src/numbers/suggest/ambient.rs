@@ -143,12 +143,11 @@ impl Suggestion {
     pub(super) fn with_white_force(&self, sizes: &Sizes) -> Scenario {
         let &Sizes { force, ref noise, hold } = sizes;
         let mut scenario = Scenario { hold, ..self.scenario.clone() };
-        let kind = scenario.plant.kind;
         for (sensor, noise) in scenario.sensors.iter_mut().zip(noise) {
             sensor.noise_std = *noise;
         }
         for filter in &mut scenario.filters {
-            for &channel in kind.channels().iter().filter(|channel| !channel.is_parameter()) {
+            for &channel in scenario.plant.kind.channels().iter().filter(|channel| !channel.is_parameter()) {
                 filter.process_std[channel] = 0.0;
             }
             augment(filter, Channel::WHITE_FORCE, (0.0, force));

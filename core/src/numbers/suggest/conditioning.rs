@@ -116,7 +116,7 @@ impl LostReadings {
         if power(&|k| estimates.innovation(k)[place]) >= KNOWN * KNOWN * power(&|k| measured[k] - mean) {
             return None;
         }
-        let model = settings.model(scenario.plant.kind, scenario.input);
+        let model = settings.model(&scenario.plant.kind, scenario.input);
         let mut filled = raw.clone();
         for (sensor, lost) in self.0.iter().enumerate().filter(|(_, lost)| !lost.is_empty()) {
             let reading = model.reading(raw.sensors()[sensor])?;

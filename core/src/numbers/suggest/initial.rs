@@ -31,9 +31,9 @@ impl Suggestion {
             begin_with(filter, Channel::CUBIC_STIFFNESS, (0.0, std(cubic)));
         }
         self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
-        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let (kind, input) = (self.scenario.plant.kind.clone(), self.scenario.input);
         let mut yields = false;
-        self.filters().for_each(|filter| yields |= start_yielding(filter, kind, input, displacement));
+        self.filters().for_each(|filter| yields |= start_yielding(filter, &kind, input, displacement));
         if yields {
             self.reasons.push(
                 "β and γ: the spring is about to yield at twice the root mean square of the displacement".to_owned(),
@@ -103,8 +103,8 @@ impl Suggestion {
         }
     }
 
-    pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
-        let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
+    pub(super) fn own_parameters(&self) -> Option<(&Equation, Vec<Channel>)> {
+        let kind = self.scenario.filters.first()?.plant.as_ref().unwrap_or(&self.scenario.plant.kind);
         let equation = kind.own_equation()?;
         kind.parameters()
             .any(|channel| !FROM_SPECTRA.contains(&channel))
@@ -145,7 +145,7 @@ const POST_YIELD: (f64, f64) = (0.5, 0.25);
 
 /// Start values for a filter with a Bouc-Wen plant: the spring yields at a large motion, at about twice the root mean
 /// square `displacement` \[m\]. Returns false for another plant.
-fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKind, displacement: f64) -> bool {
+fn start_yielding(filter: &mut FilterSettings, truth: &PlantKind, input: InputKind, displacement: f64) -> bool {
     let model = filter.model(truth, input);
     let shapes = [
         (Channel::YIELD_BETA, Channel::YIELD_GAMMA, 1.0 / (2.0 * displacement)),
@@ -230,7 +230,7 @@ impl Search {
     fn of(suggestion: &Suggestion) -> Option<Self> {
         let (equation, channels) = suggestion.own_parameters()?;
         let filter = suggestion.scenario.filters.first()?;
-        let kind = filter.plant.unwrap_or(suggestion.scenario.plant.kind);
+        let kind = filter.plant.as_ref().unwrap_or(&suggestion.scenario.plant.kind);
         let settings = equation.settings();
         let range = |channel: &Channel| {
             let usual = channel.usual();
@@ -248,7 +248,7 @@ impl Search {
         };
         let points = (POINTS.0 * channels.len()).min(POINTS.1);
         let ranges = mapped(&channels, &range);
-        Some(Self { kind, channels, ranges, points, ends: Likeliest::new() })
+        Some(Self { kind: kind.clone(), channels, ranges, points, ends: Likeliest::new() })
     }
 
     pub(super) fn progress(&self) -> f64 {
@@ -277,9 +277,9 @@ impl Search {
         if self.kind.own_equation().is_some() || scenario.plant.kind == self.kind {
             return;
         }
-        scenario.set_plant(self.kind);
+        scenario.set_plant(self.kind.clone());
         for filter in &mut scenario.filters {
-            start_yielding(filter, self.kind, scenario.input, filter.initial_std[Channel::DISPLACEMENT]);
+            start_yielding(filter, &self.kind, scenario.input, filter.initial_std[Channel::DISPLACEMENT]);
         }
     }
 

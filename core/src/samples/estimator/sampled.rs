@@ -17,7 +17,7 @@ struct FollowedBelief {
 pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     let Beginning { model, initial, noise, white, .. } = Beginning::of(settings, context);
     let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
-    let belief = match begin(initial, &settings.method(context.plant), normal) {
+    let belief = match begin(initial, &settings.method(&context.plant), normal) {
         Ok(belief) => belief,
         // The initial covariance is diagonal: its root can fail only through a number that is not finite.
         Err(FilterError::NotFinite) => return Box::new(Failed(FilterError::TooLarge)),

@@ -96,7 +96,7 @@ impl Setup {
         if !(initial.is_finite() && noise.is_finite()) {
             return None;
         }
-        let (model, method) = (model::Model::of(&book), method(&settings.method(context.plant), book.size()));
+        let (model, method) = (model::Model::of(&book), method(&settings.method(&context.plant), book.size()));
         // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {

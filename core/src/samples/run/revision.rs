@@ -178,7 +178,7 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
         Source::Measured(_) | Source::Live(_) => {
             let read = |s: &Scenario| {
                 let measures = s.measured();
-                (s.seed, s.plant.kind, s.input, s.hold, measures)
+                (s.seed, s.plant.kind.clone(), s.input, s.hold, measures)
             };
             read(before) == read(scenario)
         }

@@ -246,7 +246,7 @@ fn built_in_plants_have_the_scores_of_the_processor() {
         for kind in KINDS {
             let name = format!("{plant:?}, {kind:?}");
             let quantities: Vec<Quantity> = plant.quantities().take(2).collect();
-            check(&name, &with_guesses(built_in(plant, &quantities, &[], Hold::Zero), kind));
+            check(&name, &with_guesses(built_in(plant.clone(), &quantities, &[], Hold::Zero), kind));
         }
     }
 }

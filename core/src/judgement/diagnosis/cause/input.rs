@@ -202,7 +202,7 @@ pub(super) static COARSE_PROPAGATION: Cause = Cause {
 
 fn coarse_propagation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some(frequency) = bad.frequency() else { return };
-    let (filter, truth) = (bad.filter, bad.scenario.plant.kind);
+    let (filter, truth) = (bad.filter, &bad.scenario.plant.kind);
     let steps = filter.steps(truth, bad.scenario.input, bad.case.record.dt());
     let turn = frequency * bad.case.record.dt() / steps as f64;
     let sentence = match filter.propagation_for(truth) {

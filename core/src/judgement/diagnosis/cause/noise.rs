@@ -188,7 +188,7 @@ pub(super) static FELT_DISTURBANCE: Cause = Cause {
 
 fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, filter) = (bad.case, bad.filter);
-    let model = filter.model(bad.scenario.plant.kind, bad.scenario.input);
+    let model = filter.model(&bad.scenario.plant.kind, bad.scenario.input);
     // The process noise of a velocity in a step is the disturbance times dt.
     let disturbance = filter.process_std[Channel::VELOCITY] / case.record.dt();
     let at_rest = model.at_rest(|quantity| filter.initial_mean[quantity.gain()]);

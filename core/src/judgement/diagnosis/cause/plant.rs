@@ -18,12 +18,12 @@ pub(super) static SPRING: Cause = Cause {
 };
 
 fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let believed = bad.filter.plant.as_ref().unwrap_or(&bad.scenario.plant.kind);
     let size = bad.size();
     let Some(frequency) = bad.frequency().filter(|_| size != 0.0 && size.is_finite()) else { return };
     let weight = 0.4 * bad.effect_of_pattern();
     let square = 1.0 / (size * size);
-    if believed != PlantKind::DUFFING {
+    if *believed != PlantKind::DUFFING {
         let mut edits = vec![bad.edit("plant", PlantKind::DUFFING.key())];
         edits.extend(bad.begins(Channel::CUBIC_STIFFNESS.key(), 0.0, 0.3 * frequency * frequency * square));
         let sign = Sign {
@@ -37,7 +37,7 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     // With the other exponent β and γ have the size of the old ones times or over the displacement.
     let exponents =
         [(PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1, size), (PlantKind::BOUC_WEN_1, PlantKind::BOUC_WEN, 1.0 / size)];
-    if let Some((_, kind, by)) = exponents.into_iter().find(|(own, ..)| *own == believed) {
+    if let Some((_, kind, by)) = exponents.into_iter().find(|(own, ..)| own == believed) {
         let mut edits = vec![bad.edit("plant", kind.key())];
         for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
             let [mean, std] = [&bad.filter.initial_mean, &bad.filter.initial_std].map(|of| by * of[channel]);
@@ -68,7 +68,7 @@ pub(super) static MISSING_MODE: Cause = Cause {
 };
 
 fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let believed = bad.filter.plant.as_ref().unwrap_or(&bad.scenario.plant.kind);
     let Some(frequency) = bad.frequency().filter(|_| believed.masses() == 1) else { return };
     let weight = 0.6 * bad.effect_of_lines();
     let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
@@ -138,9 +138,9 @@ struct Component {
 
 /// The natural frequency \[rad/s\] and the root mean square of the displacement \[m\], where the plant is one linear oscillator.
 fn oscillator(bad: &BadFilter<'_>) -> Option<(f64, f64)> {
-    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let believed = bad.filter.plant.as_ref().unwrap_or(&bad.scenario.plant.kind);
     let (frequency, size) = (bad.frequency()?, bad.size());
-    let is_linear = believed == PlantKind::SDOF && bad.filter.kind != FilterKind::KF;
+    let is_linear = *believed == PlantKind::SDOF && bad.filter.kind != FilterKind::KF;
     (is_linear && size > 0.0 && size.is_finite() && frequency > 0.0).then_some((frequency, size))
 }
 
