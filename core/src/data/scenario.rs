@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::data::document::is_default;
-use crate::data::import::Mapping;
+use crate::data::mapping::Mapping;
 use crate::mathematics::filter::FilterKind;
 use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, InputKind};
