@@ -1,7 +1,7 @@
 //! The changes that a lesson makes to a scenario.
 
 use kalmanscope_core::document;
-use kalmanscope_core::setting::Edit;
+use kalmanscope_core::setting::{self, Edit};
 use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -92,6 +92,26 @@ impl Adjustment {
 }
 
 impl Adjustment {
+    /// The same changes, so that a session can say what was before them.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
+        let changed = self.apply(scenario)?;
+        let mut change = setting::Change::default();
+        self.remove_sensors.iter().for_each(|&quantity| change.remove_sensor(quantity));
+        self.add_sensors.iter().for_each(|&sensor| change.put_sensor(sensor));
+        let named = |name: &String| scenario.filters.iter().find(|filter| filter.name == *name);
+        self.remove_filters.iter().filter_map(named).for_each(|filter| change.remove_filter(filter.id));
+        let stays =
+            |id: u32| scenario.filters.iter().any(|own| own.id == id && !self.remove_filters.contains(&own.name));
+        for (place, filter) in changed.filters.iter().enumerate().filter(|(_, filter)| !stays(filter.id)) {
+            change.put_filter(place, filter.clone());
+        }
+        self.set.iter().for_each(|(key, value)| change.edit(Edit::new(key, value.clone())));
+        Ok(change)
+    }
+
     /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
     /// added sensor its noise.
     pub fn paths(&self) -> Vec<String> {

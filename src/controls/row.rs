@@ -1,9 +1,10 @@
 //! The control of a setting, from its row.
 
 use egui::{Align, Checkbox, ComboBox, DragValue, Layout, PopupCloseBehavior, Ui};
-use kalmanscope_core::setting::{Allowed, ChoiceInfo, SettingInfo};
-use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
+use kalmanscope_core::setting::{Allowed, ChoiceInfo, Edit, SettingInfo};
+use kalmanscope_core::{FilterSettings, Scenario};
 
+use super::Edits;
 use super::lit::lit;
 use super::number::{Named, Number};
 use crate::text::sentence;
@@ -12,12 +13,12 @@ use crate::widgets::named;
 pub(super) fn filter_row_ui(
     ui: &mut Ui,
     info: &SettingInfo<FilterSettings>,
-    filter: &mut FilterSettings,
-    truth: PlantKind,
+    filter: &FilterSettings,
+    edits: &mut Edits<'_>,
 ) {
     let key = filter.address(info.key);
     let label = (info.label)(filter).unwrap_or(info.name);
-    let serves = (info.serves)(filter, truth);
+    let serves = (info.serves)(filter, edits.scenario.plant.kind);
     let mut value = (info.get)(filter);
     if info.allowed == Allowed::Flag && !serves {
         value = 0.0;
@@ -31,21 +32,27 @@ pub(super) fn filter_row_ui(
         lit(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
     });
     if value != (info.get)(filter) {
-        (info.set)(filter, value);
+        edits.set(&key, value);
     }
 }
 
-pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
+pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
-    let mut value = (info.get)(scenario);
-    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
-    lit(ui, info.key, |ui| number.show(ui, &mut value));
-    if value != (info.get)(scenario) {
-        (info.set)(scenario, value);
+    let number = Number::of(info, label, name.as_str().into());
+    if let Some(value) = lit(ui, info.key, |ui| number.show(ui, (info.get)(scenario))) {
+        edits.set(info.key, value);
     }
 }
 
-pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
+/// A choice, whose address is `key`.
+pub(super) fn choice_row_ui<T>(
+    ui: &mut Ui,
+    info: &ChoiceInfo<T>,
+    (of, key): (&T, &str),
+    name: &str,
+    edits: &mut Edits<'_>,
+) {
     let (options, now) = ((info.options)(), (info.get)(of));
     let mut chosen = now;
     let summary = options.get(now).map_or("", |option| option.name);
@@ -58,7 +65,7 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
         }
     });
     if chosen != now {
-        (info.set)(of, chosen);
+        edits.change.edit(Edit::new(key, (info.value)(chosen)));
     }
 }
 
@@ -100,7 +107,7 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
             *value = whole as f64;
             row.inner
         }
-        _ => return Number::of(info, label, name).show(ui, value),
+        _ => return Number::of(info, label, name).show_in(ui, value),
     };
     named(control, name.text).on_hover_text(info.hint);
 }

@@ -79,8 +79,7 @@ impl Scenario {
         if !document.is_object() {
             return Err(locate(DocumentError::new("expected a table")).into());
         }
-        know_equations(document);
-        let mut scenario: Self = document::read(document).map_err(locate)?;
+        let mut scenario = Self::parsed(document).map_err(locate)?;
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
         }
@@ -90,6 +89,12 @@ impl Scenario {
         scenario.read_draws()?;
         remarks.extend(scenario.assumed_parameters());
         Ok((scenario, remarks))
+    }
+
+    /// The scenario of a document as it is written, which may be impossible.
+    pub(in crate::data) fn parsed(document: &Document) -> Result<Self, DocumentError> {
+        know_equations(document);
+        document::read(document)
     }
 
     fn take_sensors_of_record(&mut self) {

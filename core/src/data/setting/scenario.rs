@@ -1,9 +1,9 @@
 //! The settings of a scenario besides its filters that are one number each: its own, and those of the force's shape.
 
 use super::Allowed;
-use super::filter::MAX_DELAY;
 use super::info::{Field, SettingInfo, row};
 use crate::data::scenario::Scenario;
+use crate::data::scenario::filter::MAX_DELAY;
 use crate::data::signal::Force;
 
 type Row = SettingInfo<Scenario>;
