@@ -15,6 +15,7 @@ use std::sync::Arc;
 use egui::{Button, RichText, ScrollArea, Ui};
 use kalmanscope_core::setting::Change;
 use kalmanscope_core::{Scenario, Story};
+use serde::Serialize;
 
 use crate::session::Library;
 use crate::theme::{self, Palette};
@@ -37,8 +38,18 @@ impl<'a> Edits<'a> {
         Self { scenario, change: Change::default() }
     }
 
-    pub fn set(&mut self, address: &str, value: f64) {
-        self.change.set(self.scenario, address, value);
+    /// Sets a number, if it is another one than before.
+    pub fn set_other(&mut self, address: &str, before: f64, now: f64) {
+        if now != before {
+            self.change.set(self.scenario, address, now);
+        }
+    }
+
+    /// Puts a setting, if it is another one than before.
+    pub fn put_other<T: PartialEq + Serialize>(&mut self, address: &str, before: &T, now: &T) {
+        if now != before {
+            self.change.put(address, now);
+        }
     }
 }
 
@@ -95,8 +106,8 @@ pub fn controls_ui(
         }
         filter::add_filter_ui(ui, edits);
         ui.add_space(6.0);
-        if let Some(mapping) = record {
-            section(ui, "Measured record", true, |ui| record::record_ui(ui, mapping, edits, library, &mut asked));
+        if record.is_some() {
+            section(ui, "Measured record", true, |ui| record::record_ui(ui, edits, library, &mut asked));
             ui.add_space(12.0);
             return;
         }

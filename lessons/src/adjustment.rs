@@ -64,51 +64,38 @@ impl Adjustment {
     /// # Errors
     /// [`LessonError`] where the scenario lacks something to change, or the changed scenario is impossible.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, LessonError> {
+        let mut changed = scenario.clone();
+        self.change(scenario)?.apply(&mut changed)?;
+        changed.validate()?;
+        Ok(changed)
+    }
+
+    /// These changes as those of a scenario.
+    ///
+    /// # Errors
+    /// [`LessonError`] where the scenario lacks something to change.
+    pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
         let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
-        let mut scenario = scenario.clone();
+        let (mut change, mut scenario) = (setting::Change::default(), scenario.clone());
         for name in remove_filters {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
-            scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);
+            let filter = scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);
+            change.remove_filter(filter.id);
         }
         if !add_filters.is_empty() {
             let mut file = written(&scenario)?;
             for filter in add_filters {
                 add_filter(&mut file, filter)?;
             }
-            scenario = read(&file)?;
+            let all = read(&file)?.filters.into_iter().enumerate();
+            all.skip(scenario.filters.len()).for_each(|(place, filter)| change.put_filter(place, filter));
         }
         for &quantity in remove_sensors {
-            if !scenario.sensors.iter().any(|sensor| sensor.measures == quantity) {
-                return Err(LessonError::UnknownSensor(quantity));
-            }
-            scenario.remove_sensor(quantity);
+            scenario.sensor_place(quantity).ok_or(LessonError::UnknownSensor(quantity))?;
+            change.remove_sensor(quantity);
         }
-        for &sensor in add_sensors {
-            scenario.add_sensor(sensor);
-        }
-        let edits: Vec<Edit> = set.iter().map(|(key, value)| Edit::new(key, value.clone())).collect();
-        Ok(Edit::apply_all(&edits, &scenario)?)
-    }
-}
-
-impl Adjustment {
-    /// The same changes, so that a session can say what was before them.
-    ///
-    /// # Errors
-    /// As [`Self::apply`].
-    pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
-        let changed = self.apply(scenario)?;
-        let mut change = setting::Change::default();
-        self.remove_sensors.iter().for_each(|&quantity| change.remove_sensor(quantity));
-        self.add_sensors.iter().for_each(|&sensor| change.put_sensor(sensor));
-        let named = |name: &String| scenario.filters.iter().find(|filter| filter.name == *name);
-        self.remove_filters.iter().filter_map(named).for_each(|filter| change.remove_filter(filter.id));
-        let stays =
-            |id: u32| scenario.filters.iter().any(|own| own.id == id && !self.remove_filters.contains(&own.name));
-        for (place, filter) in changed.filters.iter().enumerate().filter(|(_, filter)| !stays(filter.id)) {
-            change.put_filter(place, filter.clone());
-        }
-        self.set.iter().for_each(|(key, value)| change.edit(Edit::new(key, value.clone())));
+        add_sensors.iter().for_each(|&sensor| change.put_sensor(sensor));
+        set.iter().for_each(|(key, value)| change.edit(Edit::new(key, value.clone())));
         Ok(change)
     }
 

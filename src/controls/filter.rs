@@ -108,7 +108,7 @@ fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         let none = row_of(now).map(|(row, ..)| (row, (row.get)(&off)));
         let other = row_of(chosen).map(|(row, _, value)| (row, *value));
         for (row, value) in none.into_iter().chain(other) {
-            edits.set(&filter.address(row.key), value);
+            edits.set_other(&filter.address(row.key), (row.get)(filter), value);
         }
     } else if let Some((row, ..)) = row_of(now).filter(|(row, ..)| row.allowed != Allowed::Flag) {
         filter_row_ui(ui, row, filter, edits);
@@ -253,9 +253,7 @@ fn entry_ui(ui: &mut Ui, filter: &FilterSettings, table: &TableInfo, entry: Entr
             field(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         }
     });
-    if number != before {
-        edits.set(&key, number);
-    }
+    edits.set_other(&key, before, number);
 }
 
 /// A unit, cut where it is too long: a row that is wider than the panel would make the panel grow.

@@ -49,14 +49,7 @@ impl<'a> Number<'a> {
         Self { label, name, unit, range: slider, least: allowed.least(), logarithmic: is_logarithmic, hint }
     }
 
-    /// Shows the number. Returns another value if the user has changed it.
-    pub fn show(&self, ui: &mut Ui, value: f64) -> Option<f64> {
-        let mut now = value;
-        self.show_in(ui, &mut now);
-        (now != value).then_some(now)
-    }
-
-    pub(super) fn show_in(&self, ui: &mut Ui, value: &mut f64) {
+    pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
         let Named { text, key } = name;
         let initial = initial(ui, key, *value);

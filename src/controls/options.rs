@@ -110,9 +110,7 @@ fn plant_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
             ui.selectable_value(&mut chosen, kind, text(kind));
         }
     });
-    if chosen != *plant {
-        edits.change.put(filter.address("plant"), &chosen);
-    }
+    edits.put_other(&filter.address("plant"), plant, &chosen);
 }
 
 /// The distance of a new end from the initial mean, in standard deviations of the initial belief.
@@ -134,6 +132,7 @@ fn bounds_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         (symbol, None, None) => symbol.to_owned(),
     });
     let (name, summary) = (&filter.name, listed(ends, "no bounds"));
+    let mut bounds = filter.bounds.clone();
     list_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), OUTSIDE, &mut |ui| {
         for &channel in &offered {
             let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
@@ -145,13 +144,10 @@ fn bounds_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
                 end_ui(ui, "at most", &format!("{name} {symbol}"), most, (mean, f64::INFINITY, upper));
                 ui.weak(length.in_place_of(channel.unit()));
             });
-            if between != filter.bounds.of(channel) {
-                let mut bounds = filter.bounds.clone();
-                bounds.set(channel, between);
-                edits.change.put(filter.address("bounds"), &bounds);
-            }
+            bounds.set(channel, between);
         }
     });
+    edits.put_other(&filter.address("bounds"), &filter.bounds, &bounds);
 }
 
 fn usual(channel: Channel, mean: f64, std: f64) -> [f64; 2] {
@@ -204,9 +200,7 @@ fn times_ui(
                         format!("{name} {} of {}", table.name, entry.name()),
                     );
                 });
-                if now != before {
-                    edits.set(&filter.address(&format!("{}.{}", table.key, entry.key())), now);
-                }
+                edits.set_other(&filter.address(&format!("{}.{}", table.key, entry.key())), before, now);
             }
         });
     });
@@ -259,7 +253,5 @@ fn plucks_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
             }
         });
     });
-    if times != filter.plucks {
-        edits.change.put(address, &times);
-    }
+    edits.put_other(&address, &filter.plucks, &times);
 }

@@ -66,9 +66,8 @@ fn parameter_ui(ui: &mut Ui, channel: Channel, key: &str, edits: &mut Edits<'_>)
         let mut signal = before;
         signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, &mut signal);
         if shape_of(&signal) == shape_of(&before) {
-            let numbers = signal.numbers().into_iter().zip(before.numbers());
-            for ((place, number), _) in numbers.filter(|((_, now), (_, before))| now != before) {
-                edits.set(&format!("{key}{place}"), number);
+            for ((number, now), (_, before)) in signal.numbers().into_iter().zip(before.numbers()) {
+                edits.set_other(&format!("{key}{number}"), before, now);
             }
         } else {
             edits.change.put(key, &signal);
@@ -135,13 +134,13 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
     let value = |ui: &mut Ui, label: &str, value: &mut f64| {
         let name = format!("{name}, {label}");
         let hint = "True value, which no filter is told";
-        Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show_in(ui, value);
+        Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {
         let name = format!("{name}, {label}");
         let hint = "Time after the start of the record";
         Number { label, name: name.as_str().into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
-            .show_in(ui, value);
+            .show(ui, value);
     };
     match signal {
         Signal::Constant(constant) => value(ui, "value", constant),
@@ -164,7 +163,7 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             let (name, hint) = (format!("{name}, amplitude"), "Largest distance from the mean");
             let range = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
             let (label, name) = ("amplitude", name.as_str().into());
-            Number { label, name, unit, range, least: 0.0, logarithmic: false, hint }.show_in(ui, amplitude);
+            Number { label, name, unit, range, least: 0.0, logarithmic: false, hint }.show(ui, amplitude);
             *amplitude = amplitude.min(room);
             time(ui, "period", period, 0.1);
         }

@@ -1,26 +1,21 @@
 //! The record: its length and its force, or the file of a measured one.
 
 use egui::{DragValue, Ui};
+use kalmanscope_core::Hold;
 use kalmanscope_core::import::Mapping;
-use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED, SettingInfo};
-use kalmanscope_core::{Hold, Scenario};
+use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
 
 use super::lit::lit;
-use super::number::{Number, REMARK, limit};
+use super::number::{REMARK, limit};
 use super::plant::equation_ui;
-use super::row::{choice_row_ui, scenario_row_ui};
+use super::row::{choice_row_ui, scenario_number_ui, scenario_row_ui};
 use super::{Edits, PanelRequest};
 use crate::session::{Library, name_of};
 use crate::text::sentence;
 use crate::widgets::named;
 
-pub(super) fn record_ui(
-    ui: &mut Ui,
-    mapping: &Mapping,
-    edits: &mut Edits<'_>,
-    library: &Library,
-    asked: &mut Vec<PanelRequest>,
-) {
+pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, asked: &mut Vec<PanelRequest>) {
+    let Some(mapping) = &edits.scenario.record else { return };
     equation_ui(ui, edits.scenario, asked);
     let name = name_of(mapping).to_owned();
     ui.label(format!("“{name}”"));
@@ -35,9 +30,7 @@ pub(super) fn record_ui(
         let mut hold = edits.scenario.hold;
         ui.selectable_value(&mut hold, Hold::First, "linear between samples");
         ui.selectable_value(&mut hold, Hold::Zero, "held");
-        if hold != edits.scenario.hold {
-            edits.change.put("hold", &hold);
-        }
+        edits.put_other("hold", &edits.scenario.hold, &hold);
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked()
@@ -79,13 +72,7 @@ const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", L
 
 pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     let scenario = edits.scenario;
-    let [mut dt, mut duration] = [scenario.dt, scenario.duration];
-    let value_ui = |ui: &mut Ui, info: &SettingInfo<Scenario>, least: f64, value: &mut f64| {
-        let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
-        let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
-        lit(ui, info.key, |ui| number.show_in(ui, value));
-    };
-    value_ui(ui, &DURATION, 1.0, &mut duration);
+    let mut duration = scenario_number_ui(ui, &DURATION, scenario, 1.0);
     ui.horizontal(|ui| {
         ui.add_space(REMARK);
         for (name, length) in LENGTHS {
@@ -94,19 +81,14 @@ pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
             }
         }
     });
-    value_ui(ui, &DT, DT.slider.0, &mut dt);
+    let mut dt = scenario_number_ui(ui, &DT, scenario, DT.slider.0);
     limit(ui, &mut dt, 0.0, duration, "Sampling time, most", "s");
     limit(ui, &mut duration, 0.0, LONGEST, "Duration, most", "s");
-    for (info, value) in [(&DT, dt), (&DURATION, duration)] {
-        if value != (info.get)(scenario) {
-            edits.set(info.key, value);
-        }
-    }
+    edits.set_other(DT.key, scenario.dt, dt);
+    edits.set_other(DURATION.key, scenario.duration, duration);
     let mut seed = scenario.seed;
     lit(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
-    if seed != scenario.seed {
-        edits.change.put(SEED.key, &seed);
-    }
+    edits.put_other(SEED.key, &scenario.seed, &seed);
 }
 
 fn seed_ui(ui: &mut Ui, seed: &mut u64) {

@@ -31,18 +31,21 @@ pub(super) fn filter_row_ui(
     ui.add_enabled_ui(serves, |ui| {
         lit(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
     });
-    if value != (info.get)(filter) {
-        edits.set(&key, value);
-    }
+    edits.set_other(&key, (info.get)(filter), value);
 }
 
 pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: &mut Edits<'_>) {
-    let scenario = edits.scenario;
+    let value = scenario_number_ui(ui, info, edits.scenario, info.allowed.least());
+    edits.set_other(info.key, (info.get)(edits.scenario), value);
+}
+
+/// Shows a number of a scenario. Returns the value that it then should have.
+pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &Scenario, least: f64) -> f64 {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
-    let number = Number::of(info, label, name.as_str().into());
-    if let Some(value) = lit(ui, info.key, |ui| number.show(ui, (info.get)(scenario))) {
-        edits.set(info.key, value);
-    }
+    let mut value = (info.get)(scenario);
+    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
+    lit(ui, info.key, |ui| number.show(ui, &mut value));
+    value
 }
 
 /// A choice, whose address is `key`.
@@ -107,7 +110,7 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
             *value = whole as f64;
             row.inner
         }
-        _ => return Number::of(info, label, name).show_in(ui, value),
+        _ => return Number::of(info, label, name).show(ui, value),
     };
     named(control, name.text).on_hover_text(info.hint);
 }

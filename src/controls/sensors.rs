@@ -62,9 +62,9 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
             hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
         };
         let path = format!("sensors.{}.noise_std", quantity.key());
-        if let Some(std) = lit(ui, &path, |ui| number.show(ui, sensor.noise_std)) {
-            edits.set(&path, std);
-        }
+        let mut std = sensor.noise_std;
+        lit(ui, &path, |ui| number.show(ui, &mut std));
+        edits.set_other(&path, sensor.noise_std, std);
         faults_ui(ui, sensor, edits);
     }
     if scenario.sensors.is_empty() {
@@ -142,7 +142,7 @@ fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumbe
         logarithmic: false,
         hint: fault.info().description,
     };
-    if let Some(now) = lit(ui, &path, |ui| number.show(ui, value)) {
-        edits.set(&path, if info.allowed.is_whole() { now.round() } else { now });
-    }
+    let mut now = value;
+    lit(ui, &path, |ui| number.show(ui, &mut now));
+    edits.set_other(&path, value, if info.allowed.is_whole() { now.round() } else { now });
 }

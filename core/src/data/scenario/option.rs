@@ -89,7 +89,7 @@ impl PartialEq for FilterOption {
 impl FilterSettings {
     /// Whether no option of the filter excludes this one. It may exclude others itself.
     pub fn can(&self, option: &FilterOption) -> bool {
-        EXCLUSIONS.iter().all(|(first, others, _)| !others.contains(&option) || !(first.is_on)(self))
+        self.can_have(option.key)
     }
 
     /// Whether no other option excludes the one whose setting has this key.

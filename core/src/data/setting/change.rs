@@ -3,8 +3,8 @@
 use toml::Value;
 
 use super::{
-    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, SENSOR_DELAY, SENSOR_STD, SettingInfo,
-    TableInfo, address, edit, of_filter, of_scenario, symbol,
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, SENSOR_DELAY, SENSOR_STD, TableInfo,
+    address, edit, of_filter, of_scenario, symbol,
 };
 use crate::data::document::{self, Document};
 use crate::data::scenario::address::{of_filter as address_of, split_id};
@@ -225,33 +225,23 @@ impl<'a> Changed<'a> {
     }
 
     fn said(&self, key: &str, number: &impl Fn(f64) -> String) -> String {
-        let was = self.was;
+        let Self { was, now, .. } = *self;
         let come_or_gone = |is_gone: bool, name: &str| format!("{} {name}", if is_gone { "with" } else { "without" });
-        if let Some((id, inner)) = split_id(key) {
-            let filter = |scenario: &'a Scenario| place(scenario, id).map(|place| &scenario.filters[place]);
-            return match (filter(was), inner) {
-                (own, "") => come_or_gone(own.is_some(), own.or(filter(self.now)).map_or("", |filter| &filter.name)),
-                (Some(filter), _) => {
-                    let owner = if was.filters.len() > 1 { format!("{} ", filter.name) } else { String::new() };
-                    let rows = of_filter();
-                    let said = chosen(&CHOICES_OF_FILTER, inner, filter).or_else(|| set(rows, inner, filter, number));
-                    let (name, value) = said.unwrap_or_else(|| (name(inner), words(&value(was, key), number)));
-                    format!("{owner}{name} = {value}")
-                }
-                (None, _) => String::new(),
-            };
+        let filter = split_id(key).and_then(|(id, inner)| Some((filter(was, id).or(filter(now, id))?, inner)));
+        if let Some((filter, "")) = filter {
+            return come_or_gone(place(was, filter.id).is_some(), &filter.name);
         }
-        let sensor = key.strip_prefix(SENSOR).and_then(Quantity::from_key);
-        if let Some(quantity) = sensor {
+        let old = words(&value(was, key), number);
+        if let Some(quantity) = sensor(key) {
             let sensor = format!("the {} sensor", quantity.key());
-            return match [was, self.now].map(|scenario| scenario.sensor_place(quantity)) {
-                [Some(_), Some(_)] => format!("faults of {sensor} = {}", words(&value(was, key), number)),
+            return match [was, now].map(|scenario| scenario.sensor_place(quantity)) {
+                [Some(_), Some(_)] => format!("faults of {sensor} = {old}"),
                 [own, _] => come_or_gone(own.is_some(), &sensor),
             };
         }
-        let said = chosen(&CHOICES_OF_SCENARIO, key, was).or_else(|| set(of_scenario(), key, was, number));
-        let (name, value) = said.unwrap_or_else(|| (name(key), words(&value(was, key), number)));
-        format!("{name} = {value}")
+        let owner =
+            filter.filter(|_| was.filters.len() > 1).map_or_else(String::new, |(own, _)| format!("{} ", own.name));
+        format!("{owner}{} = {old}", name(filter.map_or(key, |(_, inner)| inner)))
     }
 }
 
@@ -259,36 +249,40 @@ fn place(scenario: &Scenario, id: u32) -> Option<usize> {
     scenario.filters.iter().position(|filter| filter.id == id)
 }
 
+fn filter(scenario: &Scenario, id: u32) -> Option<&FilterSettings> {
+    scenario.filters.iter().find(|filter| filter.id == id)
+}
+
+fn sensor(key: &str) -> Option<Quantity> {
+    key.strip_prefix(SENSOR).and_then(Quantity::from_key)
+}
+
 /// The value of a setting, of a filter whether there is one, and of a parameter that moves the shape of its signal; null where the
 /// scenario has none.
 fn value(scenario: &Scenario, key: &str) -> Document {
-    let of_filter = split_id(key).map(|(id, key)| (place(scenario, id).map(|place| &scenario.filters[place]), key));
-    match of_filter {
-        Some((filter, "")) => return filter.is_some().into(),
-        Some((None, _)) => return Document::Null,
-        Some((Some(filter), key)) => {
-            if let Some((_, name)) = chosen(&CHOICES_OF_FILTER, key, filter) {
-                return name.into();
-            }
-        }
-        None => {
-            if let Some((_, name)) = chosen(&CHOICES_OF_SCENARIO, key, scenario) {
-                return name.into();
-            }
-        }
-    }
-    if let Some(quantity) = key.strip_prefix(SENSOR).and_then(Quantity::from_key) {
-        let sensor = scenario.sensor_place(quantity).map(|place| &scenario.sensors[place]);
+    if let Some(quantity) = sensor(key) {
+        let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == quantity);
         let faults = |sensor: &Sensor| sensor.faults.families().map(|fault| fault.info().name).collect::<Vec<_>>();
         return sensor.map_or(Document::Null, |sensor| faults(sensor).join(", ").into());
     }
-    match Address::parse(scenario, key) {
-        Ok(address) => address.shape(scenario).map_or_else(|| address.get(scenario).into(), Document::from),
-        Err(_) if key == KIND_OF_PLANT => document::of(&scenario.plant.kind).unwrap_or_default(),
-        Err(_) => match of_filter {
-            Some((filter, key)) => written(&filter, key),
+    let number = || {
+        let address = Address::parse(scenario, key).ok()?;
+        Some(address.shape(scenario).map_or_else(|| address.get(scenario).into(), Document::from))
+    };
+    let Some((id, inner)) = split_id(key) else {
+        return match chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(number) {
+            Some(value) => value,
+            None if key == KIND_OF_PLANT => document::of(&scenario.plant.kind).unwrap_or_default(),
             None => written(scenario, key),
-        },
+        };
+    };
+    let Some(filter) = filter(scenario, id) else { return Document::Null };
+    if inner.is_empty() {
+        return true.into();
+    }
+    match of_filter().find(|row| row.key == inner && row.allowed == Allowed::Flag) {
+        Some(flag) => ((flag.get)(filter) != 0.0).into(),
+        None => chosen(&CHOICES_OF_FILTER, inner, filter).or_else(number).unwrap_or_else(|| written(filter, inner)),
     }
 }
 
@@ -298,34 +292,23 @@ fn written(of: &impl serde::Serialize, key: &str) -> Document {
     document.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default()
 }
 
-fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, String)> {
-    let info = all.iter().find(|info| info.key == key)?;
-    Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
+fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<Document> {
+    Some(all.iter().find(|info| info.key == key)?.chosen(of)?.name.into())
 }
 
-/// The name of the number with a key, and its value in a `T`. A file leaves out a default, so the value comes from the `T`.
-fn set<T: 'static>(
-    mut rows: impl Iterator<Item = &'static SettingInfo<T>>,
-    key: &str,
-    of: &T,
-    number: &impl Fn(f64) -> String,
-) -> Option<(String, String)> {
-    let info = rows.find(|info| info.key == key)?;
-    let name = if info.symbol.is_empty() { info.name } else { info.symbol };
-    let value = (info.get)(of);
-    let value =
-        if info.allowed == Allowed::Flag { words(&Document::Bool(value != 0.0), number) } else { number(value) };
-    Some((name.to_owned(), value))
-}
-
-/// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
+/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
 fn name(key: &str) -> String {
+    let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
+    let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));
+    let rows = of_filter().map(|row| (row.key, row.name)).chain(of_scenario().map(|row| (row.key, row.name)));
     let part = |part: &str| match (symbol(part), part.parse::<usize>()) {
         (Some(symbol), _) => symbol.to_owned(),
         (None, Ok(place)) => (place + 1).to_string(),
         (None, Err(_)) => part.replace('_', " "),
     };
-    key.split('.').map(part).collect::<Vec<_>>().join(" ")
+    let named = || choices.chain(rows).find(|(own, _)| *own == key).map(|(_, name)| name);
+    let whole = symbol(key).or_else(named);
+    whole.map_or_else(|| key.split('.').map(part).collect::<Vec<_>>().join(" "), str::to_owned)
 }
 
 fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
@@ -443,42 +426,21 @@ mod tests {
 
     type Step = fn(&Scenario, &mut Change);
 
-    const STEPS: [(&str, Step, &[&str]); 15] = [
-        ("λ", |of, change| change.set(of, "filters.UKF.fading", 1.5), &["filters#2.fading"]),
-        ("λ of all", |of, change| change.set(of, "filters.*.fading", 1.5), &["filters#1.fading", "filters#2.fading"]),
+    const STEPS: [(Step, &str); 11] = [
+        (|of, change| change.set(of, "filters.UKF.fading", 1.5), "filters#2.fading"),
+        (|of, change| change.set(of, "filters.*.eta", 1.5), "filters#1.eta filters#2.eta"),
         (
-            "a factor",
             |of, change| change.set(of, "filters.EKF.sensor_std", 2.0),
-            &["filters#1.sensor_std.displacement", "filters#1.sensor_std.velocity"],
+            "filters#1.sensor_std.displacement filters#1.sensor_std.velocity",
         ),
-        (
-            "a guess",
-            |of, change| change.set(of, "filters#1.initial_mean.natural_frequency", 9.0),
-            &["filters#1.initial_mean.natural_frequency"],
-        ),
-        ("a kind", |_, change| change.edit(Edit::of_filter(1, "kind", "ckf")), &["filters#1.kind"]),
-        ("a signal", |_, change| change.edit(Edit::new("plant.natural_frequency", 5.0)), &["plant.natural_frequency"]),
-        ("a force", |_, change| change.edit(Edit::new("force", "none")), &["force"]),
-        ("a hold", |_, change| change.edit(Edit::new("hold", "first")), &["hold"]),
-        ("no hold", |_, change| change.put("hold", &None::<bool>), &["hold"]),
-        (
-            "a plant",
-            |_, change| change.set_plant(PlantKind::DUFFING),
-            &["sensors.displacement", "sensors.velocity", "plant.kind"],
-        ),
-        (
-            "a sensor more",
-            |_, change| change.put_sensor(Sensor::new(Quantity::ACCELERATION, 0.3)),
-            &["sensors.acceleration"],
-        ),
-        ("no sensor", |_, change| change.remove_sensor(Quantity::DISPLACEMENT), &["sensors.displacement"]),
-        ("a filter less", |_, change| change.remove_filter(1), &["filters#1."]),
-        (
-            "a filter more",
-            |of, change| change.put_filter(1, FilterSettings { id: 3, name: "C".to_owned(), ..of.filters[0].clone() }),
-            &["filters#3."],
-        ),
-        ("no law", |_, change| change.put("draw", &None::<bool>), &["draw"]),
+        (|_, change| change.edit(Edit::of_filter(1, "kind", "ckf")), "filters#1.kind"),
+        (|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0)), "plant.natural_frequency"),
+        (|_, change| change.put("draw", &None::<bool>), "draw"),
+        (|_, change| change.set_plant(PlantKind::DUFFING), "sensors.displacement sensors.velocity plant.kind"),
+        (|_, change| change.put_sensor(Sensor::new(Quantity::ACCELERATION, 0.3)), "sensors.acceleration"),
+        (|_, change| change.remove_sensor(Quantity::DISPLACEMENT), "sensors.displacement"),
+        (|_, change| change.remove_filter(1), "filters#1."),
+        (|of, change| change.put_filter(1, FilterSettings { id: 3, ..of.filters[0].clone() }), "filters#3."),
     ];
 
     fn scenario() -> Scenario {
@@ -496,14 +458,14 @@ mod tests {
 
     #[test]
     fn a_change_has_the_addresses_of_what_it_changes_and_leaves_all_others() {
-        for (name, step, addresses) in STEPS {
+        for (step, addresses) in STEPS {
             let (now, keys) = changed(step);
-            assert_eq!(keys, addresses, "{name}");
+            assert_eq!(keys.join(" "), addresses);
             let mut elsewhere = Scenario { seed: 77, ..scenario() };
             let mut change = Change::default();
             step(&scenario(), &mut change);
             change.apply(&mut elsewhere).unwrap();
-            assert_eq!(elsewhere, Scenario { seed: 77, ..now }, "{name}, elsewhere");
+            assert_eq!(elsewhere, Scenario { seed: 77, ..now }, "{addresses}, elsewhere");
         }
     }
 
@@ -537,7 +499,7 @@ mod tests {
             let changed = Changed::among(&keys, &before, &now);
             (changed.is_of_filters(), [1, 2].map(|id| changed.concerns(id)))
         };
-        assert_eq!(concerned(STEPS[0].1), (true, [false, true]));
+        assert_eq!(concerned(STEPS[0].0), (true, [false, true]));
         assert_eq!(concerned(|_, change| change.edit(Edit::of_filter(2, "name", "other"))), (true, [false, false]));
         assert_eq!(concerned(|of, change| change.set(of, "seed", 7.0)), (false, [true, true]));
     }

@@ -162,15 +162,14 @@ pub static FORCE: [Row; 11] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setting::{Address, CHOICES_OF_SCENARIO};
+    use crate::setting::{Address, CHOICES_OF_SCENARIO, Edit};
 
     #[test]
     fn every_number_of_every_shape_is_read_and_set_at_its_address() {
         let shape = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force").unwrap();
         let mut found = 0;
         for place in 0..(shape.options)().len() {
-            let mut scenario = Scenario::default();
-            (shape.set)(&mut scenario, place);
+            let mut scenario = Edit::new("force", (shape.value)(place)).apply(&Scenario::default()).unwrap();
             for info in &FORCE {
                 let address = Address::parse(&scenario, info.key);
                 assert_eq!(address.is_ok(), !(info.get)(&scenario).is_nan(), "{info:?} of {:?}", scenario.force);
