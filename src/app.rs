@@ -11,7 +11,6 @@ pub mod state;
 mod window;
 
 use std::rc::Rc;
-use std::sync::Arc;
 
 use egui::util::undoer::Undoer;
 use egui::{Context, ThemePreference, Ui};
@@ -33,7 +32,7 @@ use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
 use crate::sensor::Sensors;
-use crate::session::{Mode, ModelTime, Session, Wanted};
+use crate::session::{Mode, ModelTime, Session, Version, Wanted};
 use crate::shelf::{Candidate, Shelf};
 use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
@@ -53,7 +52,7 @@ pub struct App {
     pub laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
-    history: Undoer<Scenario>,
+    history: Undoer<Version>,
     controls_open: Option<bool>,
     all_settings: bool,
     diagnosed: Option<u32>,
@@ -240,7 +239,6 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         theme::fit_targets(ctx);
-        let shown = Arc::clone(self.session.shared_scenario());
         // Behind the window of an import keys have no effect.
         if self.importing.is_none() {
             keys::keys(ctx, &self.session, &mut self.requests);
@@ -250,12 +248,12 @@ impl eframe::App for App {
         link::pasted(ctx, &mut self.requests);
         self.follow_export(ctx);
         for request in std::mem::take(&mut self.requests) {
-            self.apply(request, &shown, ctx);
+            self.apply(request, ctx);
         }
         self.notice.take_if(|notice| notice.is_over(ctx));
         self.visible.forget_filters_but(&self.session.scenario().filters);
         // A drag becomes one step of the history when it ends.
-        self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
+        self.history.feed_state(ctx.input(|input| input.time), &self.session.version());
         self.session.want(self.wanted());
         self.session.want_trials(self.tried());
         self.session.want_free_runs(self.model_time());

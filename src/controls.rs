@@ -1,4 +1,4 @@
-//! The settings, of which each writes to a copy of the scenario.
+//! The settings, each of which says what it changes.
 
 pub(crate) mod filter;
 mod lit;
@@ -10,8 +10,12 @@ mod record;
 mod row;
 mod sensors;
 
+use std::sync::Arc;
+
 use egui::{Button, RichText, ScrollArea, Ui};
+use kalmanscope_core::setting::Change;
 use kalmanscope_core::{Scenario, Story};
+use serde::Serialize;
 
 use crate::session::Library;
 use crate::theme::{self, Palette};
@@ -23,12 +27,38 @@ pub enum PanelRequest {
     Fewer,
 }
 
-pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
+/// The changes that controls ask for of the scenario that they show.
+pub struct Edits<'a> {
+    pub scenario: &'a Arc<Scenario>,
+    pub change: Change,
+}
+
+impl<'a> Edits<'a> {
+    pub fn of(scenario: &'a Arc<Scenario>) -> Self {
+        Self { scenario, change: Change::default() }
+    }
+
+    /// Sets a number, if it is another one than before.
+    pub fn set_other(&mut self, address: &str, before: f64, now: f64) {
+        if now != before {
+            self.change.set(self.scenario, address, now);
+        }
+    }
+
+    /// Puts a setting, if it is another one than before.
+    pub fn put_other<T: PartialEq + Serialize>(&mut self, address: &str, before: &T, now: &T) {
+        if now != before {
+            self.change.put(address, now);
+        }
+    }
+}
+
+pub fn few_controls_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story) -> bool {
     let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
         ui.add_space(6.0);
-        if !named::named_ui(ui, scenario, story) && !story.sentences.is_empty() {
+        if !named::named_ui(ui, edits, story) && !story.sentences.is_empty() {
             ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
@@ -39,11 +69,12 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
 
 pub fn controls_ui(
     ui: &mut Ui,
-    scenario: &mut Scenario,
+    edits: &mut Edits<'_>,
     library: &Library,
     palette: &Palette,
     lit: Vec<String>,
 ) -> Vec<PanelRequest> {
+    let scenario = edits.scenario;
     lit::light(ui, lit, scenario);
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -66,28 +97,24 @@ pub fn controls_ui(
             hold: _,
             sensors: _,
             filters,
-            record: _,
+            record,
             draw: _,
-        } = scenario;
-        let filters = filters.len();
+        } = &**scenario;
         // The filters come first: users tune these.
-        for place in 0..filters {
-            // A filter may have been removed in this frame.
-            if place < scenario.filters.len() {
-                filter::filter_section(ui, scenario, place, palette);
-            }
+        for place in 0..filters.len() {
+            filter::filter_section(ui, edits, place, palette);
         }
-        filter::add_filter_ui(ui, scenario);
+        filter::add_filter_ui(ui, edits);
         ui.add_space(6.0);
-        if scenario.record.is_some() {
-            section(ui, "Measured record", true, |ui| record::record_ui(ui, scenario, library, &mut asked));
+        if record.is_some() {
+            section(ui, "Measured record", true, |ui| record::record_ui(ui, edits, library, &mut asked));
             ui.add_space(12.0);
             return;
         }
-        section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario, &mut asked));
-        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| record::force_ui(ui, scenario)));
-        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
-        section(ui, "Record", false, |ui| record::general_ui(ui, scenario));
+        section(ui, "Truth", true, |ui| plant::plant_ui(ui, edits, &mut asked));
+        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| record::force_ui(ui, edits)));
+        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, edits));
+        section(ui, "Record", false, |ui| record::general_ui(ui, edits));
         ui.add_space(12.0);
     });
     asked

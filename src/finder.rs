@@ -93,8 +93,7 @@ impl Finder {
                 return true;
             }
             Some(Choice::Edit(edit)) => {
-                let edited = edit.apply(session.scenario()).ok();
-                requests.extend(edited.and_then(|edited| Request::edit(session.scenario(), edited)));
+                requests.push(Request::Edit(edit.clone().into()));
             }
             Some(Choice::Request(request)) => requests.push((**request).clone()),
         }
@@ -136,9 +135,7 @@ impl Change {
             ui.colored_label(ui.visuals().warn_fg_color, "This is no number.");
         }
         let Some(value) = value.filter(|_| is_entered) else { return true };
-        let mut edited = scenario.clone();
-        address.set(&mut edited, value);
-        requests.extend(Request::edit(scenario, edited));
+        requests.push(Request::set(address.clone(), value));
         false
     }
 }

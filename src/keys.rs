@@ -1,6 +1,7 @@
 //! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
 use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
+use kalmanscope_core::setting::Change;
 use kalmanscope_core::{Channel, Hold, Scenario};
 
 use crate::request::{LegendEntry, Request};
@@ -56,10 +57,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("Ctrl+Z", "take back the last change of a setting", &[Key::Z], |_| Request::Undo)
                 .with(Modifiers::COMMAND),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
-                edit(session, with_other_hold)
+                Request::Edit(turn_hold(session.scenario()))
             }),
             plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
-                edit(session, with_other_gain)
+                Request::Edit(turn_gain(session.scenario()))
             }),
         ],
     ),
@@ -146,27 +147,25 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
     });
 }
 
-fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
-    let before = session.scenario();
-    Request::Edit(Box::new(edited(before)))
-}
-
-pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
+fn turn_hold(scenario: &Scenario) -> Change {
     let hold = match scenario.hold {
         Hold::Zero => Hold::First,
         Hold::First => Hold::Zero,
     };
-    Scenario { hold, ..scenario.clone() }
+    let mut change = Change::default();
+    change.put("hold", &hold);
+    change
 }
 
-pub(crate) fn with_other_gain(scenario: &Scenario) -> Scenario {
-    let mut scenario = scenario.clone();
+fn turn_gain(scenario: &Scenario) -> Change {
     let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));
-    for filter in &mut scenario.filters {
-        filter.augment.retain(|channel| *channel != Channel::INPUT_GAIN);
-        filter.augment.extend((!all).then_some(Channel::INPUT_GAIN));
+    let mut change = Change::default();
+    for filter in &scenario.filters {
+        let others = filter.augment.iter().copied().filter(|channel| *channel != Channel::INPUT_GAIN);
+        let augment: Vec<Channel> = others.chain((!all).then_some(Channel::INPUT_GAIN)).collect();
+        change.put(filter.address("augment"), &augment);
     }
-    scenario
+    change
 }
 
 /// The least width of a window that shows the list in two columns \[points\].

@@ -6,6 +6,7 @@ use std::fmt;
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
 use crate::laboratory::{Choice, SeedChoice, TuneChoice};
@@ -38,8 +39,7 @@ pub enum Request {
     OpenAddress(String),
     CopyLink,
     OpenOutside,
-    /// Take over the scenario of the frame with some changes.
-    Edit(Box<Scenario>),
+    Edit(Change),
     Undo,
     Redo,
     SwapSettings,
@@ -92,8 +92,15 @@ pub enum Request {
 }
 
 impl Request {
-    pub(crate) fn edit(before: &Scenario, now: Scenario) -> Option<Self> {
-        (*before != now).then(|| Self::Edit(Box::new(now)))
+    /// Asks for a change, unless it is empty.
+    pub(crate) fn edit(change: Change) -> Option<Self> {
+        (!change.is_empty()).then_some(Self::Edit(change))
+    }
+
+    pub(crate) fn set(address: Address, value: f64) -> Self {
+        let mut change = Change::default();
+        change.set_at(address, value);
+        Self::Edit(change)
     }
 }
 

@@ -13,6 +13,7 @@ mod spectrogram;
 mod tests;
 mod trying;
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ use trying::Trying;
 use crate::team::{Frames, Team};
 
 pub use crate::team::Budget;
-pub use before::Before;
+pub use before::{Before, Version};
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
 pub(crate) use library::is_same;
@@ -54,6 +55,11 @@ pub enum Mode {
 /// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Arc<Scenario>,
+    /// The number of the opening since which only [`Self::edit`] has changed the scenario, and of the last one.
+    opening: usize,
+    openings: usize,
+    /// The addresses of all settings that were ever changed.
+    changed: BTreeSet<String>,
     study: Study,
     job: Option<Job>,
     team: Rc<dyn Team>,
@@ -75,7 +81,7 @@ pub struct Session {
     judged: LiveVerdicts,
     before: Option<Before>,
     setting: Setting,
-    other: Option<Arc<Scenario>>,
+    other: Option<Version>,
     /// Real time since the last edit \[s\].
     since_edit: f64,
     hand: Hand,
@@ -127,6 +133,9 @@ impl Session {
             complete: false,
             budget,
             scenario: Arc::new(scenario),
+            opening: 0,
+            openings: 0,
+            changed: BTreeSet::new(),
             wanted: Wanted::default(),
             wanted_mode: Mode::Live,
             playing: true,
@@ -292,12 +301,17 @@ impl Session {
         self.compute();
     }
 
-    /// Takes over an edited scenario and computes its picture; until that is complete, the last picture stays. An
+    /// Opens a scenario and computes its picture; until that is complete, the last picture stays. An
     /// impossible scenario is kept for editing, while the run stays that of the last possible one.
     pub fn set_scenario(&mut self, mut scenario: Scenario) {
         scenario.number_filters();
         scenario.keep_draws();
-        self.scenario = Arc::new(scenario);
+        self.openings += 1;
+        self.show(Version { scenario: Arc::new(scenario), opening: self.openings });
+    }
+
+    fn show(&mut self, version: Version) {
+        (self.scenario, self.opening) = (version.scenario, version.opening);
         self.edited();
         self.want_of_study();
         self.compute();

@@ -135,9 +135,7 @@ fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette,
             let name = name_of(session.scenario(), setting, &address);
             let setting = setting.at(address.get(session.scenario()));
             if let Some(value) = number_ui(ui, &setting, &name, palette) {
-                let mut scenario = session.scenario().clone();
-                address.set(&mut scenario, value);
-                requests.extend(Request::edit(session.scenario(), scenario));
+                requests.push(Request::set(address, value));
             }
         }
         other => _ = ui.label(other.to_string()),

@@ -148,7 +148,7 @@ impl Tutor {
     /// [`LessonError`] where the scenario no longer has the target of the change.
     pub fn change(&mut self, session: &mut Session) -> Result<(), LessonError> {
         if let Some(change) = self.current().and_then(|step| step.change.as_ref()) {
-            session.edit(change.adjustment.apply(session.scenario())?);
+            session.edit(&change.adjustment.change(session.scenario())?)?;
             self.changed = true;
             self.show(session);
         }

@@ -135,7 +135,7 @@ fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Resul
     let InputArgs { scenario: file, record, map } = input;
     if let Some(map) = map {
         let bad = |error| InputError::Scenario { file: map.clone(), error };
-        scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
+        scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(|error| bad(error.into()))?);
     }
     if no_input && (record.is_some() || scenario.record.is_some()) {
         let mapping = scenario.record.get_or_insert_default();

@@ -6,6 +6,7 @@ pub mod free_decay;
 pub(crate) mod hash;
 pub mod import;
 pub(crate) mod length;
+pub(crate) mod mapping;
 pub mod record;
 pub(crate) mod resample;
 pub mod scenario;

@@ -1,7 +1,7 @@
 //! The changes that a lesson makes to a scenario.
 
 use kalmanscope_core::document;
-use kalmanscope_core::setting::Edit;
+use kalmanscope_core::setting::{self, Edit};
 use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -64,34 +64,41 @@ impl Adjustment {
     /// # Errors
     /// [`LessonError`] where the scenario lacks something to change, or the changed scenario is impossible.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, LessonError> {
+        let mut changed = scenario.clone();
+        self.change(scenario)?.apply(&mut changed)?;
+        changed.validate()?;
+        Ok(changed)
+    }
+
+    /// These changes as those of a scenario.
+    ///
+    /// # Errors
+    /// [`LessonError`] where the scenario lacks something to change.
+    pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
         let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
-        let mut scenario = scenario.clone();
+        let (mut change, mut scenario) = (setting::Change::default(), scenario.clone());
         for name in remove_filters {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
-            scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);
+            let filter = scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);
+            change.remove_filter(filter.id);
         }
         if !add_filters.is_empty() {
             let mut file = written(&scenario)?;
             for filter in add_filters {
                 add_filter(&mut file, filter)?;
             }
-            scenario = read(&file)?;
+            let all = read(&file)?.filters.into_iter().enumerate();
+            all.skip(scenario.filters.len()).for_each(|(place, filter)| change.put_filter(place, filter));
         }
         for &quantity in remove_sensors {
-            if !scenario.sensors.iter().any(|sensor| sensor.measures == quantity) {
-                return Err(LessonError::UnknownSensor(quantity));
-            }
-            scenario.remove_sensor(quantity);
+            scenario.sensor_place(quantity).ok_or(LessonError::UnknownSensor(quantity))?;
+            change.remove_sensor(quantity);
         }
-        for &sensor in add_sensors {
-            scenario.add_sensor(sensor);
-        }
-        let edits: Vec<Edit> = set.iter().map(|(key, value)| Edit::new(key, value.clone())).collect();
-        Ok(Edit::apply_all(&edits, &scenario)?)
+        add_sensors.iter().for_each(|&sensor| change.put_sensor(sensor));
+        set.iter().for_each(|(key, value)| change.edit(Edit::new(key, value.clone())));
+        Ok(change)
     }
-}
 
-impl Adjustment {
     /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
     /// added sensor its noise.
     pub fn paths(&self) -> Vec<String> {

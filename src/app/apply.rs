@@ -1,9 +1,6 @@
 //! Applies requests.
 
-use std::sync::Arc;
-
 use kalmanscope_core::Scenario;
-use kalmanscope_core::setting::Change;
 use kalmanscope_lessons::BuiltIn;
 
 use super::window::NARROW;
@@ -29,8 +26,7 @@ impl App {
         }
     }
 
-    /// Applies a request of a frame that showed a scenario.
-    pub(super) fn apply(&mut self, request: Request, shown: &Arc<Scenario>, ctx: &egui::Context) {
+    pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
         let Self { session, axis, visible, layout, laboratory, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
@@ -60,19 +56,18 @@ impl App {
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),
             Request::CopyLink => self.copy_link(ctx),
             Request::OpenOutside => self.open_outside(ctx),
-            Request::Edit(edited) if Arc::ptr_eq(shown, session.shared_scenario()) => session.edit(*edited),
-            // Another request of the frame has changed the scenario meanwhile.
-            Request::Edit(edited) => match Change::between(shown, &edited).apply(session.scenario()) {
-                Ok(scenario) => session.edit(scenario),
-                Err(error) => self.notice = Some(format!("This cannot be changed: {error}.").into()),
-            },
+            Request::Edit(change) => {
+                if let Err(error) = session.edit(&change) {
+                    self.notice = Some(format!("This cannot be changed: {error}.").into());
+                }
+            }
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
             Request::Undo | Request::Redo => {
-                let now = session.scenario();
-                let other = if request == Request::Undo { history.undo(now) } else { history.redo(now) };
-                if let Some(scenario) = other.cloned() {
-                    session.edit(scenario);
+                let now = session.version();
+                let other = if request == Request::Undo { history.undo(&now) } else { history.redo(&now) };
+                if let Some(version) = other.cloned() {
+                    session.restore(version);
                 }
             }
             Request::StartLesson(place) => self.start_lesson(place, ctx),

@@ -174,7 +174,7 @@ impl App {
             self.session.seek_end();
             self.begin_anew(ctx);
         } else {
-            self.session.edit(scenario);
+            self.session.replace(scenario);
         }
         let problem = problem.map(|problem| format!("{}.", sentence(&problem)));
         self.notice = problem.clone().map(Into::into);

@@ -96,7 +96,7 @@ impl App {
     pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _, habits } = picture;
-        self.history.add_undo(self.session.scenario());
+        self.history.add_undo(&self.session.version());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
         self.session.set_mode(mode);

@@ -4,7 +4,7 @@ use egui::{Align, Frame, Layout, Panel, RichText, Ui};
 
 use super::App;
 use crate::bar;
-use crate::controls::{PanelRequest, controls_ui, few_controls_ui};
+use crate::controls::{Edits, PanelRequest, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
 use crate::request::{Request, ViewKind};
@@ -32,15 +32,15 @@ impl App {
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
         let is_short = !*all_settings && lit.is_empty();
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
-            let mut scenario = session.scenario().clone();
+            let mut edits = Edits::of(session.shared_scenario());
             if is_short {
-                let all = few_controls_ui(ui, &mut scenario, story);
-                requests.extend(Request::edit(session.scenario(), scenario));
+                let all = few_controls_ui(ui, &mut edits, story);
+                requests.extend(Request::edit(edits.change));
                 requests.extend(all.then_some(Request::ShowAllSettings(true)));
                 return;
             }
-            let asked = controls_ui(ui, &mut scenario, session.library(), palette, lit);
-            requests.extend(Request::edit(session.scenario(), scenario));
+            let asked = controls_ui(ui, &mut edits, session.library(), palette, lit);
+            requests.extend(Request::edit(edits.change));
             requests.extend(asked.into_iter().map(|asked| match asked {
                 PanelRequest::Columns => Request::ChangeColumns,
                 PanelRequest::Equation => Request::EditEquation,

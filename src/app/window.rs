@@ -64,7 +64,8 @@ impl App {
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let extent = self.transport(narrow);
         let Self { session, layout, catalogue, presenting, embedded, requests, history, sensors, .. } = self;
-        let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
+        let now = session.version();
+        let history = (history.has_undo(&now), history.has_redo(&now));
         let (presenting, embedded) = (*presenting, *embedded);
         let measures = !sensors.is_empty();
         let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history, measures };

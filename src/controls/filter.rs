@@ -6,8 +6,9 @@ use kalmanscope_core::Length;
 use kalmanscope_core::setting::{
     Allowed, CHANGES, Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo,
 };
-use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
+use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, Scenario};
 
+use super::Edits;
 use super::lit::lit;
 use super::number::{Named, REMARK, field, std_field, tell_hertz};
 use super::options::options_ui;
@@ -17,8 +18,10 @@ use crate::theme;
 use crate::theme::Palette;
 use crate::widgets::named;
 
-pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
-    let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
+pub(super) fn filter_section(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, palette: &Palette) {
+    let scenario = edits.scenario;
+    let filter = &scenario.filters[place];
+    let id = ui.make_persistent_id(("filter", filter.id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
     let open = state.is_open();
     let (mut match_truth, mut duplicate, mut remove) = (false, false, false);
@@ -27,8 +30,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     let others: Vec<String> = filters.filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
     state
         .show_header(ui, |ui| {
-            let filter = &mut scenario.filters[place];
-            color_ui(ui, filter, palette);
+            color_ui(ui, filter, palette, edits);
             let name = RichText::new(&filter.name).family(theme::strong()).size(14.5);
             // A folded section hides its lit settings: its name is lit instead.
             if open {
@@ -36,22 +38,21 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             } else {
                 lit(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
             }
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                kind_ui(ui, filter, place, &others, edits);
+            });
         })
         .body_unindented(|ui| {
-            let Scenario { dt, plant, sensors, filters, record, .. } = scenario;
-            let length = Length::of(record.as_ref());
-            let filter = &mut filters[place];
             for info in MEMORY {
-                filter_row_ui(ui, info, filter, &plant.kind);
+                filter_row_ui(ui, info, filter, edits);
                 if *info == FADING {
-                    half_life_ui(ui, filter.fading, *dt);
+                    half_life_ui(ui, filter.fading, scenario.dt);
                 }
             }
-            changes_ui(ui, filter, &plant.kind);
-            belief_ui(ui, filter, sensors, &plant.kind, length);
+            changes_ui(ui, filter, edits);
+            belief_ui(ui, filter, edits);
             ui.add_space(2.0);
-            options_ui(ui, filter, &plant.kind, sensors, length);
+            options_ui(ui, filter, edits);
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =
@@ -64,35 +65,26 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            lit(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others));
+            lit(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others, edits));
             ui.add_space(6.0);
         });
-    // Whatever has been opened: the kind of a folded filter can be changed too.
-    scenario.filters[place].turn_off_excluded(&scenario.plant.kind);
     if duplicate {
         let id = scenario.free_filter_id();
-        let color = free_color(scenario, id);
-        let mut copy = FilterSettings { id, color, ..scenario.filters[place].clone() };
-        copy.name = scenario.free_filter_name(&copy.name);
-        scenario.filters.insert(place + 1, copy);
+        let (color, name) = (free_color(scenario, id), scenario.free_filter_name(&filter.name));
+        edits.change.put_filter(place + 1, FilterSettings { id, color, name, ..filter.clone() });
     }
     if remove {
-        scenario.filters.remove(place);
-        return;
+        edits.change.remove_filter(filter.id);
     }
     if match_truth {
-        let (sensor_std, process_std) = scenario.true_noise_for(&scenario.filters[place]);
-        let filter = &mut scenario.filters[place];
-        filter.sensor_std = sensor_std;
-        filter.process_std = process_std;
+        let (sensor_std, process_std) = scenario.true_noise_for(filter);
+        edits.change.put_filter(place, FilterSettings { sensor_std, process_std, ..filter.clone() });
     }
 }
 
 /// The way in which the filter takes its parameters to change: none, or one of the others.
-fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
+fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let off = FilterSettings::default();
-    let turn_off =
-        |filter: &mut FilterSettings| CHANGES.iter().for_each(|(row, ..)| (row.set)(filter, (row.get)(&off)));
     let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != (row.get)(&off));
     let mut chosen = now;
     let summary = now.map_or("still", |at| CHANGES[at].1);
@@ -100,10 +92,10 @@ fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
     let mut list = |ui: &mut Ui| {
         list_ui(ui, ("parameters", hint), summary, &name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
             let mut still = filter.clone();
-            turn_off(&mut still);
+            CHANGES.iter().for_each(|(row, ..)| (row.set)(&mut still, (row.get)(&off)));
             ui.selectable_value(&mut chosen, None, "still").on_hover_text("They stay as they are");
             for (at, (row, answer, _)) in CHANGES.iter().enumerate() {
-                let serves = (row.serves)(&still, truth);
+                let serves = (row.serves)(&still, &edits.scenario.plant.kind);
                 let answer = ui.add_enabled_ui(serves, |ui| ui.selectable_value(&mut chosen, Some(at), *answer));
                 answer.inner.on_hover_text(row.hint);
             }
@@ -111,17 +103,20 @@ fn changes_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
     };
     let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
     lit(ui, &walk, |ui| lit(ui, &jump, |ui| lit(ui, &scales, |ui| list(ui))));
-    let chosen_row = chosen.and_then(|at| CHANGES.get(at));
+    let row_of = |place: Option<usize>| place.and_then(|at| CHANGES.get(at));
     if chosen != now {
-        turn_off(filter);
-        chosen_row.into_iter().for_each(|(row, _, value)| (row.set)(filter, *value));
-    }
-    if let Some((row, ..)) = chosen_row.filter(|(row, ..)| row.allowed != Allowed::Flag) {
-        filter_row_ui(ui, row, filter, truth);
+        let none = row_of(now).map(|(row, ..)| (row, (row.get)(&off)));
+        let other = row_of(chosen).map(|(row, _, value)| (row, *value));
+        for (row, value) in none.into_iter().chain(other) {
+            edits.set_other(&filter.address(row.key), (row.get)(filter), value);
+        }
+    } else if let Some((row, ..)) = row_of(now).filter(|(row, ..)| row.allowed != Allowed::Flag) {
+        filter_row_ui(ui, row, filter, edits);
     }
 }
 
-pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
+pub(super) fn add_filter_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
     let room = scenario.filters.len() < MOST_FILTERS;
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
         let kind = FilterKind::EKF;
@@ -129,38 +124,45 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let name = scenario.free_filter_name(kind.name());
         let id = scenario.free_filter_id();
         let color = free_color(scenario, id);
-        scenario.filters.push(FilterSettings { id, name, kind, color, sensor_std, ..FilterSettings::default() });
+        let filter = FilterSettings { id, name, kind, color, sensor_std, ..FilterSettings::default() };
+        edits.change.put_filter(scenario.filters.len(), filter);
     }
 }
 
 const MOST_FILTERS: usize = 6;
 
-fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
+fn rename_ui(ui: &mut Ui, filter: &FilterSettings, others: &[String], edits: &mut Edits<'_>) {
     ui.horizontal(|ui| {
         ui.label("name");
         let mut name = filter.name.clone();
         let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(150.0).char_limit(40));
         let field = named(field, format!("Name of {}", filter.name));
         if field.changed() && !name.trim().is_empty() && !others.contains(&name) {
-            filter.name = name;
+            edits.change.put(filter.address("name"), &name);
         }
     });
 }
 
-fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[String]) {
+fn kind_ui(ui: &mut Ui, filter: &FilterSettings, place: usize, others: &[String], edits: &mut Edits<'_>) {
     let before = filter.kind;
+    let mut chosen = before;
     let combo =
         ComboBox::from_id_salt(("kind", filter.id)).selected_text(before.name()).width(64.0).show_ui(ui, |ui| {
             for kind in FilterKind::ALL {
-                ui.selectable_value(&mut filter.kind, kind, kind.name());
+                ui.selectable_value(&mut chosen, kind, kind.name());
             }
         });
     named(combo.response, format!("Kind of filter {}", place + 1));
     // A name that is that of the kind follows the kind, but stays unique.
     let numbered = |kind: FilterKind| format!("{} {}", kind.name(), place + 1);
-    if filter.kind != before && (filter.name == before.name() || filter.name == numbered(before)) {
-        let name = filter.kind.name().to_owned();
-        filter.name = if others.contains(&name) { numbered(filter.kind) } else { name };
+    if chosen == before {
+        return;
+    }
+    edits.change.put(filter.address("kind"), &chosen);
+    if filter.name == before.name() || filter.name == numbered(before) {
+        let name = chosen.name().to_owned();
+        let name = if others.contains(&name) { numbered(chosen) } else { name };
+        edits.change.put(filter.address("name"), &name);
     }
 }
 
@@ -181,14 +183,10 @@ fn half_life_ui(ui: &mut Ui, fading: f64, dt: f64) {
 const SYMBOL_WIDTH: f32 = 22.0;
 const UNIT_WIDTH: f32 = 36.0;
 
-pub(super) fn belief_ui(
-    ui: &mut Ui,
-    filter: &mut FilterSettings,
-    sensors: &[Sensor],
-    truth: &PlantKind,
-    length: Length,
-) {
-    let channels = filter.model(truth, InputKind::Force).channels().to_vec();
+pub(super) fn belief_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
+    let Scenario { plant, sensors, record, .. } = &**edits.scenario;
+    let length = Length::of(record.as_ref());
+    let channels = filter.model(&plant.kind, InputKind::Force).channels().to_vec();
     let spacing = ui.spacing().item_spacing.x;
     let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
     let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -220,7 +218,7 @@ pub(super) fn belief_ui(
                 for (table, scale) in [(&INITIAL_MEAN, 1.0), (&INITIAL_STD, 10.0), (&PROCESS_STD, 1.0)] {
                     let scale = scale * self::scale(channel);
                     cell(ui, !is_known || *table == INITIAL_MEAN, &mut |ui| {
-                        entry_ui(ui, filter, table, Entry::Channel(channel), sensors, scale);
+                        entry_ui(ui, filter, table, Entry::Channel(channel), scale, edits);
                     });
                 }
                 let unit = unit_ui(ui, length.in_place_of(channel.unit()));
@@ -234,7 +232,7 @@ pub(super) fn belief_ui(
                     let symbol = RichText::new(SENSOR_STD.symbol).small().weak();
                     ui.label(symbol).on_hover_text("What the filter takes the noise to be");
                 });
-                cell(ui, true, &mut |ui| entry_ui(ui, filter, &SENSOR_STD, Entry::Sensor(quantity), sensors, 10.0));
+                cell(ui, true, &mut |ui| entry_ui(ui, filter, &SENSOR_STD, Entry::Sensor(quantity), 10.0, edits));
                 unit_ui(ui, length.in_place_of(quantity.unit()));
                 ui.end_row();
             }
@@ -242,18 +240,20 @@ pub(super) fn belief_ui(
     );
 }
 
-fn entry_ui(ui: &mut Ui, filter: &mut FilterSettings, table: &TableInfo, entry: Entry, sensors: &[Sensor], scale: f64) {
+fn entry_ui(ui: &mut Ui, filter: &FilterSettings, table: &TableInfo, entry: Entry, scale: f64, edits: &mut Edits<'_>) {
     let text = format!("{} {} of {}", filter.name, table.name, entry.name());
     let key = filter.address(&format!("{}.{}", table.key, entry.key()));
     let name = Named { text: &text, key: &key };
-    let Some(number) = table.get_mut(filter, entry, sensors) else { return };
+    let Some(before) = table.get(filter, entry, &edits.scenario.sensors) else { return };
+    let mut number = before;
     lit(ui, &key, |ui| {
         if table.factor.is_some() {
-            std_field(ui, number, table.allowed.least(), scale, name, table.hint);
+            std_field(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         } else {
-            field(ui, number, table.allowed.least(), scale, name, table.hint);
+            field(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         }
     });
+    edits.set_other(&key, before, number);
 }
 
 /// A unit, cut where it is too long: a row that is wider than the panel would make the panel grow.
@@ -270,7 +270,7 @@ fn scale(channel: Channel) -> f64 {
     if usual.std > 0.0 { usual.std } else { usual.mean.abs() }
 }
 
-pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
+pub(super) fn color_ui(ui: &mut Ui, filter: &FilterSettings, palette: &Palette, edits: &mut Edits<'_>) {
     let color = color_of(filter);
     let label = format!("Colour of {}", filter.name);
     let dot = dot_ui(ui, palette.shade(color), &label, false).on_hover_text("Choose another colour");
@@ -285,7 +285,7 @@ pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palet
         .inner
     });
     if let Some(choice) = chosen.and_then(|response| response.inner) {
-        filter.color = Some(choice);
+        edits.change.put(filter.address("color"), &choice);
     }
 }
 

@@ -1,20 +1,22 @@
 //! Lights the settings that a lesson's step is about.
 
+use std::sync::Arc;
+
 use egui::{CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
 use kalmanscope_core::Scenario;
 
 #[derive(Clone)]
 struct Lit {
     paths: Vec<String>,
-    scenario: std::sync::Arc<Scenario>,
+    scenario: Arc<Scenario>,
 }
 
 /// Lights these settings of a scenario from now on. Each is a path, such as `filters#1.fading`; `*` stands for any.
-pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Scenario) {
+pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
     if paths.is_empty() {
         return ui.data_mut(|data| data.remove::<Lit>(id()));
     }
-    let lit = Lit { paths, scenario: std::sync::Arc::new(scenario.clone()) };
+    let lit = Lit { paths, scenario: Arc::clone(scenario) };
     ui.data_mut(|data| data.insert_temp(id(), lit));
 }
 

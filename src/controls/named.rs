@@ -4,6 +4,7 @@ use egui::{Align, DragValue, Label, Layout, Slider, SliderClamping, Ui, Widget a
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
 
+use super::Edits;
 use crate::probe::remember;
 use crate::text::{parse, sentence};
 use crate::widgets::named;
@@ -11,7 +12,8 @@ use crate::widgets::named;
 /// The space between two settings \[points\].
 const APART: f32 = 8.0;
 
-pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
+pub(super) fn named_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story) -> bool {
+    let scenario = edits.scenario;
     let mut shown: Vec<&str> = Vec::new();
     for setting in story.phrases().filter_map(Phrase::setting).chain(&story.aside) {
         let Ok(address) = Address::parse(scenario, &setting.address) else { continue };
@@ -21,7 +23,7 @@ pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
         shown.push(&setting.address);
         let name = name_of(scenario, setting, &address);
         if let Some(value) = setting_ui(ui, &setting.at(address.get(scenario)), &name) {
-            address.set(scenario, value);
+            edits.change.set_at(address, value);
         }
         ui.add_space(APART);
     }

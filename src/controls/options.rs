@@ -4,10 +4,11 @@ use egui::{Checkbox, DragValue, PopupCloseBehavior, Ui};
 use kalmanscope_core::Length;
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::scenario::Between;
-use kalmanscope_core::scenario::option::{BOUNDED, CONSIDERED, PLUCKED};
-use kalmanscope_core::setting::{CHOICES_OF_FILTER, CORRELATION_TIME, Entry, OPTIONS, SENSOR_DELAY, TableInfo};
-use kalmanscope_core::{Channel, FilterSettings, PlantKind, Sensor};
+use kalmanscope_core::scenario::option::{BOUNDED, CONSIDERED, FilterOption, PLUCKED};
+use kalmanscope_core::setting::{CHOICES_OF_FILTER, CORRELATION_TIME, Entry, SENSOR_DELAY, TableInfo, options};
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Scenario};
 
+use super::Edits;
 use super::lit::lit;
 use super::row::{choice_row_ui, filter_row_ui, list_ui};
 use crate::text::significant;
@@ -16,56 +17,52 @@ use crate::widgets::named;
 /// A list with several choices or numbers stays open until the user clicks elsewhere.
 const OUTSIDE: PopupCloseBehavior = PopupCloseBehavior::CloseOnClickOutside;
 
-pub(super) fn options_ui(
-    ui: &mut Ui,
-    filter: &mut FilterSettings,
-    truth: &PlantKind,
-    sensors: &[Sensor],
-    length: Length,
-) {
+pub(super) fn options_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
+    let Scenario { plant, sensors, .. } = &**edits.scenario;
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
-        plant_ui(ui, filter);
-        augment_ui(ui, filter, truth, sensors);
-        consider_ui(ui, filter, truth);
-        bounds_ui(ui, filter, truth, length);
+        plant_ui(ui, filter, edits);
+        augment_ui(ui, filter, edits);
+        consider_ui(ui, filter, edits);
+        bounds_ui(ui, filter, edits);
         let entries: Vec<Entry> = sensors.iter().map(|sensor| Entry::Sensor(sensor.measures)).collect();
-        times_ui(ui, filter, sensors, &SENSOR_DELAY, "sensors late", &entries);
+        times_ui(ui, filter, (&SENSOR_DELAY, "sensors late"), &entries, edits);
         let forgotten = filter.augment.iter().filter(|channel| channel.can_be_forgotten());
         let entries: Vec<Entry> = forgotten.map(|channel| Entry::Channel(*channel)).collect();
-        times_ui(ui, filter, sensors, &CORRELATION_TIME, "forgotten", &entries);
-        plucks_ui(ui, filter);
+        times_ui(ui, filter, (&CORRELATION_TIME, "forgotten"), &entries, edits);
+        plucks_ui(ui, filter, edits);
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
-                let name = format!("{} {}", filter.name, info.name);
-                lit(ui, &filter.address(info.key), |ui| choice_row_ui(ui, info, filter, &name));
+                let (name, key) = (format!("{} {}", filter.name, info.name), filter.address(info.key));
+                lit(ui, &key, |ui| choice_row_ui(ui, info, (filter, &key), &name, edits));
             }
         }
-        for info in OPTIONS {
-            if (info.serves)(filter, truth) {
-                filter_row_ui(ui, info, filter, truth);
+        for info in options() {
+            if (info.serves)(filter, &plant.kind) {
+                filter_row_ui(ui, info, filter, edits);
             }
         }
     });
 }
 
-fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, sensors: &[Sensor]) {
-    let FilterSettings { name, augment, plant, .. } = filter;
-    let plant = plant.as_ref().unwrap_or(truth);
-    let offered: Vec<Channel> = augment::of_all(sensors.iter().map(|sensor| sensor.measures)).collect();
+fn augment_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
+    let FilterSettings { name, augment, .. } = filter;
+    let sensors = edits.scenario.sensors.iter();
+    let offered: Vec<Channel> = augment::of_all(sensors.map(|sensor| sensor.measures)).collect();
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
          changes slowly (u) or is another one at each sample (w: wind, traffic), bias and gain of a sensor";
     let summary = listed(augment.iter().map(|channel| channel.symbol()), "nothing");
     let texts = (("estimates also", hint), summary, format!("{name} augmentations"));
-    channels_ui(ui, texts, &offered, augment, true);
-    // Bias and gain of a removed sensor go too, and so do those of a quantity that the plant lacks.
-    augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
+    channels_ui(ui, texts, &offered, (augment, filter.address("augment")), true, edits);
 }
 
-fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
-    let offered: Vec<Channel> = if filter.can(&CONSIDERED) { filter.considerable(truth).collect() } else { Vec::new() };
+/// The channels of a filter that it can consider, or that can have bounds, unless others of its options exclude that.
+fn offered(filter: &FilterSettings, option: &FilterOption, truth: &PlantKind) -> Vec<Channel> {
+    if filter.can(option) { filter.considerable(truth).collect() } else { Vec::new() }
+}
+
+fn consider_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
+    let offered = offered(filter, &CONSIDERED, &edits.scenario.plant.kind);
     let FilterSettings { name, consider, .. } = filter;
-    // A filter that cannot consider a channel, or no longer has it, estimates it again or leaves it out.
-    consider.retain(|channel| offered.contains(channel));
     if offered.is_empty() {
         return;
     }
@@ -73,7 +70,8 @@ fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind) {
     let summary = if symbols.is_empty() { "all of it".to_owned() } else { format!("all but {symbols}") };
     let hint = "What is left out keeps its mean and its σ: the filter does not estimate it, but counts what is not known of it in all \
          other bands (Schmidt 1966)";
-    channels_ui(ui, (("learns", hint), summary, format!("{name} learns")), &offered, consider, false);
+    let texts = (("learns", hint), summary, format!("{name} learns"));
+    channels_ui(ui, texts, &offered, (consider, filter.address("consider")), false, edits);
 }
 
 /// A list of channels with check boxes, which are on for those that are chosen, or else for the others.
@@ -81,15 +79,17 @@ fn channels_ui(
     ui: &mut Ui,
     (label_and_hint, summary, name): ((&str, &str), String, String),
     offered: &[Channel],
-    chosen: &mut Vec<Channel>,
+    (chosen, address): (&[Channel], String),
     is_on: bool,
+    edits: &mut Edits<'_>,
 ) {
     list_ui(ui, label_and_hint, &summary, &name, OUTSIDE, &mut |ui| {
         for &channel in offered {
             let mut on = chosen.contains(&channel) == is_on;
             if ui.checkbox(&mut on, format!("{} {}", channel.symbol(), channel.name())).changed() {
-                chosen.retain(|other| *other != channel);
-                chosen.extend((on == is_on).then_some(channel));
+                let others = chosen.iter().copied().filter(|other| *other != channel);
+                let chosen: Vec<Channel> = others.chain((on == is_on).then_some(channel)).collect();
+                edits.change.put(&*address, &chosen);
             }
         }
     });
@@ -100,25 +100,26 @@ fn listed<T: Into<String>>(all: impl Iterator<Item = T>, none: &str) -> String {
     if all.is_empty() { none.to_owned() } else { all.join(", ") }
 }
 
-fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+fn plant_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let FilterSettings { name, plant, .. } = filter;
+    let mut chosen = plant.clone();
     let text = |plant: &Option<PlantKind>| plant.as_ref().map_or("as the truth", PlantKind::name).to_owned();
     let (label, now) = (("its plant", "What the filter takes the truth for"), text(plant));
     list_ui(ui, label, &now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
             let text = text(&kind);
-            ui.selectable_value(plant, kind, text);
+            ui.selectable_value(&mut chosen, kind, text);
         }
     });
+    edits.put_other(&filter.address("plant"), plant, &chosen);
 }
 
 /// The distance of a new end from the initial mean, in standard deviations of the initial belief.
 const FAR: f64 = 4.0;
 
-fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, length: Length) {
-    let offered: Vec<Channel> = if filter.can(&BOUNDED) { filter.considerable(truth).collect() } else { Vec::new() };
-    // A filter that can have no bounds, or no longer has the channel, loses them.
-    filter.bounds.retain(|channel| offered.contains(&channel));
+fn bounds_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
+    let offered = offered(filter, &BOUNDED, &edits.scenario.plant.kind);
+    let length = Length::of(edits.scenario.record.as_ref());
     if offered.is_empty() {
         return;
     }
@@ -131,7 +132,8 @@ fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, length
         (symbol, None, Some(most)) => format!("{symbol} ≤ {}", short(most)),
         (symbol, None, None) => symbol.to_owned(),
     });
-    let (name, summary) = (filter.name.clone(), listed(ends, "no bounds"));
+    let (name, summary) = (&filter.name, listed(ends, "no bounds"));
+    let mut bounds = filter.bounds.clone();
     list_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), OUTSIDE, &mut |ui| {
         for &channel in &offered {
             let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
@@ -139,23 +141,14 @@ fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: &PlantKind, length
             ui.horizontal(|ui| {
                 let ([lower, upper], symbol) = (usual(channel, mean, std), channel.symbol());
                 let Between { least, most } = &mut between;
-                end_ui(ui, &format!("{symbol} at least"), &name, least, (f64::NEG_INFINITY, mean, lower));
+                end_ui(ui, &format!("{symbol} at least"), name, least, (f64::NEG_INFINITY, mean, lower));
                 end_ui(ui, "at most", &format!("{name} {symbol}"), most, (mean, f64::INFINITY, upper));
                 ui.weak(length.in_place_of(channel.unit()));
             });
-            if between != filter.bounds.of(channel) {
-                filter.bounds.set(channel, between);
-            }
+            bounds.set(channel, between);
         }
     });
-    // The mean of the initial belief is never beyond an end.
-    for &channel in &offered {
-        let (mean, Between { least, most }) = (filter.initial_mean[channel], filter.bounds.of(channel));
-        let within = Between { least: least.map(|least| least.min(mean)), most: most.map(|most| most.max(mean)) };
-        if within != (Between { least, most }) {
-            filter.bounds.set(channel, within);
-        }
-    }
+    edits.put_other(&filter.address("bounds"), &filter.bounds, &bounds);
 }
 
 fn usual(channel: Channel, mean: f64, std: f64) -> [f64; 2] {
@@ -180,23 +173,24 @@ fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, m
 /// A time for each sensor or channel. An untouched list stays as it is, so that a file need not list zeros.
 fn times_ui(
     ui: &mut Ui,
-    filter: &mut FilterSettings,
-    sensors: &[Sensor],
-    table: &TableInfo,
-    label: &str,
+    filter: &FilterSettings,
+    (table, label): (&TableInfo, &str),
     entries: &[Entry],
+    edits: &mut Edits<'_>,
 ) {
     if entries.is_empty() {
         return;
     }
-    let time = |filter: &FilterSettings, entry: Entry| table.get(filter, entry, sensors).unwrap_or(0.0);
-    let set = entries.iter().map(|&entry| (entry.symbol(), time(filter, entry))).filter(|(_, time)| *time != 0.0);
+    let time = |entry: Entry| table.get(filter, entry, &edits.scenario.sensors).unwrap_or(0.0);
+    let set = entries.iter().map(|&entry| (entry.symbol(), time(entry))).filter(|(_, time)| *time != 0.0);
     let set = set.map(|(symbol, time)| format!("{symbol} {} s", significant(time, 3)));
-    let (name, summary) = (filter.name.clone(), listed(set, "none"));
+    let (name, summary) = (&filter.name, listed(set, "none"));
+    let scenario = edits.scenario;
     lit(ui, &filter.address(table.key), |ui| {
         list_ui(ui, (label, table.hint), &summary, &format!("{name} {label}"), OUTSIDE, &mut |ui| {
             for &entry in entries {
-                let (before, least) = (time(filter, entry), table.allowed.least());
+                let before = table.get(filter, entry, &scenario.sensors).unwrap_or(0.0);
+                let least = table.allowed.least();
                 let mut now = before;
                 ui.horizontal(|ui| {
                     ui.label(entry.symbol()).on_hover_text(entry.name());
@@ -207,11 +201,7 @@ fn times_ui(
                         format!("{name} {} of {}", table.name, entry.name()),
                     );
                 });
-                if now != before
-                    && let Some(own) = table.get_mut(filter, entry, sensors)
-                {
-                    *own = now;
-                }
+                edits.set_other(&filter.address(&format!("{}.{}", table.key, entry.key())), before, now);
             }
         });
     });
@@ -225,12 +215,12 @@ const SPEED: f64 = 0.01;
 const LATER: f64 = 10.0;
 
 /// A number for each pluck. The times are in order.
-fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+fn plucks_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     if !filter.can(&PLUCKED) {
         return;
     }
-    let (name, address) = (filter.name.clone(), filter.address("plucks"));
-    let times = &mut filter.plucks;
+    let (name, address) = (&filter.name, filter.address("plucks"));
+    let mut times = filter.plucks.clone();
     let summary = match times[..] {
         [] => "none".to_owned(),
         [one] => format!("at {} s", significant(one, 4)),
@@ -264,4 +254,5 @@ fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
             }
         });
     });
+    edits.put_other(&address, &filter.plucks, &times);
 }

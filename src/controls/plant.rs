@@ -4,12 +4,12 @@ use egui::{Button, ComboBox, TextStyle, Ui};
 use kalmanscope_core::channel::{Role, Sign, augment};
 use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, Signal};
+use kalmanscope_core::{Channel, PlantKind, Scenario, Signal};
 
-use super::PanelRequest;
 use super::lit::lit;
 use super::number::Number;
 use super::row::scenario_row_ui;
+use super::{Edits, PanelRequest};
 use crate::equation;
 use crate::equation::job;
 use crate::text::sentence;
@@ -18,20 +18,21 @@ use crate::widgets::named;
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
 
-pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) {
-    lit(ui, "plant.kind", |ui| kind_ui(ui, scenario, asked));
-    let plant = &mut scenario.plant;
-    for channel in plant.parameters().collect::<Vec<_>>() {
-        lit(ui, &format!("plant.{}", channel.key()), |ui| parameter_ui(ui, plant, channel));
+pub(super) fn plant_ui(ui: &mut Ui, edits: &mut Edits<'_>, asked: &mut Vec<PanelRequest>) {
+    lit(ui, "plant.kind", |ui| kind_ui(ui, edits, asked));
+    for channel in edits.scenario.plant.parameters() {
+        let key = format!("plant.{}", channel.key());
+        lit(ui, &key, |ui| parameter_ui(ui, channel, &key, edits));
         ui.add_space(4.0);
     }
-    augmentation_ui(ui, plant);
+    augmentation_ui(ui, edits);
     for info in MOTION {
-        scenario_row_ui(ui, info, scenario, info.allowed.least());
+        scenario_row_ui(ui, info, edits);
     }
 }
 
-fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) {
+fn kind_ui(ui: &mut Ui, edits: &mut Edits<'_>, asked: &mut Vec<PanelRequest>) {
+    let scenario = edits.scenario;
     let mut kind = scenario.plant.kind.clone();
     let combo =
         ComboBox::from_id_salt("plant").selected_text(kind.name()).width(ui.available_width()).show_ui(ui, |ui| {
@@ -47,13 +48,13 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<PanelRequest>) 
         });
     named(combo.response, "Kind of plant");
     if kind != scenario.plant.kind {
-        scenario.set_plant(kind);
+        edits.change.set_plant(kind);
     }
     equation_ui(ui, scenario, asked);
     ui.add_space(4.0);
 }
 
-fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
+fn parameter_ui(ui: &mut Ui, channel: Channel, key: &str, edits: &mut Edits<'_>) {
     let name = sentence(channel.name());
     let label = format!("{} {}", channel.symbol(), channel.name());
     let least = match channel.role() {
@@ -62,20 +63,29 @@ fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
         Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => f64::NEG_INFINITY,
     };
     let range = channel.usual().slider;
-    if let Some(signal) = plant.parameter_mut(channel) {
-        signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, signal);
+    if let Some(before) = edits.scenario.plant.parameter(channel) {
+        let mut signal = before;
+        signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, &mut signal);
+        if shape_of(&signal) == shape_of(&before) {
+            for ((number, now), (_, before)) in signal.numbers().into_iter().zip(before.numbers()) {
+                edits.set_other(&format!("{key}{number}"), before, now);
+            }
+        } else {
+            edits.change.put(key, &signal);
+        }
     }
     if channel.is_augmentation() {
         let button = ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth");
         let button = named(button, format!("Remove {}", channel.name()));
         if button.clicked() {
-            plant.remove(channel);
+            edits.change.put(key, &None::<Signal>);
         }
     }
 }
 
 /// Adds a property of the input or of a sensor to the truth; filters do not know of it unless their settings say so.
-fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
+fn augmentation_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let plant = &edits.scenario.plant;
     let has: Vec<Channel> = plant.parameters().collect();
     let mut chosen = None;
     let combo = ComboBox::from_id_salt("augmentation").selected_text("Add gain, offset, bias …").show_ui(ui, |ui| {
@@ -89,7 +99,7 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
     combo.response.clone().on_hover_text(hint);
     named(combo.response, "Add a property to the truth");
     if let Some(channel) = chosen {
-        plant.set(channel, channel.usual_truth());
+        edits.change.put(format!("plant.{}", channel.key()), &Signal::Constant(channel.usual_truth()));
     }
     ui.add_space(4.0);
 }

@@ -1,22 +1,22 @@
 //! The record: its length and its force, or the file of a measured one.
 
 use egui::{DragValue, Ui};
+use kalmanscope_core::Hold;
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
-use kalmanscope_core::{Hold, Scenario};
 
-use super::PanelRequest;
 use super::lit::lit;
 use super::number::{REMARK, limit};
 use super::plant::equation_ui;
-use super::row::{choice_row_ui, scenario_row_ui};
+use super::row::{choice_row_ui, scenario_number_ui, scenario_row_ui};
+use super::{Edits, PanelRequest};
 use crate::session::{Library, name_of};
 use crate::text::sentence;
 use crate::widgets::named;
 
-pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<PanelRequest>) {
-    equation_ui(ui, scenario, asked);
-    let Scenario { record: Some(mapping), hold, .. } = scenario else { return };
+pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, asked: &mut Vec<PanelRequest>) {
+    let Some(mapping) = &edits.scenario.record else { return };
+    equation_ui(ui, edits.scenario, asked);
     let name = name_of(mapping).to_owned();
     ui.label(format!("“{name}”"));
     for line in lines(mapping) {
@@ -27,8 +27,10 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
     }
     ui.horizontal(|ui| {
         ui.label("input").on_hover_text("A measured input is not held between its samples; H compares");
-        ui.selectable_value(hold, Hold::First, "linear between samples");
-        ui.selectable_value(hold, Hold::Zero, "held");
+        let mut hold = edits.scenario.hold;
+        ui.selectable_value(&mut hold, Hold::First, "linear between samples");
+        ui.selectable_value(&mut hold, Hold::Zero, "held");
+        edits.put_other("hold", &edits.scenario.hold, &hold);
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked()
@@ -36,7 +38,7 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
             asked.push(PanelRequest::Columns);
         }
         if ui.button("Simulate instead").on_hover_text("Leave the record and simulate the truth").clicked() {
-            scenario.record = None;
+            edits.change.put("record", &None::<Mapping>);
         }
     });
     if let Some(problem) = library.problem.as_deref() {
@@ -68,22 +70,25 @@ const LONGEST: f64 = 86_400.0;
 /// Lengths with a button \[s\].
 const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", LONGEST)];
 
-pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
-    scenario_row_ui(ui, &DURATION, scenario, 1.0);
+pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
+    let mut duration = scenario_number_ui(ui, &DURATION, scenario, 1.0);
     ui.horizontal(|ui| {
         ui.add_space(REMARK);
         for (name, length) in LENGTHS {
             if ui.small_button(name).on_hover_text(DURATION.hint).clicked() {
-                scenario.duration = length;
+                duration = length;
             }
         }
     });
-    scenario_row_ui(ui, &DT, scenario, DT.slider.0);
-    let Scenario { seed, dt, duration, .. } = scenario;
-    let longest_step = *duration;
-    limit(ui, dt, 0.0, longest_step, "Sampling time, most", "s");
-    limit(ui, duration, 0.0, LONGEST, "Duration, most", "s");
-    lit(ui, SEED.key, |ui| seed_ui(ui, seed));
+    let mut dt = scenario_number_ui(ui, &DT, scenario, DT.slider.0);
+    limit(ui, &mut dt, 0.0, duration, "Sampling time, most", "s");
+    limit(ui, &mut duration, 0.0, LONGEST, "Duration, most", "s");
+    edits.set_other(DT.key, scenario.dt, dt);
+    edits.set_other(DURATION.key, scenario.duration, duration);
+    let mut seed = scenario.seed;
+    lit(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
+    edits.put_other(SEED.key, &scenario.seed, &seed);
 }
 
 fn seed_ui(ui: &mut Ui, seed: &mut u64) {
@@ -96,13 +101,14 @@ fn seed_ui(ui: &mut Ui, seed: &mut u64) {
     });
 }
 
-pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
+pub(super) fn force_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
     for info in CHOICES_OF_SCENARIO {
-        choice_row_ui(ui, info, scenario, &sentence(info.name));
+        choice_row_ui(ui, info, (&**scenario, info.key), &sentence(info.name), edits);
     }
     for info in &FORCE {
         if (info.serves)(scenario, &scenario.plant.kind) {
-            scenario_row_ui(ui, info, scenario, info.allowed.least());
+            scenario_row_ui(ui, info, edits);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! The control of a setting, from its row.
 
 use egui::{Align, Checkbox, ComboBox, DragValue, Layout, PopupCloseBehavior, Ui};
-use kalmanscope_core::setting::{Allowed, ChoiceInfo, SettingInfo};
-use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
+use kalmanscope_core::setting::{Allowed, ChoiceInfo, Edit, SettingInfo};
+use kalmanscope_core::{FilterSettings, Scenario};
 
+use super::Edits;
 use super::lit::lit;
 use super::number::{Named, Number};
 use crate::text::sentence;
@@ -12,12 +13,12 @@ use crate::widgets::named;
 pub(super) fn filter_row_ui(
     ui: &mut Ui,
     info: &SettingInfo<FilterSettings>,
-    filter: &mut FilterSettings,
-    truth: &PlantKind,
+    filter: &FilterSettings,
+    edits: &mut Edits<'_>,
 ) {
     let key = filter.address(info.key);
     let label = (info.label)(filter).unwrap_or(info.name);
-    let serves = (info.serves)(filter, truth);
+    let serves = (info.serves)(filter, &edits.scenario.plant.kind);
     let mut value = (info.get)(filter);
     if info.allowed == Allowed::Flag && !serves {
         value = 0.0;
@@ -30,22 +31,31 @@ pub(super) fn filter_row_ui(
     ui.add_enabled_ui(serves, |ui| {
         lit(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
     });
-    if value != (info.get)(filter) {
-        (info.set)(filter, value);
-    }
+    edits.set_other(&key, (info.get)(filter), value);
 }
 
-pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
+pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: &mut Edits<'_>) {
+    let value = scenario_number_ui(ui, info, edits.scenario, info.allowed.least());
+    edits.set_other(info.key, (info.get)(edits.scenario), value);
+}
+
+/// Shows a number of a scenario. Returns the value that it then should have.
+pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &Scenario, least: f64) -> f64 {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
     let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
     lit(ui, info.key, |ui| number.show(ui, &mut value));
-    if value != (info.get)(scenario) {
-        (info.set)(scenario, value);
-    }
+    value
 }
 
-pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
+/// A choice, whose address is `key`.
+pub(super) fn choice_row_ui<T>(
+    ui: &mut Ui,
+    info: &ChoiceInfo<T>,
+    (of, key): (&T, &str),
+    name: &str,
+    edits: &mut Edits<'_>,
+) {
     let (options, now) = ((info.options)(), (info.get)(of));
     let mut chosen = now;
     let summary = options.get(now).map_or("", |option| option.name);
@@ -58,7 +68,7 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
         }
     });
     if chosen != now {
-        (info.set)(of, chosen);
+        edits.change.edit(Edit::new(key, (info.value)(chosen)));
     }
 }
 

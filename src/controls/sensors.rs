@@ -4,6 +4,7 @@ use egui::{Button, Checkbox, ComboBox, Ui};
 use kalmanscope_core::scenario::{Fault, FaultNumber, MAX_SENSORS};
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
+use super::Edits;
 use super::lit::lit;
 use super::number::Number;
 use crate::text::sentence;
@@ -16,7 +17,8 @@ fn is_measured(scenario: &Scenario, quantity: Quantity) -> bool {
     scenario.sensors.iter().any(|sensor| sensor.measures == quantity)
 }
 
-pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
+pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
     let full = scenario.sensors.len() >= MAX_SENSORS;
     let offered = offered(scenario);
     ui.horizontal_wrapped(|ui| {
@@ -27,9 +29,9 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             let enabled = measured || !full;
             if ui.add_enabled(enabled, Checkbox::new(&mut measured, quantity.key())).changed() {
                 if measured {
-                    scenario.add_sensor(Sensor::new(quantity, usual_noise(quantity)));
+                    edits.change.put_sensor(Sensor::new(quantity, usual_noise(quantity)));
                 } else {
-                    scenario.remove_sensor(quantity);
+                    edits.change.remove_sensor(quantity);
                 }
             }
         }
@@ -42,11 +44,11 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             });
             named(combo.response, "Add a sensor");
             if let Some(quantity) = chosen {
-                scenario.add_sensor(Sensor::new(quantity, usual_noise(quantity)));
+                edits.change.put_sensor(Sensor::new(quantity, usual_noise(quantity)));
             }
         }
     });
-    for sensor in &mut scenario.sensors {
+    for sensor in &scenario.sensors {
         let quantity = sensor.measures;
         let label = format!("{} noise ± σ", quantity.symbol());
         let name = format!("Noise of the {} sensor", quantity.key());
@@ -60,8 +62,10 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
         };
         let path = format!("sensors.{}.noise_std", quantity.key());
-        lit(ui, &path, |ui| number.show(ui, &mut sensor.noise_std));
-        faults_ui(ui, sensor);
+        let mut std = sensor.noise_std;
+        lit(ui, &path, |ui| number.show(ui, &mut std));
+        edits.set_other(&path, sensor.noise_std, std);
+        faults_ui(ui, sensor, edits);
     }
     if scenario.sensors.is_empty() {
         ui.add_space(2.0);
@@ -83,7 +87,7 @@ fn offered(scenario: &Scenario) -> Vec<Quantity> {
     kind.quantities().filter(|quantity| is_told_apart(quantity) || is_measured(scenario, *quantity)).collect()
 }
 
-pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {
+pub(super) fn faults_ui(ui: &mut Ui, sensor: &Sensor, edits: &mut Edits<'_>) {
     let quantity = sensor.measures;
     for fault in sensor.faults.families().collect::<Vec<_>>() {
         let info = fault.info();
@@ -94,12 +98,14 @@ pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {
             remove.clicked()
         });
         if gone.inner {
-            sensor.faults.remove(fault);
+            let mut changed = *sensor;
+            changed.faults.remove(fault);
+            edits.change.put_sensor(changed);
             continue;
         }
-        let numbers = sensor.faults.numbers_mut(fault).unwrap_or_default();
+        let numbers = sensor.faults.numbers(fault).unwrap_or_default();
         for (number, value) in info.numbers.iter().zip(numbers) {
-            number_ui(ui, sensor.measures, fault, number, value);
+            number_ui(ui, (sensor.measures, fault, number), *value, edits);
         }
     }
     let offered: Vec<Fault> = Fault::ALL.into_iter().filter(|fault| sensor.faults.numbers(*fault).is_none()).collect();
@@ -117,17 +123,13 @@ pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {
     let name = format!("Add a fault of the {} sensor", quantity.key());
     named(combo.response, name);
     if let Some(fault) = chosen {
-        sensor.faults.add(fault, quantity);
+        let mut changed = *sensor;
+        changed.faults.add(fault, quantity);
+        edits.change.put_sensor(changed);
     }
 }
 
-fn number_ui(
-    ui: &mut Ui,
-    quantity: kalmanscope_core::Quantity,
-    fault: Fault,
-    info: &'static FaultNumber,
-    value: &mut f64,
-) {
+fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumber), value: f64, edits: &mut Edits<'_>) {
     let path = fault.address(quantity, info);
     let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
     let size = info.scale.size(quantity);
@@ -140,8 +142,7 @@ fn number_ui(
         logarithmic: false,
         hint: fault.info().description,
     };
-    lit(ui, &path, |ui| number.show(ui, value));
-    if info.allowed.is_whole() {
-        *value = value.round();
-    }
+    let mut now = value;
+    lit(ui, &path, |ui| number.show(ui, &mut now));
+    edits.set_other(&path, value, if info.allowed.is_whole() { now.round() } else { now });
 }

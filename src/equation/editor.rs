@@ -1,9 +1,10 @@
 //! The window in which the equation of the plant is edited.
 
 use egui::{Button, ComboBox, Context, DragValue, FontId, Key, Pos2, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
-use kalmanscope_core::Scenario;
 use kalmanscope_core::channel::Sign;
 use kalmanscope_core::equation::{Equation, EquationSettings, Numbers, ParameterSettings, Symbol};
+use kalmanscope_core::setting::Change;
+use kalmanscope_core::{PlantKind, Scenario};
 
 use super::{job, typed};
 use crate::request::Request;
@@ -68,7 +69,7 @@ impl Editor {
         window.show(ctx, |ui| {
             ui.set_width(width);
             if self.contents_ui(ui, scenario, palette, 0.5 * room.y) {
-                self.take(scenario, requests);
+                self.take(requests);
             }
         });
         open
@@ -150,18 +151,19 @@ impl Editor {
     }
 
     /// Makes the draft the plant's equation, if it is one without new symbols.
-    fn take(&mut self, scenario: &Scenario, requests: &mut Vec<Request>) {
+    fn take(&mut self, requests: &mut Vec<Request>) {
         let draft = EquationSettings { equation: self.draft.equation.trim().to_owned(), ..self.draft.clone() };
         // Drops the numbers of parameters that the equation no longer has.
         let Ok(kept) = draft.checked() else { return };
         if self.taken.as_ref() == Some(&kept) || !self.news().is_empty() {
             return;
         }
-        let mut changed = scenario.clone();
-        match changed.set_equation(&kept) {
-            Ok(()) => {
+        match PlantKind::of_equation(&kept) {
+            Ok(kind) => {
                 (self.taken, self.fault) = (Some(kept), None);
-                requests.extend(Request::edit(scenario, changed));
+                let mut change = Change::default();
+                change.set_plant(kind);
+                requests.push(Request::Edit(change));
             }
             Err(error) => self.fault = Some(error.to_string()),
         }

@@ -1,7 +1,7 @@
 //! The settings that a map's axes may have, and the scores that it can show, with their names.
 
 use kalmanscope_core::setting::{
-    Address, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo, of_scenario,
+    Address, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo, of_filter, of_scenario,
 };
 use kalmanscope_core::{Channel, Measure, Quantity, Record, Scenario};
 use kalmanscope_lab::channels;
@@ -37,7 +37,7 @@ pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     };
     let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
     let whole = |keys: Vec<&str>| keys.into_iter().map(|key| format!("filters.*.{key}")).collect::<Vec<_>>();
-    let mut varied = OF_FILTER.into_iter().flatten().filter(|info| info.is_varied).map(|info| info.key);
+    let mut varied = of_filter().filter(|info| info.is_varied).map(|info| info.key);
     let mut keys = entries(&INITIAL_MEAN, of(true));
     keys.extend(whole([&PROCESS_STD, &SENSOR_STD].map(|table| table.key).into_iter().chain(varied.next()).collect()));
     keys.extend(entries(&PROCESS_STD, of(true)));

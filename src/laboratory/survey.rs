@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::setting::{Address, TableInfo};
+use kalmanscope_core::setting::{Address, Change, TableInfo};
 use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
@@ -79,22 +79,28 @@ impl Survey {
         [0, 1].map(|at| self.ensemble.settings().get(at).map_or(f64::NAN, |setting| setting.get(&part)))
     }
 
-    pub fn with(&self, scenario: &Scenario, values: [f64; 2]) -> Option<Scenario> {
+    /// The change that gives a scenario these values. `None` where a filter is gone or the values are impossible.
+    pub fn with(&self, scenario: &Scenario, values: [f64; 2]) -> Option<Change> {
         let mut part = part_of(scenario, &self.filters);
         if part.filters.len() != self.filters.len() {
             return None;
         }
+        let mut change = Change::default();
         for (setting, value) in self.ensemble.settings().iter().zip(values) {
             setting.set(&mut part, value);
-        }
-        let mut changed = scenario.clone();
-        for filter in part.filters.drain(..) {
-            if let Some(place) = changed.filters.iter_mut().find(|other| other.id == filter.id) {
-                *place = FilterSettings { color: place.color, ..filter };
+            if !setting.is_of_filters() {
+                change.set_at(setting.clone(), value);
             }
         }
-        let changed = Scenario { filters: changed.filters, ..part };
-        changed.validate().ok().map(|()| changed)
+        part.validate().ok()?;
+        // An address of all filters means those of the map.
+        if self.ensemble.settings().iter().any(Address::is_of_filters) {
+            for filter in part.filters {
+                let color = scenario.filters.iter().find(|own| own.id == filter.id)?.color;
+                change.put_filter(0, FilterSettings { color, ..filter });
+            }
+        }
+        Some(change)
     }
 
     /// Whether this is the survey of a scenario, a source and a choice, whatever the present values of the axes' settings.

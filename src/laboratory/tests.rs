@@ -79,7 +79,7 @@ fn a_moved_dot_restarts_nothing() {
     let (mut session, mut laboratory) = followed(7);
     for (guess, factor) in [(3.0, 1.0), (7.5, 0.2), (20.0, 8.0)] {
         let moved = laboratory.shown().unwrap().with(session.scenario(), [guess, factor]).unwrap();
-        session.set_scenario(moved);
+        session.edit(&moved).unwrap();
         let before = done(&laboratory);
         follow(&mut laboratory, &session, 1);
         assert_eq!(done(&laboratory), before + 1, "it goes on");
@@ -146,7 +146,7 @@ fn a_number_of_a_scaled_table_that_changes_alone_restarts() {
 fn a_factor_keeps_its_base_when_something_else_changes() {
     let (mut session, mut laboratory) = followed(20);
     let moved = laboratory.shown().unwrap().with(session.scenario(), [6.0, 4.0]).unwrap();
-    session.set_scenario(moved);
+    session.edit(&moved).unwrap();
     with(&mut session, |scenario| scenario.seed += 1);
     follow(&mut laboratory, &session, 20);
     let [_, factor] = laboratory.shown().unwrap().present(session.scenario());
@@ -208,7 +208,8 @@ fn two_filters_get_the_same_values() {
     assert_eq!([guess(0), guess(1)], [14.0, 14.0]);
     let value = |filter| survey.value(14, filter, Measure::NIS).unwrap();
     assert!(value(0) > 0.0 && value(1) > 0.0 && value(0) != value(1));
-    let set = survey.with(session.scenario(), [9.0, 1.0]).unwrap();
+    let mut set = session.scenario().clone();
+    survey.with(&set, [9.0, 1.0]).unwrap().apply(&mut set).unwrap();
     assert!(set.filters.iter().all(|filter| filter.initial_mean[Channel::NATURAL_FREQUENCY] == 9.0));
 }
 
@@ -335,7 +336,7 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         let survey = laboratory.shown().unwrap();
         let value = survey.value(survey.ensemble.cell(&[0, 2]), 0, Measure::NIS).unwrap();
         let opened = survey.with(session.scenario(), [0.5 * own, 2.0]).unwrap();
-        session.set_scenario(opened);
+        session.edit(&opened).unwrap();
         assert_eq!(gain(&session), 0.5 * own);
         let run = session.run();
         let estimates = run.estimates().iter().find(|one| one.id() == survey.filters[0]).unwrap();

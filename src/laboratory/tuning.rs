@@ -6,7 +6,7 @@ mod tests;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::setting::Address;
+use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_core::{Axis, FilterSettings, Run, Scenario, Task as _, simulate};
 use kalmanscope_lab::tune::{Goal, Try, Tuned, Tuner};
 use serde::{Deserialize, Serialize};
@@ -24,17 +24,18 @@ pub struct TuneResult {
 }
 
 impl TuneResult {
-    /// The scenario with the best values. `None` if its settings have changed since the search began.
-    pub fn applied(&self, scenario: &Scenario) -> Option<Scenario> {
+    /// The change of a scenario to the best values. `None` if its settings have changed since the search began.
+    pub fn change(&self, scenario: &Scenario) -> Option<Change> {
         let best = self.tuned.scenario.filters.first()?;
         let part = part_of(scenario, &[self.choice.filter]);
         if !is_same_but_for_names(&part, &self.of) || self.is_applied(scenario) {
             return None;
         }
-        let mut scenario = scenario.clone();
-        let filter = scenario.filters.iter_mut().find(|filter| filter.id == self.choice.filter)?;
-        *filter = FilterSettings { color: filter.color, name: std::mem::take(&mut filter.name), ..best.clone() };
-        scenario.validate().ok().map(|()| scenario)
+        let own = scenario.filters.iter().find(|filter| filter.id == self.choice.filter)?;
+        let (id, name, color) = (own.id, own.name.clone(), own.color);
+        let mut change = Change::default();
+        change.put_filter(0, FilterSettings { id, name, color, ..best.clone() });
+        Some(change)
     }
 
     pub fn is_applied(&self, scenario: &Scenario) -> bool {

@@ -2,7 +2,7 @@
 
 use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Stroke, Ui, pos2, vec2};
 use egui_plot::PlotTransform;
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Change;
 
 use super::time_axis::PlotInput;
 use crate::request::Request;
@@ -21,8 +21,8 @@ pub(crate) struct Handle<'a> {
     pub(crate) set: Set<'a>,
 }
 
-/// Puts a setting to a time \[s\] and a value.
-pub(crate) type Set<'a> = Box<dyn Fn(&mut Scenario, f64, f64) + 'a>;
+/// The settings, by their addresses, for a handle at a time \[s\] and a value.
+pub(crate) type Set<'a> = Box<dyn Fn(f64, f64) -> Vec<(String, f64)> + 'a>;
 
 /// Shows the handles of a chart. While one is dragged the axes stay, since the picture changes under the pointer.
 pub(super) fn handles_ui(
@@ -60,10 +60,11 @@ pub(super) fn handles_ui(
         }
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let to = transform.value_from_position(frame.clamp(pointer));
-            let before = input.session.scenario();
-            let mut scenario = before.clone();
-            (handle.set)(&mut scenario, to.x, to.y);
-            requests.extend(Request::edit(before, scenario));
+            let mut change = Change::default();
+            for (address, value) in (handle.set)(to.x, to.y) {
+                change.set(input.session.scenario(), &address, value);
+            }
+            requests.extend(Request::edit(change));
         }
         if response.drag_stopped() && ui.data_mut(|data| data.remove_temp::<bool>(id)).is_some() {
             requests.push(Request::Follow);

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::setting::Change;
-use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, Study, Wanted};
+use kalmanscope_core::setting::{Change, Changed};
+use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, ScenarioError, Study, Wanted};
 
 use super::{Mode, Session, Setting};
 use crate::text::significant;
@@ -15,8 +15,24 @@ const ONE_CHANGE: f64 = 0.8;
 /// Limits the samples of a picture from before: twice the work must remain a short work.
 const MOST: usize = 20_000;
 
+/// The words for what was before where another scenario was opened meanwhile.
+const ANOTHER: &str = "other settings";
+
+/// A scenario that a session has shown, and the opening since which only [`Session::edit`] has changed it.
+#[derive(Clone)]
+pub struct Version {
+    pub(super) scenario: Arc<Scenario>,
+    pub(super) opening: usize,
+}
+
+impl PartialEq for Version {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scenario, &other.scenario)
+    }
+}
+
 pub struct Before {
-    scenario: Arc<Scenario>,
+    version: Version,
     study: Study,
     pub words: String,
     is_of_filters: bool,
@@ -52,15 +68,38 @@ impl Before {
 }
 
 impl Session {
-    /// Takes over an edited scenario. The picture from before the first of some edits in a row stays as [`Self::before`].
-    pub fn edit(&mut self, scenario: Scenario) {
+    /// Changes the scenario. The picture from before the first of some edits in a row stays as [`Self::before`].
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the scenario has no place for a setting.
+    pub fn edit(&mut self, change: &Change) -> Result<(), ScenarioError> {
+        let mut scenario = (*self.scenario).clone();
+        self.changed.extend(change.apply(&mut scenario)?);
+        scenario.number_filters();
+        scenario.keep_draws();
+        self.restore(Version { scenario: Arc::new(scenario), opening: self.opening });
+        Ok(())
+    }
+
+    /// Takes over another scenario in place of this one, as an edit.
+    pub fn replace(&mut self, scenario: Scenario) {
+        self.openings += 1;
+        self.restore(Version { scenario: Arc::new(scenario), opening: self.openings });
+    }
+
+    pub fn version(&self) -> Version {
+        Version { scenario: Arc::clone(&self.scenario), opening: self.opening }
+    }
+
+    /// Takes over an earlier scenario, as an edit.
+    pub fn restore(&mut self, version: Version) {
         let goes_on = self.since_edit < ONE_CHANGE && self.before.is_some();
         self.since_edit = 0.0;
-        let was = Arc::clone(&self.scenario);
-        self.set_scenario(scenario);
+        let was = self.version();
+        self.show(version);
         match (&self.before, &self.other) {
             (_, Some(other)) => self.remember(other.clone()),
-            (Some(before), None) if goes_on => self.remember(before.scenario.clone()),
+            (Some(before), None) if goes_on => self.remember(before.version.clone()),
             _ => self.remember(was),
         }
     }
@@ -94,12 +133,12 @@ impl Session {
     }
 
     pub fn swap_settings(&mut self) {
-        let now = Arc::clone(&self.scenario);
+        let now = self.version();
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
         self.setting = self.setting.other();
         self.since_edit = f64::INFINITY;
         if next != now {
-            self.set_scenario((*next).clone());
+            self.show(next);
         }
         self.remember(now);
     }
@@ -117,34 +156,38 @@ impl Session {
         self.before.as_ref().is_some_and(|before| !before.is_complete)
     }
 
-    fn remember(&mut self, was: Arc<Scenario>) {
-        let change = Change::between(&was, &self.scenario);
+    fn remember(&mut self, version: Version) {
+        let was = &version.scenario;
+        let changed = Changed::among(&self.changed, was, &self.scenario);
+        let changed = Some(changed).filter(|_| version.opening == self.opening);
         let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
-        let filters = was.filters.iter().filter(|filter| is_kept(filter.id) && change.concerns(filter.id));
-        let filters: Vec<_> = filters.cloned().collect();
-        let (words, is_of_filters) = (difference(&change).unwrap_or_default(), change.is_of_filters());
+        let concerns = |id: u32| is_kept(id) && changed.as_ref().is_none_or(|changed| changed.concerns(id));
+        let ids: Vec<u32> = was.filters.iter().map(|filter| filter.id).filter(|&id| concerns(id)).collect();
+        let is_of_filters = changed.as_ref().is_some_and(Changed::is_of_filters);
+        let words = changed.map_or_else(|| ANOTHER.to_owned(), |changed| difference(&changed).unwrap_or_default());
         let words = match (&self.other, words.is_empty()) {
             (Some(_), false) => format!("setting {}: {words}", self.setting.other().name()),
             _ => words,
         };
         if let Some(before) = &mut self.before
-            && before.scenario == was
-            && before.study.run().scenario().filters == filters
+            && before.version == version
+            && before.study.run().scenario().filters.iter().map(|filter| filter.id).eq(ids.iter().copied())
         {
             (before.words, before.is_of_filters) = (words, is_of_filters);
             return;
         }
         self.before = None;
         self.generation += 1;
-        let Ok(source) = self.library.source(&was) else { return };
+        let Ok(source) = self.library.source(was) else { return };
         let samples = source.record().map_or_else(|| was.samples(), |record| record.len());
         if samples > MOST {
             return;
         }
-        let shown = Scenario { filters, ..(*was).clone() };
+        let mut shown = (**was).clone();
+        shown.filters.retain(|filter| ids.contains(&filter.id));
         // An impossible scenario has no picture.
         if let Ok(study) = Study::new(&shown, source, MOST + 1) {
-            self.before = Some(Before { scenario: was, study, words, is_of_filters, is_complete: false });
+            self.before = Some(Before { version, study, words, is_of_filters, is_complete: false });
         }
     }
 
@@ -178,7 +221,7 @@ impl Session {
 
 const NAMED: usize = 2;
 
-pub(super) fn difference(change: &Change<'_>) -> Option<String> {
+fn difference(change: &Changed<'_>) -> Option<String> {
     let all = change.what_was(|number| significant(number, 4));
     let more = if all.len() > NAMED { ", …" } else { "" };
     (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)
@@ -188,19 +231,25 @@ pub(super) fn difference(change: &Change<'_>) -> Option<String> {
 mod tests {
     use super::*;
 
+    fn edited(session: &mut Session, settings: &[(&str, f64)]) -> String {
+        let mut change = Change::default();
+        settings.iter().for_each(|(address, value)| change.set(session.scenario(), address, *value));
+        session.rest(2.0 * ONE_CHANGE);
+        session.edit(&change).unwrap();
+        session.before.as_ref().unwrap().words.clone()
+    }
+
     #[test]
     fn a_change_is_named_by_what_was_before() {
-        let now = Scenario::default();
-        assert_eq!(difference(&Change::between(&now, &now)), None);
-        let mut before = now.clone();
-        before.filters[0].fading = 1.0;
-        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1");
-        before.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0;
-        before.seed = 7;
-        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1, EKF guess ωₙ = 9, …");
-        let mut fewer = now.clone();
-        let removed = fewer.filters.remove(1);
-        assert_eq!(difference(&Change::between(&now, &fewer)).unwrap(), format!("with {}", removed.name));
-        assert_eq!(difference(&Change::between(&fewer, &now)).unwrap(), format!("without {}", removed.name));
+        let mut session = Session::new(Scenario { duration: 1.0, ..Scenario::default() }).unwrap();
+        let first = session.version();
+        assert_eq!(edited(&mut session, &[("filters#1.fading", 1.0)]), "EKF λ = 1.005");
+        let all = [("filters#1.fading", 1.2), ("filters#1.initial_mean.natural_frequency", 9.0), ("seed", 7.0)];
+        assert_eq!(edited(&mut session, &all), "EKF guess ωₙ = 10, EKF λ = 1, …");
+        session.restore(first);
+        session.rest(2.0 * ONE_CHANGE);
+        session.replace(Scenario { seed: 9, ..session.scenario().clone() });
+        assert_eq!(session.before.as_ref().unwrap().words, ANOTHER);
+        assert!(Arc::ptr_eq(&session.scenario, &session.run().shared_scenario()), "the run has the session's scenario");
     }
 }

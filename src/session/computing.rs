@@ -1,5 +1,7 @@
 //! Computes the scenario's picture, a slice of time after the other.
 
+use std::sync::Arc;
+
 use kalmanscope_core::Job;
 
 use super::library::is_same;
@@ -34,7 +36,7 @@ impl Session {
         self.give_up_job();
         self.is_opened = false;
         let run = self.study.run();
-        self.scenario = std::sync::Arc::new(run.scenario().clone());
+        self.scenario = run.shared_scenario();
         self.can_be_whole = run.samples() <= Self::LONGEST_WHOLE + 1;
         self.problem = None;
         if self.wanted_mode == Mode::Whole && (run.done() < run.samples() || run.record().forgotten() > 0) {
@@ -87,7 +89,7 @@ impl Session {
             let position = ((*clock / dt + 1e-6) as usize).saturating_add(1).min(samples);
             position.min(study.run().done().max(1))
         };
-        match Job::new(study, scenario, other_source, goal) {
+        match Job::new(study, Arc::clone(scenario), other_source, goal) {
             Ok(mut job) => {
                 self.long.begin(&mut job, &*self.team);
                 self.job = Some(job);
@@ -122,8 +124,8 @@ impl Session {
         let source = self.run().source();
         self.slices = 0;
         // An impossible scenario has no run: the last possible one's stays.
-        let scenario = self.run().scenario().clone();
-        self.job = Job::new(&mut self.study, &scenario, Some(source), goal).ok();
+        let scenario = self.run().shared_scenario();
+        self.job = Job::new(&mut self.study, scenario, Some(source), goal).ok();
     }
 
     /// Takes note of an edited scenario. An edit during the last part of a computation waits for its picture.

@@ -2,11 +2,12 @@
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
 use kalmanscope_core::setting::{
-    Address, Entry, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
+    Address, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo, of_filter,
 };
 use kalmanscope_core::{FilterSettings, Scenario};
 use kalmanscope_lab::channels;
 
+use crate::controls::Edits;
 use crate::controls::filter::color_of;
 use crate::controls::number::{Named, field};
 use crate::request::Request;
@@ -33,27 +34,29 @@ pub(super) static VIEW: View = View {
 };
 
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-    let mut scenario = context.session.scenario().clone();
+    let mut edits = Edits::of(context.session.shared_scenario());
+    let scenario = edits.scenario;
     if scenario.filters.is_empty() {
         ui.weak("There is no filter: add one in the settings.");
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("filter settings").striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
             ui.label("");
-            names_ui(ui, &mut scenario, context.palette);
+            names_ui(ui, &mut edits, context.palette);
             ui.end_row();
-            for row in rows(&scenario) {
+            for row in rows(scenario) {
                 ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
-                row_ui(ui, &row, &mut scenario, context.palette);
+                row_ui(ui, &row, &mut edits, context.palette);
                 ui.end_row();
             }
         });
     });
-    requests.extend(Request::edit(context.session.scenario(), scenario));
+    requests.extend(Request::edit(edits.change));
     None
 }
 
-fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
+fn names_ui(ui: &mut Ui, edits: &mut Edits<'_>, palette: &Palette) {
+    let scenario = edits.scenario;
     let mut same = None;
     for (place, filter) in scenario.filters.iter().enumerate() {
         let color = palette.shade(color_of(filter));
@@ -68,8 +71,8 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     if let Some((id, place)) = same
         && let Some(from) = scenario.filters.iter().find(|filter| filter.id == id).cloned()
     {
-        let FilterSettings { id, name, color, .. } = scenario.filters[place].clone();
-        scenario.filters[place] = FilterSettings { id, name, color, kind: scenario.filters[place].kind, ..from };
+        let FilterSettings { id, name, color, kind, .. } = scenario.filters[place].clone();
+        edits.change.put_filter(place, FilterSettings { id, name, color, kind, ..from });
     }
 }
 
@@ -83,8 +86,8 @@ struct Row {
 
 fn rows(scenario: &Scenario) -> Vec<Row> {
     let mut rows = Vec::new();
-    for info in OF_FILTER.into_iter().flatten().filter(|info| info.is_varied) {
-        let SettingInfo { key, symbol, name, unit, allowed, slider: (_, scale), .. } = **info;
+    for info in of_filter().filter(|info| info.is_varied) {
+        let SettingInfo { key, symbol, name, unit, allowed, slider: (_, scale), .. } = *info;
         let symbol = if unit.is_empty() { symbol.to_owned() } else { format!("{symbol} [{unit}]") };
         rows.push(Row { key: key.to_owned(), symbol, name: name.to_owned(), least: allowed.least(), scale });
     }
@@ -122,7 +125,8 @@ fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Ad
     Ok(address)
 }
 
-fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
+fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
+    let scenario = edits.scenario;
     let mut first = None;
     for place in 0..scenario.filters.len() {
         let filter = &scenario.filters[place];
@@ -156,7 +160,7 @@ fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
                 value = dragged.value.max(row.least);
             }
             if value != address.get(scenario) {
-                address.set(scenario, value);
+                edits.change.set_at(address, value);
             }
         });
     }

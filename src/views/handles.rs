@@ -1,7 +1,7 @@
 //! The settings that can be dragged in plots over time.
 
-use kalmanscope_core::signal::Step;
-use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Scenario, Sensor, Signal, Source};
+use kalmanscope_core::setting::{Entry, INITIAL_MEAN, INITIAL_STD, SENSOR_STD, TableInfo};
+use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Sensor, Signal, Source};
 
 use crate::plot::handles::{Handle, Set};
 use crate::text::significant;
@@ -22,11 +22,12 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
             time: Some(record.time_of(0) + step.at),
             value: step.to,
             color: context.palette.truth,
-            set: Box::new(move |scenario, time, value| {
-                let at = rounded(time - record.time_of(0)).clamp(0.0, scenario.duration);
+            set: Box::new(move |time, value| {
+                let at = rounded(time - record.time_of(0)).clamp(0.0, session.scenario().duration);
                 let to = rounded(value);
                 let to = if channel.is_positive() { to.max(LEAST) } else { to };
-                scenario.plant.set(channel, Signal::Step(Step { to, at, ..step }));
+                let address = |number: &str| format!("plant.{}.step.{number}", channel.key());
+                vec![(address("to"), to), (address("at"), at)]
             }),
         });
     }
@@ -48,19 +49,14 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
             time,
             value: mean,
             color,
-            set: Box::new(move |scenario, _, value| {
-                edit(scenario, id, |filter| filter.initial_mean[channel] = rounded(value));
-            }),
+            set: set(filter, &INITIAL_MEAN, Entry::Channel(channel), rounded),
         });
         handles.push(Handle {
             name: format!("2σ of {name}'s guess of the {}", channel.name()),
             time,
             value: mean + 2.0 * std,
             color: color.gamma_multiply(0.6),
-            set: Box::new(move |scenario, _, value| {
-                let std = rounded(0.5 * (value - mean)).max(LEAST);
-                edit(scenario, id, |filter| filter.initial_std[channel] = std);
-            }),
+            set: set(filter, &INITIAL_STD, Entry::Channel(channel), move |value| std_of(value - mean)),
         });
     }
     handles
@@ -80,10 +76,8 @@ pub(super) fn of_noise<'a>(channel: Channel, context: &ViewContext<'a>) -> Optio
         time: Some(record.time_of(0)),
         value: first + 2.0 * sensor.noise_std,
         color: palette.weak,
-        set: Box::new(move |scenario, _, value| {
-            if let Some(sensor) = scenario.sensors.iter_mut().find(|sensor| is_sensor(sensor)) {
-                sensor.noise_std = rounded(0.5 * (value - first)).max(LEAST);
-            }
+        set: Box::new(move |_, value| {
+            vec![(format!("sensors.{}.noise_std", sensor.measures.key()), std_of(value - first))]
         }),
     })
 }
@@ -105,19 +99,21 @@ pub(super) fn of_sensor<'a>(
             time: None,
             value: 2.0 * std,
             color: context.color(estimates),
-            set: Box::new(move |scenario: &mut Scenario, _, value: f64| {
-                let std = rounded(0.5 * value).max(LEAST);
-                edit(scenario, id, |filter| filter.sensor_std[sensor] = std);
-            }) as Set<'a>,
+            set: set(filter, &SENSOR_STD, Entry::Sensor(quantity), std_of),
         })
     };
     filters.iter().filter_map(|estimates| of(estimates)).collect()
 }
 
-fn edit(scenario: &mut Scenario, id: u32, change: impl FnOnce(&mut FilterSettings)) {
-    if let Some(filter) = scenario.filters.iter_mut().find(|filter| filter.id == id) {
-        change(filter);
-    }
+/// Sets a number of a table of a filter to that of the handle's value.
+fn set<'a>(filter: &FilterSettings, table: &TableInfo, entry: Entry, of: impl Fn(f64) -> f64 + 'a) -> Set<'a> {
+    let address = filter.address(&format!("{}.{}", table.key, entry.key()));
+    Box::new(move |_, value| vec![(address.clone(), of(value))])
+}
+
+/// The standard deviation for a handle at this distance, 2σ.
+fn std_of(distance: f64) -> f64 {
+    rounded(0.5 * distance).max(LEAST)
 }
 
 fn rounded(value: f64) -> f64 {

@@ -139,9 +139,9 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
     let scenario = context.session.scenario();
     if result.is_applied(scenario) {
         ui.label("These values are in use.");
-    } else if let Some(applied) = result.applied(scenario) {
+    } else if let Some(change) = result.change(scenario) {
         if ui.button("Use these values").clicked() {
-            requests.extend(Request::edit(scenario, applied));
+            requests.push(Request::Edit(change));
         }
     } else {
         ui.weak("The settings have changed since: tune again.");

@@ -28,7 +28,6 @@ mod dialect;
 mod formats;
 mod guess;
 mod header;
-mod mapping;
 mod mend;
 mod own_times;
 mod reader;
@@ -39,13 +38,14 @@ mod three_axes;
 mod times;
 
 pub use crate::data::hash::Hash;
+pub use crate::data::mapping::{
+    Decimal, Delimiter, Dialect, Encoding, MappedColumn, Mapping, MappingError, MeanWord, Offset, Time,
+};
 pub use builder::{Builder, Imported};
-pub use cell::{Cells, Decimal, Delimiter};
+pub use cell::Cells;
 pub use conditioning::Sentinel;
-pub use dialect::{Dialect, Encoding};
 pub use guess::ColumnGuess;
 pub use header::{Dimension, STANDARD_GRAVITY, unit};
-pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use mend::turn;
 pub use own_times::join;
 pub use reader::{Loaded, Loading};
@@ -129,9 +129,9 @@ pub enum ImportError {
     /// There is no motion in a sensor's readings.
     #[error("all readings of the {0} are the same: there is no motion to make start values of")]
     Still(String),
-    /// A setting is impossible: its path below `record`, its value, and the values that are allowed.
-    #[error("`record.{0}` is {1}, but must be {2}")]
-    Setting(String, String, String),
+    /// A setting is impossible.
+    #[error(transparent)]
+    Setting(#[from] MappingError),
     /// The columns are not a record.
     #[error(transparent)]
     Record(#[from] RecordError),

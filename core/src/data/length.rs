@@ -1,6 +1,7 @@
 //! The unit in which a record measures its motion.
 
-use crate::data::import::{Dimension, MappedColumn, Mapping, unit};
+use crate::data::import::{Dimension, unit};
+use crate::data::mapping::{MappedColumn, Mapping};
 
 /// The unit in which a record measures its motion: a circuit swings in volts, a pendulum in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -4,7 +4,7 @@ pub(crate) mod address;
 pub(crate) mod cost;
 mod document;
 pub(crate) mod fault;
-mod filter;
+pub(in crate::data) mod filter;
 mod identity;
 pub mod option;
 mod plant;
@@ -14,11 +14,12 @@ mod validate;
 mod values;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::data::document::is_default;
-use crate::data::import::Mapping;
+use crate::data::mapping::Mapping;
 use crate::mathematics::catalogue::{KnownPlants, channel_of};
 use crate::mathematics::filter::FilterKind;
 use crate::mathematics::lists::mapped;
@@ -120,6 +121,12 @@ impl<'de> Deserialize<'de> for Scenario {
     }
 }
 
+impl From<&Scenario> for Arc<Scenario> {
+    fn from(scenario: &Scenario) -> Self {
+        Self::new(scenario.clone())
+    }
+}
+
 impl Default for Scenario {
     fn default() -> Self {
         let mut scenario = Self {
@@ -144,6 +151,13 @@ impl Scenario {
     /// The number of samples, including the one at t = 0.
     pub fn samples(&self) -> usize {
         libm::round(self.duration / self.dt) as usize + 1
+    }
+
+    /// Whether another scenario has the same truth: all but filters, and laws, which are for populations and no run reads.
+    pub(crate) fn has_truth_of(&self, other: &Self) -> bool {
+        let Self { seed, dt, duration, plant, force, input, hold, sensors, filters: _, record, draw: _ } = self;
+        (seed, dt, duration, plant, force) == (&other.seed, &other.dt, &other.duration, &other.plant, &other.force)
+            && (input, hold, sensors, record) == (&other.input, &other.hold, &other.sensors, &other.record)
     }
 
     /// Adds a sensor, unless its quantity is already measured. Every filter assumes its true noise.
@@ -210,16 +224,17 @@ impl Scenario {
         }
     }
 
-    /// Changes the truth's kind of plant and removes the sensors of quantities that it lacks.
+    /// Changes the truth's kind of plant and removes the sensors of quantities that it lacks. Filters get the guesses of an equation.
     pub fn set_plant(&mut self, kind: PlantKind) {
         for quantity in self.sensors.iter().map(|s| s.measures).filter(|q| !kind.has(*q)).collect::<Vec<_>>() {
             self.remove_sensor(quantity);
         }
-        self.plant.kind = kind;
+        let before = std::mem::replace(&mut self.plant.kind, kind);
+        self.take_guesses(before.channels());
         self.fill_in();
     }
 
-    fn fill_in(&mut self) {
+    pub(in crate::data) fn fill_in(&mut self) {
         self.number_filters();
         self.name_filters();
         let Self { sensors, filters, plant, input, .. } = self;

@@ -8,7 +8,7 @@ mod change;
 mod choice;
 mod edit;
 mod filter;
-mod info;
+pub(super) mod info;
 mod place;
 mod scenario;
 mod table;
@@ -17,12 +17,12 @@ use crate::data::scenario::Scenario;
 use crate::mathematics::channel::Channel;
 
 pub use address::{Address, UnknownSetting, addresses, words_of};
-pub use change::Change;
+pub use change::{Change, Changed};
 pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
 pub use filter::{
-    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES,
-    SMOOTHER, WALK,
+    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, PROCESS_SCALES, SMOOTHER, WALK, of_filter,
+    options,
 };
 pub(crate) use info::by_key;
 pub use info::{Allowed, SettingInfo};
@@ -33,10 +33,10 @@ pub use table::{
 
 /// The symbol of a setting, a table or a channel of a scenario with a key, if it has one.
 pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {
-    let of_filter = OF_FILTER.into_iter().flatten().map(|info| (info.key, info.symbol));
+    let filters = of_filter().map(|info| (info.key, info.symbol));
     let of_scenario = of_scenario().map(|info| (info.key, info.symbol));
     let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
-    let mut all = of_filter.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
+    let mut all = filters.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
     let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
     found.or_else(|| scenario.channel(key).map(Channel::symbol))
 }

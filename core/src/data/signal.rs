@@ -93,7 +93,8 @@ impl Signal {
         }
     }
 
-    pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
+    /// Each number: its key behind that of the parameter, and its value.
+    pub fn numbers(&self) -> Vec<(&'static str, f64)> {
         let mut own = *self;
         own.numbers_mut().into_iter().map(|(name, number)| (name, *number)).collect()
     }

@@ -69,7 +69,7 @@ impl Run {
         let recording = Recording::new(scenario, source, spare.record.take());
         let samples = recording.samples(scenario);
         let record = recording.record();
-        let mut bank = Bank::new(scenario, record)?;
+        let mut bank = Bank::new(scenario.into(), record)?;
         for _ in &scenario.filters {
             bank.add(record, samples, spare.estimates.pop());
         }
@@ -100,7 +100,7 @@ impl Run {
     /// As [`Self::on_record`]; this run is then unchanged.
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
-        let mut revision = Revision::new(self, scenario, None, &mut spare)?;
+        let mut revision = Revision::new(self, scenario.into(), None, &mut spare)?;
         if revision.is_of_everything {
             self.restart(scenario)?;
             return Ok(Update::Everything);
@@ -195,6 +195,11 @@ impl Run {
         &self.bank.scenario
     }
 
+    /// The scenario, shared.
+    pub fn shared_scenario(&self) -> Arc<Scenario> {
+        Arc::clone(&self.bank.scenario)
+    }
+
     /// The source of the samples.
     pub fn source(&self) -> Source {
         self.recording.source()
@@ -281,7 +286,7 @@ impl Run {
 
 pub(crate) struct Bank {
     /// The scenario; each filter has a unique id.
-    pub(crate) scenario: Scenario,
+    pub(crate) scenario: Arc<Scenario>,
     quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
@@ -293,11 +298,12 @@ pub(crate) struct Bank {
 }
 
 impl Bank {
-    pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
+    pub(crate) fn new(mut scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
         let quantities = scenario.measured();
-        let (sensors, apart) = (sensor_places(scenario, record)?, apart(record, &quantities));
-        let mut scenario = scenario.clone();
-        scenario.number_filters();
+        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
+        if !scenario.is_numbered() {
+            Arc::make_mut(&mut scenario).number_filters();
+        }
         let dt = record.dt();
         Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
@@ -431,12 +437,12 @@ pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Es
     if record.forgotten() > 0 {
         return Err(RunError::Forgotten(record.forgotten()));
     }
-    let bank = Bank::new(&scenario, record)?;
+    let bank = Bank::new(Arc::new(scenario), record)?;
     let mut estimates = bank.smoothed(place);
     match bank.smoother(place, record) {
         Some(mut smoother) => while !smoother.advance(record, record.len(), true, usize::MAX, &mut estimates) {},
         // A filter that cannot begin says why at its first sample.
-        None => Pass::new(&scenario, place, record)?.follow(record, 1, &mut estimates),
+        None => Pass::new(&bank.scenario, place, record)?.follow(record, 1, &mut estimates),
     }
     Ok(estimates)
 }

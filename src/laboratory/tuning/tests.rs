@@ -60,15 +60,16 @@ fn a_search_ends_with_better_values_which_are_applied_once() {
     let result = laboratory.tuning.result.as_ref().unwrap();
     let path = laboratory.tuning.path();
     assert!(path.last().unwrap().score > path[0].score + 100.0);
-    let applied = result.applied(session.scenario()).unwrap();
+    let mut applied = session.scenario().clone();
+    result.change(&applied).unwrap().apply(&mut applied).unwrap();
     assert_ne!(applied.filters[0].sensor_std, session.scenario().filters[0].sensor_std);
     assert_eq!(applied.filters[0].process_std, session.scenario().filters[0].process_std, "it was not ticked");
     assert_eq!(applied.filters[1], session.scenario().filters[1]);
     assert!(result.is_applied(&applied) && !result.is_applied(session.scenario()));
-    assert_eq!(result.applied(&applied), None);
+    assert_eq!(result.change(&applied), None);
     let mut other = session.scenario().clone();
     other.seed += 1;
-    assert_eq!(result.applied(&other), None, "the result is of another record");
+    assert_eq!(result.change(&other), None, "the result is of another record");
 }
 
 #[test]

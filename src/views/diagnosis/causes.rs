@@ -143,9 +143,7 @@ fn edits_ui(
     button
         .ctx
         .accesskit_node_builder(button.id, |node| node.set_label(format!("Apply the remedy of {filter}: {cause}")));
-    if button.clicked()
-        && let Ok(turned) = Edit::apply_all(edits, scenario)
-    {
-        requests.extend(Request::edit(scenario, turned));
+    if button.clicked() {
+        requests.push(Request::Edit(edits.iter().cloned().collect()));
     }
 }

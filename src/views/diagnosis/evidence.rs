@@ -131,9 +131,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
             let name = format!("{label} of {}, in the diagnosis", filter.name);
             number.ctx.accesskit_node_builder(number.id, |node| node.set_label(name));
             if number.changed() {
-                let mut edited = scenario.clone();
-                address.set(&mut edited, value);
-                requests.extend(Request::edit(scenario, edited));
+                requests.push(Request::set(address, value));
             }
         }
     });

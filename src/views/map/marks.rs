@@ -138,8 +138,7 @@ pub(super) fn dot_ui(
             moved = Some([0, 1].map(|at| stepped(survey.axes()[at], present[at], steps[at])));
         }
     }
-    let edited = moved.and_then(|values| survey.with(scenario, values));
-    requests.extend(edited.and_then(|edited| Request::edit(context.session.scenario(), edited)));
+    requests.extend(moved.and_then(|values| survey.with(scenario, values)).map(Request::Edit));
 }
 
 fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palette) {

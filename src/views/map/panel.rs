@@ -121,8 +121,7 @@ impl PanelView<'_> {
         let values = ensemble.values(cell);
         if response.clicked() {
             let scenario = context.session.scenario();
-            let chosen = survey.with(scenario, [values[0], values[1]]);
-            requests.extend(chosen.and_then(|chosen| Request::edit(scenario, chosen)));
+            requests.extend(survey.with(scenario, [values[0], values[1]]).map(Request::Edit));
         }
         if response.hovered() {
             Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| self.cell_ui(ui, cell, &values));

@@ -1,9 +1,11 @@
 //! The numbers drawn for each seed, in a popup: the members of a population.
 
+use std::collections::BTreeMap;
+
 use egui::{Grid, ScrollArea, Ui, vec2};
 use kalmanscope_core::Scenario;
 use kalmanscope_core::scenario::{Law, is_drawable};
-use kalmanscope_core::setting::Address;
+use kalmanscope_core::setting::{Address, Change};
 
 use crate::controls::number::field;
 use crate::laboratory::{candidates, setting_name};
@@ -32,26 +34,31 @@ pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &m
         several => format!("{several} drawn numbers"),
     };
     let button = menu_ui(ui, text, Closing::Beside, |ui| {
-        let next = edited.insert(scenario.clone());
+        let laws = edited.insert(scenario.draw.clone());
         ui.visuals_mut().widgets.inactive.weak_bg_fill = context.palette.faint;
         if scenario.draw.is_empty() {
             ui.weak("All seeds have the numbers of the scenario, with other noise. A number that is drawn is another one for each seed.");
         } else {
             Grid::new("drawn numbers").spacing([8.0, 4.0]).show(ui, |ui| {
                 for key in scenario.draw.keys() {
-                    law_ui(ui, next, key);
+                    law_ui(ui, scenario, laws, key);
                     ui.end_row();
                 }
             });
         }
-        add_ui(ui, next);
+        add_ui(ui, scenario, laws);
     });
     let hint = "What is another number for each seed: a population in place of one truth";
     let button = button.on_hover_text(hint);
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Drawn numbers"));
-    let edited = edited.filter(|next| next.validate().is_ok());
-    requests.extend(edited.and_then(|next| Request::edit(scenario, next)));
+    if let Some(laws) = edited.filter(|laws| *laws != scenario.draw) {
+        let mut change = Change::default();
+        change.put("draw", &laws);
+        requests.push(Request::Edit(change));
+    }
 }
+
+type Laws = BTreeMap<String, Law>;
 
 pub(super) fn name(key: &str, scenario: &Scenario) -> String {
     let of = scenario.filters_at(key).filter(|(places, _)| places.len() == 1 && scenario.filters.len() > 1);
@@ -59,11 +66,11 @@ pub(super) fn name(key: &str, scenario: &Scenario) -> String {
     setting_name(key, scenario) + &filter.unwrap_or_default()
 }
 
-fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
+fn law_ui(ui: &mut Ui, scenario: &Scenario, laws: &mut Laws, key: &str) {
     let name = name(key, scenario);
     let unit = Address::parse(scenario, key).map_or("", |setting| unit_in(scenario, setting.unit()));
     let present = Address::parse(scenario, key).map_or(f64::NAN, |setting| setting.get(scenario));
-    let Some(law) = scenario.draw.get_mut(key) else { return };
+    let Some(law) = laws.get_mut(key) else { return };
     ui.label(&name);
     let menu = ui.menu_button(law.info().name, |ui| {
         for other in Law::about(present, SHARE) {
@@ -107,11 +114,11 @@ fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
         *law = edited;
     }
     if is_removed || (!is_narrow && remove(ui)) {
-        scenario.draw.remove(key);
+        laws.remove(key);
     }
 }
 
-fn add_ui(ui: &mut Ui, scenario: &mut Scenario) {
+fn add_ui(ui: &mut Ui, scenario: &Scenario, laws: &mut Laws) {
     let taken: Vec<Address> = scenario.draw.keys().filter_map(|key| Address::parse(scenario, key).ok()).collect();
     let is_free = |key: &String| {
         Address::parse(scenario, key).is_ok_and(|setting| {
@@ -137,7 +144,10 @@ fn add_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let value = setting.get(scenario);
     let [normal, lognormal, ..] = Law::about(value, SHARE);
     // Most numbers above 0 must stay there.
-    scenario.draw.insert(setting.to_string(), if value > 0.0 { lognormal } else { normal });
+    let law = if value > 0.0 { lognormal } else { normal };
+    if law.problem().is_none() {
+        laws.insert(setting.to_string(), law);
+    }
 }
 
 pub(super) fn sentence(scenario: &Scenario) -> Option<String> {

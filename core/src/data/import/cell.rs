@@ -1,23 +1,7 @@
 //! The cells of a line: numbers, times of day, and words of instruments.
 
-use serde::{Deserialize, Serialize};
-
 use super::header::{Dimension, unit};
-
-/// The delimiter between the cells of a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Delimiter {
-    /// `,`
-    #[default]
-    Comma,
-    /// `;`
-    Semicolon,
-    /// A tab.
-    Tab,
-    /// Blanks and tabs, any number of them.
-    Blanks,
-}
+use crate::data::mapping::{Decimal, Delimiter};
 
 impl Delimiter {
     pub(super) const fn name(self) -> &'static str {
@@ -62,17 +46,6 @@ impl<'a> Iterator for Cells<'a> {
         });
         Some(cell.trim())
     }
-}
-
-/// The character between the whole part of a number and its fraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Decimal {
-    /// `1.5`
-    #[default]
-    Point,
-    /// `1,5`
-    Comma,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

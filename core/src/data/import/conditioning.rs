@@ -1,7 +1,8 @@
 //! Cells without a reading, and the steps from even times to the samples of a record: a band, a part, another rate.
 
+use super::header::unit;
 use super::times::Timing;
-use super::{ImportError, MappedColumn, Mapping, Table};
+use super::{ImportError, MappedColumn, Mapping, MappingError, Table};
 use crate::Hold;
 use crate::data::resample::{self, Steps, band_pass};
 use crate::mathematics::lists::places;
@@ -70,12 +71,42 @@ impl Conditioning<'_> {
     }
 }
 
+impl Mapping {
+    pub(super) fn needs_even_steps(&self) -> bool {
+        self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
+    }
+
+    /// As shares of the Nyquist frequency; `dt` \[s\].
+    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
+        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
+        let high = high.min(if self.every > 1 { resample::GUARD } else { 1.0 });
+        [low.clamp(0.0, 0.99 * high), high]
+    }
+}
+
+impl MappedColumn {
+    pub(super) fn factor(&self) -> f64 {
+        self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
+    }
+
+    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
+    /// that is far from all others, is missing.
+    pub fn of(table: &Table, column: impl Into<String>) -> Self {
+        let mut mapped = Self::new(column);
+        if let Some(place) = table.place(&mapped.column) {
+            mapped.unit = table.columns[place].unit.clone().unwrap_or_default();
+            mapped.missing = table.sentinel(place).filter(|found| found.is_usual).map(|found| found.value);
+        }
+        mapped
+    }
+}
+
 pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
     let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
     if low >= nyquist {
         let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
         let allowed = format!("below the Nyquist frequency, {nyquist} Hz");
-        return Err(ImportError::Setting(key, value, allowed));
+        return Err(MappingError { key, value, allowed }.into());
     }
     Ok(Some(format!(
         "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"

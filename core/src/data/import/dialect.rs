@@ -2,32 +2,8 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
-
 use super::cell::Content;
-use super::{Decimal, Delimiter, header};
-use crate::data::document::is_default;
-
-/// The form of a text file with columns of numbers. [`Loading`](super::Loading) finds it by looking at the first lines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields, expecting = "a table")]
-pub struct Dialect {
-    /// The encoding.
-    pub encoding: Encoding,
-    /// The delimiter between cells.
-    pub delimiter: Delimiter,
-    /// The decimal character.
-    pub decimal: Decimal,
-    /// The line with the columns' names, counted from 1; 0 if there is none.
-    pub names: usize,
-    /// The line with the columns' units, counted from 1; 0 if there is none.
-    pub units: usize,
-    /// The first line with numbers, counted from 1.
-    pub data: usize,
-    /// Whether a separator such as that in `1.234`, where commas are decimal, or in `1,234` is one of thousands.
-    #[serde(skip_serializing_if = "is_default")]
-    pub thousands: bool,
-}
+use super::{Decimal, Delimiter, Dialect, Encoding, header};
 
 impl fmt::Display for Dialect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -46,21 +22,6 @@ impl fmt::Display for Dialect {
         }
         write!(f, ", numbers from line {data} on")
     }
-}
-
-/// The encoding of a text file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Encoding {
-    /// UTF-8, which includes ASCII.
-    #[default]
-    Utf8,
-    /// Latin-1, one byte a character.
-    Latin1,
-    /// UTF-16, the lower byte first.
-    Utf16Le,
-    /// UTF-16, the higher byte first.
-    Utf16Be,
 }
 
 const MARKS: [(&[u8], Encoding); 3] =

@@ -9,10 +9,10 @@ mod rows;
 mod series;
 mod unpack;
 
-use super::cell::{Content, Decimal};
+use super::cell::Content;
 use super::header::number_after;
 use super::table::{Column, Lines, Rows, TextCell, number_names};
-use super::{Dialect, ImportError, MOST, Table};
+use super::{Decimal, Dialect, ImportError, MOST, Table};
 
 pub(super) use kinds::read_binary;
 pub(super) use rows::nameless;

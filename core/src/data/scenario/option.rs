@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use super::FilterSettings;
-use crate::PlantKind;
+use super::{Between, FilterSettings};
+use crate::mathematics::channel::augment;
 use crate::mathematics::filter::FilterKind;
+use crate::{Channel, PlantKind};
 
 /// An option that excludes others, or that others exclude.
 pub struct FilterOption {
@@ -88,7 +89,12 @@ impl PartialEq for FilterOption {
 impl FilterSettings {
     /// Whether no option of the filter excludes this one. It may exclude others itself.
     pub fn can(&self, option: &FilterOption) -> bool {
-        EXCLUSIONS.iter().all(|(first, others, _)| !others.contains(&option) || !(first.is_on)(self))
+        self.can_have(option.key)
+    }
+
+    /// Whether no other option excludes the one whose setting has this key.
+    pub(super) fn can_have(&self, key: &str) -> bool {
+        EXCLUSIONS.iter().all(|(first, others, _)| others.iter().all(|other| other.key != key) || !(first.is_on)(self))
     }
 
     /// The first option that another one excludes: both, and the reason.
@@ -102,22 +108,41 @@ impl FilterSettings {
         None
     }
 
-    /// Turns off the options that others exclude, and the guesses of a frequency that a filter of this truth does not estimate.
-    pub fn turn_off_excluded(&mut self, truth: &PlantKind) {
-        if !self.has_frequency(truth) {
+    /// Turns off the options that others exclude, and what a filter of this truth does not have: guesses of a frequency, augmentations,
+    /// and channels that it considers or that have bounds, which never leave out the mean of the initial belief. Returns the keys of
+    /// these settings.
+    pub(in crate::data) fn turn_off_excluded(&mut self, truth: &PlantKind) -> Vec<&'static str> {
+        let mut keys = Vec::new();
+        if self.guesses != OFF.guesses && !self.has_frequency(truth) {
             self.guesses = OFF.guesses;
+            keys.push(GUESSED.key);
         }
         while let Some((other, ..)) = self.excluded() {
             (other.turn_off)(self);
+            keys.push(other.key);
         }
+        let before = (self.augment.len(), self.consider.len(), self.bounds.clone());
+        let plant = self.plant.as_ref().unwrap_or(truth);
+        self.augment.retain(|channel| augment::of(plant).any(|own| own == *channel));
+        let has: Vec<Channel> = self.considerable(truth).collect();
+        self.consider.retain(|channel| has.contains(channel));
+        self.bounds.retain(|channel| has.contains(&channel));
+        for (channel, Between { least, most }) in self.bounds.iter().collect::<Vec<_>>() {
+            let mean = self.initial_mean[channel];
+            let within = Between { least: least.map(|least| least.min(mean)), most: most.map(|most| most.max(mean)) };
+            self.bounds.set(channel, within);
+        }
+        let are_other = [self.augment.len() != before.0, self.consider.len() != before.1, self.bounds != before.2];
+        let lists = ["augment", CONSIDERED.key, BOUNDED.key].into_iter().zip(are_other);
+        keys.extend(lists.filter(|(_, is_other)| *is_other).map(|(key, _)| key));
+        keys
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Between;
-    use crate::{Channel, Quantity, Run, Scenario};
+    use crate::{Quantity, Run, Scenario};
 
     type Setting = (&'static str, fn(&mut FilterSettings));
 

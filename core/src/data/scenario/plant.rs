@@ -238,12 +238,15 @@ impl Scenario {
     /// # Errors
     /// [`EquationError`] if it is no plant; nothing changes then.
     pub fn set_equation(&mut self, settings: &EquationSettings) -> Result<(), EquationError> {
-        let kind = PlantKind::of_equation(settings)?;
-        let before = self.plant.kind.clone();
-        self.set_plant(kind.clone());
-        for &channel in kind.channels() {
-            let Some(place) = channel.place_in(before.channels()) else { continue };
-            let (old, new) = (before.channels()[place].usual(), channel.usual());
+        self.set_plant(PlantKind::of_equation(settings)?);
+        Ok(())
+    }
+
+    /// Gives filters the guesses of an equation for channels that the one before had with others.
+    pub(super) fn take_guesses(&mut self, before: &[Channel]) {
+        for &channel in self.plant.kind.channels() {
+            let Some(old) = before.iter().find(|old| **old == channel).map(|old| old.usual()) else { continue };
+            let new = channel.usual();
             for filter in &mut self.filters {
                 if old.mean != new.mean {
                     filter.initial_mean[channel] = new.mean;
@@ -253,7 +256,6 @@ impl Scenario {
                 }
             }
         }
-        Ok(())
     }
 
     /// A sentence about the names in the truth's equation that become parameters although neither `parameters` nor a

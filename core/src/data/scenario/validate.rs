@@ -6,7 +6,7 @@ use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::data::document::{self, Document};
 use crate::data::record::Delays;
 use crate::data::scenario::cost::largest_ensemble;
-use crate::data::setting::{Allowed, OF_FILTER, SettingInfo, TABLES, of_scenario};
+use crate::data::setting::{Allowed, SettingInfo, TABLES, of_filter, of_scenario};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Channel, InputKind, PlantKind, Signal};
@@ -108,7 +108,7 @@ impl FilterSettings {
         if let Some(plant) = plant {
             own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
         }
-        for info in OF_FILTER.into_iter().flatten() {
+        for info in of_filter() {
             check(format_args!("{path}."), info, self)?;
         }
         require(

@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::{Member, Place};
-use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
+use super::{CHOICES_OF_FILTER, Entry, SettingInfo, TABLES, TableInfo, of_filter, of_scenario};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::data::signal::Signal;
 use crate::mathematics::channel::Channel;
@@ -217,6 +217,61 @@ impl Address {
     }
 }
 
+impl Address {
+    /// The shape of the signal that the number is of, if it is a parameter that moves.
+    pub(super) fn shape(&self, scenario: &Scenario) -> Option<&'static str> {
+        let Place::Parameter(channel) = &self.0 else { return None };
+        let numbers = scenario.plant.parameter(*channel)?.numbers();
+        numbers.first()?.0.split('.').nth(1)
+    }
+
+    /// The addresses of the single numbers that it stands for, by the ids of filters; none where the scenario has no such number.
+    pub(super) fn keys(&self, scenario: &Scenario) -> Vec<String> {
+        match &self.0 {
+            Place::Filters(id, member) => {
+                let meant = scenario.filters.iter().filter(|filter| id.is_none_or(|id| filter.id == id));
+                let one = |filter| match member {
+                    Member::Factor(table, _) => entries(scenario, filter, table),
+                    member => vec![filter.address(&member.to_string())],
+                };
+                meant.flat_map(one).collect()
+            }
+            _ if self.get(scenario).is_nan() => Vec::new(),
+            _ => vec![self.to_string()],
+        }
+    }
+}
+
+/// The addresses of the settings that an address stands for, by the ids of filters: of each number of a table.
+pub(super) fn keys_below(scenario: &Scenario, address: &str) -> Vec<String> {
+    let Some((places, key)) = scenario.filters_at(address) else { return vec![address.to_owned()] };
+    let filters = places.into_iter().filter_map(|place| scenario.filters.get(place));
+    let one = |filter| match TableInfo::from_key(key) {
+        Some(table) => entries(scenario, filter, table),
+        None => vec![filter.address(key)],
+    };
+    filters.flat_map(one).collect()
+}
+
+/// The addresses of all settings of a filter.
+pub(super) fn keys_of(scenario: &Scenario, filter: &FilterSettings) -> Vec<String> {
+    let rows = of_filter().map(|info| info.key);
+    let choices = CHOICES_OF_FILTER.into_iter().map(|info| info.key);
+    let others = ["name", "color", "kind", "plant", "augment", "consider", "bounds", "plucks"];
+    let single = rows.chain(choices).chain(others).map(|key| filter.address(key));
+    single.chain(TABLES.into_iter().flat_map(|table| entries(scenario, filter, table))).collect()
+}
+
+/// The addresses of the numbers of a table.
+fn entries(scenario: &Scenario, filter: &FilterSettings, table: &TableInfo) -> Vec<String> {
+    let address = |entry: Entry| filter.address(&format!("{}.{}", table.key, entry.key()));
+    if table.is_of_sensors() {
+        return scenario.sensors.iter().map(|sensor| address(Entry::Sensor(sensor.measures))).collect();
+    }
+    let model = filter.model(&scenario.plant.kind, scenario.input);
+    model.channels().iter().map(|channel| address(Entry::Channel(*channel))).collect()
+}
+
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.0 {
@@ -252,15 +307,9 @@ fn signal_words(key: &str) -> (&'static str, Option<&'static str>) {
 pub fn addresses(scenario: &Scenario) -> Vec<Address> {
     let mut keys: Vec<String> = Vec::new();
     for filter in &scenario.filters {
-        let rows = OF_FILTER.into_iter().flatten().filter(|info| (info.serves)(filter, &scenario.plant.kind));
+        let rows = of_filter().filter(|info| (info.serves)(filter, &scenario.plant.kind));
         keys.extend(rows.map(|info| filter.address(info.key)));
-        let model = filter.model(&scenario.plant.kind, scenario.input);
-        for table in TABLES {
-            let channels = model.channels().iter().map(|channel| Entry::Channel(*channel));
-            let sensors = scenario.sensors.iter().map(|sensor| Entry::Sensor(sensor.measures));
-            let entries: Vec<Entry> = if table.is_of_sensors() { sensors.collect() } else { channels.collect() };
-            keys.extend(entries.into_iter().map(|entry| filter.address(&format!("{}.{}", table.key, entry.key()))));
-        }
+        keys.extend(TABLES.into_iter().flat_map(|table| entries(scenario, filter, table)));
     }
     for channel in scenario.plant.parameters() {
         let numbers = scenario.plant.parameter(channel).map(|signal| signal.numbers()).unwrap_or_default();

@@ -1,212 +1,313 @@
-//! The difference between two scenarios, and edits in words, as a button says them.
+//! Changes of a scenario, what was before them, and edits in words, as a button says them.
 
-use crate::mathematics::lists::sort_items;
 use toml::Value;
 
-use super::edit::put;
 use super::{
-    Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, OF_FILTER, SENSOR_DELAY, SENSOR_STD,
-    SettingInfo, TableInfo, of_scenario, symbol,
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, SENSOR_DELAY, SENSOR_STD, TableInfo,
+    address, edit, of_filter, of_scenario, symbol,
 };
 use crate::data::document::{self, Document};
-use crate::data::scenario::{FilterSettings, Scenario, ScenarioError, address};
+use crate::data::scenario::address::{of_filter as address_of, split_id};
+use crate::data::scenario::{FilterSettings, Scenario, ScenarioError, Sensor};
+use crate::mathematics::lists::sort_items;
 use crate::mathematics::plant::PlantKind;
 use crate::mathematics::quantity::Quantity;
 
-/// The difference between two scenarios: the settings that changed, by their addresses.
+/// Changes of a scenario, in the order in which they are made: settings with their new values, and filters and sensors that come or go.
+/// It is made where a user or a program says what to change, and applies to any scenario that has these settings.
 ///
 /// ```
 /// use kalmanscope_core::{Scenario, setting::Change};
 ///
-/// let before = Scenario::default();
-/// let mut now = before.clone();
-/// now.filters[0].fading = 1.0;
-/// let change = Change::between(&before, &now);
-/// assert_eq!(change.keys().collect::<Vec<_>>(), ["filters#1.fading"]);
-/// assert_eq!(change.apply(&before).unwrap(), now);
+/// let mut scenario = Scenario::default();
+/// let mut change = Change::default();
+/// change.set(&scenario, "filters.EKF.fading", 1.0);
+/// assert_eq!(change.apply(&mut scenario).unwrap(), ["filters#1.fading"]);
+/// assert_eq!(scenario.filters[0].fading, 1.0);
 /// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change(Vec<Part>);
+
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change<'a> {
-    before: &'a Scenario,
+enum Part {
+    Number(Address, f64),
+    Edit(Edit),
+    /// Null for a setting that is left out.
+    Value(String, Document),
+    Filter(usize, Box<FilterSettings>),
+    NoFilter(u32),
+    Sensor(Sensor),
+    NoSensor(Quantity),
+    Plant(PlantKind),
+}
+
+impl From<Edit> for Change {
+    fn from(edit: Edit) -> Self {
+        Self(vec![Part::Edit(edit)])
+    }
+}
+
+impl FromIterator<Edit> for Change {
+    fn from_iter<T: IntoIterator<Item = Edit>>(edits: T) -> Self {
+        Self(edits.into_iter().map(Part::Edit).collect())
+    }
+}
+
+impl Change {
+    /// Whether nothing is changed.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Gives the number at an address of a scenario a value.
+    pub fn set(&mut self, scenario: &Scenario, address: &str, value: f64) {
+        match Address::parse(scenario, address) {
+            Ok(address) => self.set_at(address, value),
+            // It is refused where it is applied.
+            Err(_) => self.edit(Edit::new(address, value)),
+        }
+    }
+
+    /// Gives a number a value.
+    pub fn set_at(&mut self, address: Address, value: f64) {
+        self.0.push(Part::Number(address, value));
+    }
+
+    /// Gives a setting a value.
+    pub fn edit(&mut self, edit: Edit) {
+        self.0.push(Part::Edit(edit));
+    }
+
+    /// Gives the setting at an address a value as a file has it: for none its default, or no place in a table in which it need not be.
+    pub fn put(&mut self, address: impl Into<String>, value: &impl serde::Serialize) {
+        self.0.push(Part::Value(address.into(), document::of(value).unwrap_or_default()));
+    }
+
+    /// Puts a filter in place of the one with its id, or else adds it at a place.
+    pub fn put_filter(&mut self, place: usize, filter: FilterSettings) {
+        self.0.push(Part::Filter(place, Box::new(filter)));
+    }
+
+    /// Takes out the filter with an id.
+    pub fn remove_filter(&mut self, id: u32) {
+        self.0.push(Part::NoFilter(id));
+    }
+
+    /// Puts a sensor in place of that of its quantity, or else adds it.
+    pub fn put_sensor(&mut self, sensor: Sensor) {
+        self.0.push(Part::Sensor(sensor));
+    }
+
+    /// Takes out the sensor of a quantity.
+    pub fn remove_sensor(&mut self, quantity: Quantity) {
+        self.0.push(Part::NoSensor(quantity));
+    }
+
+    /// Makes the truth a plant of this kind.
+    pub fn set_plant(&mut self, kind: PlantKind) {
+        self.0.push(Part::Plant(kind));
+    }
+
+    /// Changes a scenario, and turns off the options of filters that then exclude each other. Returns the addresses of all settings that
+    /// it has set, those of filters by their ids. The result may be impossible.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the scenario has no place for a setting.
+    pub fn apply(&self, scenario: &mut Scenario) -> Result<Vec<String>, ScenarioError> {
+        let mut keys = Vec::new();
+        for part in &self.0 {
+            match part {
+                Part::Number(address, value) => {
+                    let own = address.keys(scenario);
+                    if own.is_empty() {
+                        return Err(edit::no_setting(&address.to_string(), ""));
+                    }
+                    address.set(scenario, *value);
+                    keys.extend(own);
+                }
+                Part::Edit(Edit { key, .. }) | Part::Value(key, _) => {
+                    let mut document = document::of(scenario)?;
+                    match part {
+                        Part::Value(_, value) => edit::put(&mut document, scenario, key, value, "")?,
+                        Part::Edit(edit) => edit.put(&mut document, scenario)?,
+                        _ => {}
+                    }
+                    *scenario = scenario.knowing(|| document::read(&document))?;
+                    scenario.fill_in();
+                    keys.extend(address::keys_below(scenario, key));
+                }
+                Part::Filter(place, filter) => {
+                    if let Some(own) = scenario.filters.iter_mut().find(|own| own.id == filter.id) {
+                        own.clone_from(filter);
+                        keys.extend(address::keys_of(scenario, filter));
+                    } else {
+                        scenario.filters.insert((*place).min(scenario.filters.len()), (**filter).clone());
+                        keys.push(filter.address(""));
+                    }
+                }
+                Part::NoFilter(id) => {
+                    scenario.filters.retain(|filter| filter.id != *id);
+                    keys.push(address_of(*id, ""));
+                }
+                Part::Sensor(sensor) => {
+                    match scenario.sensor_place(sensor.measures) {
+                        Some(place) => scenario.sensors[place] = *sensor,
+                        None => scenario.add_sensor(*sensor),
+                    }
+                    keys.push(of_sensor(sensor.measures));
+                }
+                Part::NoSensor(quantity) => {
+                    scenario.remove_sensor(*quantity);
+                    keys.push(of_sensor(*quantity));
+                }
+                Part::Plant(kind) => {
+                    keys.extend(scenario.measured().into_iter().map(of_sensor));
+                    scenario.set_plant(kind.clone());
+                    keys.push(KIND_OF_PLANT.to_owned());
+                }
+            }
+        }
+        let Scenario { plant, filters, .. } = scenario;
+        for filter in filters {
+            let turned_off = filter.turn_off_excluded(&plant.kind);
+            keys.extend(turned_off.into_iter().map(|key| filter.address(key)));
+        }
+        Ok(keys)
+    }
+}
+
+const KIND_OF_PLANT: &str = "plant.kind";
+const SENSOR: &str = "sensors.";
+
+fn of_sensor(quantity: Quantity) -> String {
+    format!("{SENSOR}{}", quantity.key())
+}
+
+/// The settings that differ between a scenario from before and that of now, among those that were changed meanwhile.
+pub struct Changed<'a> {
+    was: &'a Scenario,
     now: &'a Scenario,
-    settings: Vec<Difference>,
-    added: Vec<usize>,
-    removed: Vec<usize>,
+    keys: Vec<&'a str>,
 }
 
-/// A setting with its values; null where none is written and the setting has its default.
-#[derive(Clone, Debug, PartialEq)]
-struct Difference {
-    key: String,
-    before: Document,
-    now: Document,
-}
-
-impl<'a> Change<'a> {
-    /// The change from `before` to `now`. Filters are the same where their ids are.
-    pub fn between(before: &'a Scenario, now: &'a Scenario) -> Self {
-        let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
-        let mut change = Self { before, now, settings, added, removed };
-        let find = |scenario: &Scenario, id: u32| scenario.filters.iter().position(|filter| filter.id == id);
-        let ids = |one: &Scenario, other: &Scenario| -> Vec<u32> {
-            one.filters.iter().map(|filter| filter.id).filter(|&id| find(other, id).is_some()).collect()
-        };
-        // Filters in another order are taken away and put back in their new places.
-        let stay = Some(ids(before, now)).filter(|stay| *stay == ids(now, before)).unwrap_or_default();
-        for (own, filter) in before.filters.iter().enumerate() {
-            match find(now, filter.id).filter(|_| stay.contains(&filter.id)) {
-                Some(place) => {
-                    let documents = [filter, &now.filters[place]].map(document);
-                    change.compare(&documents[0], &documents[1], &address::of_filter(filter.id, ""));
-                }
-                None => change.removed.push(own),
-            }
-        }
-        let added = now.filters.iter().enumerate().filter(|(_, filter)| !stay.contains(&filter.id));
-        change.added = added.map(|(place, _)| place).collect();
-        let of_scenario = |scenario: &Scenario| {
-            let mut all = document(scenario);
-            all["filters"] = Document::Null;
-            all
-        };
-        let [before, now] = [of_scenario(before), of_scenario(now)];
-        change.compare(&before, &now, "");
-        change
-    }
-
-    /// Notes every setting below a path in which the two differ. The path ends with a dot, or is empty.
-    fn compare(&mut self, before: &Document, now: &Document, path: &str) {
-        match (before, now) {
-            _ if before == now => {}
-            (Document::Object(one), Document::Object(other)) => {
-                let mut keys: Vec<&String> = one.keys().chain(other.keys()).collect();
-                sort_items(&mut keys, Ord::cmp);
-                keys.dedup();
-                // A table with one key that becomes another is another shape: of a force, of a signal.
-                let is_reshaped = one.len() == 1 && other.len() == 1 && keys.len() == 2;
-                if is_reshaped || keys.iter().any(|key| key.contains('.')) {
-                    return self.note(before, now, path);
-                }
-                for key in keys {
-                    let of = |document: &Document| document.get(key).cloned().unwrap_or(Document::Null);
-                    self.compare(&of(before), &of(now), &format!("{path}{key}."));
-                }
-            }
-            (Document::Array(one), Document::Array(other)) if one.len() == other.len() => {
-                for (i, (one, other)) in one.iter().zip(other).enumerate() {
-                    self.compare(one, other, &format!("{path}{i}."));
-                }
-            }
-            _ => self.note(before, now, path),
-        }
-    }
-
-    fn note(&mut self, before: &Document, now: &Document, path: &str) {
-        let key = path.trim_end_matches('.').to_owned();
-        self.settings.push(Difference { key, before: before.clone(), now: now.clone() });
-    }
-
-    /// The addresses of the settings that differ, those of filters that are new or gone apart.
-    pub fn keys(&self) -> impl Iterator<Item = &str> {
-        self.settings.iter().map(|setting| setting.key.as_str())
+impl<'a> Changed<'a> {
+    /// Those of some addresses, which [`Change::apply`] returns. Filters are the same where their ids are.
+    pub fn among(addresses: impl IntoIterator<Item = &'a String>, was: &'a Scenario, now: &'a Scenario) -> Self {
+        let differs = |key: &&str| value(was, key) != value(now, key);
+        Self { was, now, keys: addresses.into_iter().map(String::as_str).filter(differs).collect() }
     }
 
     /// Whether filters alone differ: both scenarios have the same record.
     pub fn is_of_filters(&self) -> bool {
-        self.keys().all(|key| address::split_id(key).is_some())
+        self.keys.iter().all(|key| split_id(key).is_some())
     }
 
     /// Whether the results of a filter of both scenarios differ: by a setting but its name and colour, or by the record.
     pub fn concerns(&self, id: u32) -> bool {
         let of_look = |key: &str| matches!(key, "name" | "color");
-        let is_own = |key: &str| address::split_id(key).is_some_and(|(of, key)| of == id && !of_look(key));
-        !self.is_of_filters() || self.keys().any(is_own)
-    }
-
-    /// Another scenario with the same change: each of these settings has its new value, all others stay. The result may be impossible.
-    ///
-    /// # Errors
-    /// [`ScenarioError`] where the scenario has no place for a setting.
-    pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
-        if scenario == self.before {
-            return Ok(self.now.clone());
-        }
-        let mut document = document::of(scenario)?;
-        for Difference { key, now, .. } in &self.settings {
-            put(&mut document, scenario, key, now, "")?;
-        }
-        let mut changed: Scenario = scenario.knowing(|| document::read(&document))?;
-        changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));
-        for &place in &self.added {
-            changed.filters.insert(place.min(changed.filters.len()), self.now.filters[place].clone());
-        }
-        Ok(changed)
+        let is_own = |key: &&str| split_id(key).is_some_and(|(of, key)| of == id && !of_look(key));
+        !self.is_of_filters() || self.keys.iter().any(is_own)
     }
 
     /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `number` writes a number.
     pub fn what_was(&self, number: impl Fn(f64) -> String) -> Vec<String> {
-        let Self { before: scenario, now, .. } = self;
-        let several = scenario.filters.len() > 1;
-        let said = |Difference { key, before, .. }: &Difference| {
-            let filter = address::split_id(key).and_then(|(id, _)| scenario.filters.iter().find(|own| own.id == id));
-            let key = address::split_id(key).map_or(key.as_str(), |(_, key)| key);
-            let owner = filter.filter(|_| several).map_or_else(String::new, |filter| format!("{} ", filter.name));
-            let rows = || OF_FILTER.into_iter().flatten().copied();
-            let said = match filter {
-                Some(filter) => chosen(&CHOICES_OF_FILTER, key, filter).or_else(|| set(rows(), key, filter, &number)),
-                None => {
-                    chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(|| set(of_scenario(), key, scenario, &number))
-                }
+        let Self { was, now, keys } = self;
+        // Those of filters come first, one filter's after the other's, then filters that are gone, and new ones.
+        let rank = |key: &str| match split_id(key) {
+            Some((id, "")) => (1 + usize::from(place(was, id).is_none()), place(was, id).or(place(now, id))),
+            Some((id, _)) => (0, place(was, id)),
+            None => (3, None),
+        };
+        let mut keys = keys.clone();
+        sort_items(&mut keys, |one, other| (rank(one), one).cmp(&(rank(other), other)));
+        keys.into_iter().map(|key| self.said(key, &number)).collect()
+    }
+
+    fn said(&self, key: &str, number: &impl Fn(f64) -> String) -> String {
+        let Self { was, now, .. } = *self;
+        let come_or_gone = |is_gone: bool, name: &str| format!("{} {name}", if is_gone { "with" } else { "without" });
+        let filter = split_id(key).and_then(|(id, inner)| Some((filter(was, id).or(filter(now, id))?, inner)));
+        if let Some((filter, "")) = filter {
+            return come_or_gone(place(was, filter.id).is_some(), &filter.name);
+        }
+        let old = words(&value(was, key), number);
+        if let Some(quantity) = sensor(key) {
+            let sensor = format!("the {} sensor", quantity.key());
+            return match [was, now].map(|scenario| scenario.sensor_place(quantity)) {
+                [Some(_), Some(_)] => format!("faults of {sensor} = {old}"),
+                [own, _] => come_or_gone(own.is_some(), &sensor),
             };
-            let (name, value) = said.unwrap_or_else(|| (name([scenario, now], key), words(before, &number)));
-            format!("{owner}{name} = {value}")
-        };
-        let (of_filters, of_scenario): (Vec<&Difference>, Vec<&Difference>) =
-            self.settings.iter().partition(|setting| address::split_id(&setting.key).is_some());
-        let only = |places: &[usize], own: &Scenario, other: &Scenario, word: &str| -> Vec<String> {
-            let lacks = |id: u32| other.filters.iter().all(|filter| filter.id != id);
-            let filters = places.iter().map(|&place| &own.filters[place]).filter(|filter| lacks(filter.id));
-            filters.map(|filter| format!("{word} {}", filter.name)).collect()
-        };
-        let gone = only(&self.removed, scenario, now, "with");
-        let new = only(&self.added, now, scenario, "without");
-        of_filters.into_iter().map(said).chain(gone).chain(new).chain(of_scenario.into_iter().map(said)).collect()
+        }
+        let owner =
+            filter.filter(|_| was.filters.len() > 1).map_or_else(String::new, |(own, _)| format!("{} ", own.name));
+        format!("{owner}{} = {old}", name(was, filter.map_or(key, |(_, inner)| inner)))
     }
 }
 
-fn document(of: &impl serde::Serialize) -> Document {
-    document::of(of).unwrap_or_default()
+fn place(scenario: &Scenario, id: u32) -> Option<usize> {
+    scenario.filters.iter().position(|filter| filter.id == id)
 }
 
-fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, String)> {
-    let info = all.iter().find(|info| info.key == key)?;
-    Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
+fn filter(scenario: &Scenario, id: u32) -> Option<&FilterSettings> {
+    scenario.filters.iter().find(|filter| filter.id == id)
 }
 
-/// The name of the number with a key, and its value in a `T`. A file leaves out a default, so the value comes from the `T`.
-fn set<T: 'static>(
-    mut rows: impl Iterator<Item = &'static SettingInfo<T>>,
-    key: &str,
-    of: &T,
-    number: &impl Fn(f64) -> String,
-) -> Option<(String, String)> {
-    let info = rows.find(|info| info.key == key)?;
-    let name = if info.symbol.is_empty() { info.name } else { info.symbol };
-    let value = (info.get)(of);
-    let value =
-        if info.allowed == Allowed::Flag { words(&Document::Bool(value != 0.0), number) } else { number(value) };
-    Some((name.to_owned(), value))
+fn sensor(key: &str) -> Option<Quantity> {
+    key.strip_prefix(SENSOR).and_then(Quantity::from_key)
 }
 
-/// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
-fn name(scenarios: [&Scenario; 2], key: &str) -> String {
-    let symbol = |part: &str| scenarios.into_iter().find_map(|scenario| symbol(scenario, part));
-    let part = |part: &str| match (symbol(part), part.parse::<usize>()) {
+/// The value of a setting, of a filter whether there is one, and of a parameter that moves the shape of its signal; null where the
+/// scenario has none.
+fn value(scenario: &Scenario, key: &str) -> Document {
+    if let Some(quantity) = sensor(key) {
+        let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == quantity);
+        let faults = |sensor: &Sensor| sensor.faults.families().map(|fault| fault.info().name).collect::<Vec<_>>();
+        return sensor.map_or(Document::Null, |sensor| faults(sensor).join(", ").into());
+    }
+    let number = || {
+        let address = Address::parse(scenario, key).ok()?;
+        Some(address.shape(scenario).map_or_else(|| address.get(scenario).into(), Document::from))
+    };
+    let Some((id, inner)) = split_id(key) else {
+        return match chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(number) {
+            Some(value) => value,
+            None if key == KIND_OF_PLANT => document::of(&scenario.plant.kind).unwrap_or_default(),
+            None => written(scenario, key),
+        };
+    };
+    let Some(filter) = filter(scenario, id) else { return Document::Null };
+    if inner.is_empty() {
+        return true.into();
+    }
+    match of_filter().find(|row| row.key == inner && row.allowed == Allowed::Flag) {
+        Some(flag) => ((flag.get)(filter) != 0.0).into(),
+        None => chosen(&CHOICES_OF_FILTER, inner, filter).or_else(number).unwrap_or_else(|| written(filter, inner)),
+    }
+}
+
+/// The value at a path in the document of a scenario or a filter.
+fn written(of: &impl serde::Serialize, key: &str) -> Document {
+    let document = document::of(of).unwrap_or_default();
+    document.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default()
+}
+
+fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<Document> {
+    Some(all.iter().find(|info| info.key == key)?.chosen(of)?.name.into())
+}
+
+/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
+fn name(scenario: &Scenario, key: &str) -> String {
+    let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
+    let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));
+    let rows = of_filter().map(|row| (row.key, row.name)).chain(of_scenario().map(|row| (row.key, row.name)));
+    let part = |part: &str| match (symbol(scenario, part), part.parse::<usize>()) {
         (Some(symbol), _) => symbol.to_owned(),
         (None, Ok(place)) => (place + 1).to_string(),
         (None, Err(_)) => part.replace('_', " "),
     };
-    key.split('.').map(part).collect::<Vec<_>>().join(" ")
+    let named = || choices.chain(rows).find(|(own, _)| *own == key).map(|(_, name)| name);
+    let whole = symbol(scenario, key).or_else(named);
+    whole.map_or_else(|| key.split('.').map(part).collect::<Vec<_>>().join(" "), str::to_owned)
 }
 
 fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
@@ -284,7 +385,7 @@ impl Edit {
                 Some(format!("set the {} {}", SENSOR_DELAY.symbol, all?.join(", ")))
             }
             (_, Value::Boolean(on)) => {
-                let info = OF_FILTER.into_iter().flatten().find(|info| info.key == key)?;
+                let info = of_filter().find(|info| info.key == key)?;
                 let label = (info.label)(filter).unwrap_or(info.name);
                 Some(if *on { label.to_owned() } else { format!("no {label}") })
             }
@@ -292,7 +393,7 @@ impl Edit {
                 if let Some(info) = CHOICES_OF_FILTER.into_iter().find(|info| info.key == key) {
                     return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
                 }
-                if let Some(info) = OF_FILTER.into_iter().flatten().find(|info| info.key == key) {
+                if let Some(info) = of_filter().find(|info| info.key == key) {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
                     return Some(format!("set {name} = {}", number(&self.value)?));
                 }
@@ -321,108 +422,104 @@ fn number(value: &Value) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Sensor, Signal};
 
-    type Step = fn(&mut Scenario);
+    type Step = fn(&Scenario, &mut Change);
 
-    const STEPS: [(&str, Step); 12] = [
-        ("λ", |scenario| scenario.filters[1].fading = 1.5),
-        ("a guess", |scenario| scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0),
-        ("a default", |scenario| scenario.filters[0].eta = 0.0),
-        ("a kind", |scenario| scenario.filters[0].kind = FilterKind::CKF),
-        ("a signal", |scenario| {
-            let sine = crate::signal::Sine { mean: 5.0, amplitude: 1.0, period: 9.0 };
-            scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(sine));
-        }),
-        ("a force", |scenario| scenario.force = Force::Step { amplitude: 1.0, at: 2.0 }),
-        ("a hold", |scenario| scenario.hold = Hold::First),
-        ("a plant", |scenario| scenario.set_plant(PlantKind::DUFFING)),
-        ("a sensor more", |scenario| scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.3))),
-        ("no sensor", |scenario| scenario.remove_sensor(Quantity::DISPLACEMENT)),
-        ("a filter less", |scenario| _ = scenario.filters.remove(0)),
-        ("filters in another order", |scenario| scenario.filters.reverse()),
+    const STEPS: [(Step, &str); 11] = [
+        (|of, change| change.set(of, "filters.UKF.fading", 1.5), "filters#2.fading"),
+        (|of, change| change.set(of, "filters.*.eta", 1.5), "filters#1.eta filters#2.eta"),
+        (
+            |of, change| change.set(of, "filters.EKF.sensor_std", 2.0),
+            "filters#1.sensor_std.displacement filters#1.sensor_std.velocity",
+        ),
+        (|_, change| change.edit(Edit::of_filter(1, "kind", "ckf")), "filters#1.kind"),
+        (|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0)), "plant.natural_frequency"),
+        (|_, change| change.put("draw", &None::<bool>), "draw"),
+        (|_, change| change.set_plant(PlantKind::DUFFING), "sensors.displacement sensors.velocity plant.kind"),
+        (|_, change| change.put_sensor(Sensor::new(Quantity::ACCELERATION, 0.3)), "sensors.acceleration"),
+        (|_, change| change.remove_sensor(Quantity::DISPLACEMENT), "sensors.displacement"),
+        (|_, change| change.remove_filter(1), "filters#1."),
+        (|of, change| change.put_filter(1, FilterSettings { id: 3, ..of.filters[0].clone() }), "filters#3."),
     ];
 
     fn scenario() -> Scenario {
         let mut scenario = Scenario::default();
         scenario.draw.insert("plant.natural_frequency".to_owned(), crate::scenario::Law::Normal([6.0, 0.1]));
-        scenario.number_filters();
         scenario
     }
 
-    #[test]
-    fn a_change_makes_of_one_scenario_the_other() {
-        let all = STEPS.map(|(name, step)| {
-            let mut changed = scenario();
-            step(&mut changed);
-            (name, changed)
-        });
-        for (name, before) in &all {
-            for (other, now) in &all {
-                let change = Change::between(before, now);
-                assert_eq!(change.apply(before).as_ref(), Ok(now), "from {name} to {other}");
-                // Another scenario takes the changed settings and keeps all others.
-                let elsewhere = Scenario { seed: 77, ..before.clone() };
-                let expected = Scenario { seed: 77, ..now.clone() };
-                assert_eq!(change.apply(&elsewhere), Ok(expected), "from {name} to {other}, elsewhere");
-            }
-        }
+    fn changed(step: Step) -> (Scenario, Vec<String>) {
+        let (mut scenario, mut change) = (scenario(), Change::default());
+        step(&scenario, &mut change);
+        let keys = change.apply(&mut scenario).unwrap();
+        (scenario, keys)
     }
 
     #[test]
-    fn two_changes_of_one_picture_both_count() {
-        let base = scenario();
-        let mut together = base.clone();
-        for (_, one) in &STEPS[..4] {
-            let mut changed = base.clone();
-            one(&mut changed);
-            together = Change::between(&base, &changed).apply(&together).unwrap();
+    fn a_change_has_the_addresses_of_what_it_changes_and_leaves_all_others() {
+        for (step, addresses) in STEPS {
+            let (now, keys) = changed(step);
+            assert_eq!(keys.join(" "), addresses);
+            let mut elsewhere = Scenario { seed: 77, ..scenario() };
+            let mut change = Change::default();
+            step(&scenario(), &mut change);
+            change.apply(&mut elsewhere).unwrap();
+            assert_eq!(elsewhere, Scenario { seed: 77, ..now }, "{addresses}, elsewhere");
         }
-        let mut expected = base;
-        STEPS[..4].iter().for_each(|(_, step)| step(&mut expected));
-        assert_eq!(together, expected);
     }
 
     #[test]
     fn what_was_before_is_said_in_the_words_of_the_settings() {
         let said = |step: Step| {
-            let mut changed = scenario();
-            step(&mut changed);
-            Change::between(&scenario(), &changed).what_was(|number| number.to_string()).join(", ")
+            let (now, keys) = changed(step);
+            Changed::among(&keys, &scenario(), &now).what_was(|number| number.to_string()).join(", ")
         };
-        assert_eq!(
-            said(|scenario| scenario.force = Force::Step { amplitude: 1.0, at: 2.0 }),
-            "force over time = white noise"
-        );
-        assert_eq!(said(|scenario| scenario.hold = Hold::First), "input between samples = held");
-        assert_eq!(said(|scenario| scenario.filters[0].substeps = 4), "EKF steps a sample = 0");
-        assert_eq!(said(|scenario| scenario.filters[0].jump = true), "EKF jump at a sudden change = no");
-        assert_eq!(said(|scenario| scenario.seed = 9), "seed = 1");
-        assert_eq!(said(|scenario| scenario.filters[1].robust = crate::Robust::GATE), "UKF outliers = none");
-        assert_eq!(said(|scenario| _ = scenario.filters.pop()), "with UKF");
+        assert_eq!(said(|_, change| change.edit(Edit::new("force", "none"))), "force over time = white noise");
+        assert_eq!(said(|_, change| change.edit(Edit::new("hold", "first"))), "input between samples = held");
+        assert_eq!(said(|of, change| change.set(of, "filters#1.substeps", 4.0)), "EKF steps a sample = 0");
+        assert_eq!(said(|of, change| change.set(of, "filters#1.jump", 1.0)), "EKF jump at a sudden change = no");
+        assert_eq!(said(|of, change| change.set(of, "seed", 9.0)), "seed = 1");
+        assert_eq!(said(|_, change| change.edit(Edit::of_filter(2, "robust", "gate"))), "UKF outliers = none");
+        assert_eq!(said(|_, change| change.remove_filter(2)), "with UKF");
+        let other = |of: &Scenario, change: &mut Change| {
+            change.put_filter(0, FilterSettings { eta: 0.5, fading: 1.0, ..of.filters[0].clone() });
+            change.remove_sensor(Quantity::VELOCITY);
+        };
+        assert_eq!(said(other), "EKF η = 0, EKF λ = 1.005, EKF delay v = 0, EKF √R v = 0.06, with the velocity sensor");
+        assert_eq!(said(|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0))), "plant ωₙ = step");
+        // What is as it was is not said.
+        assert_eq!(said(|of, change| change.set(of, "seed", 1.0)), "");
     }
 
     #[test]
     fn a_change_tells_whose_results_it_concerns() {
         let concerned = |step: Step| {
-            let mut changed = scenario();
-            step(&mut changed);
-            let before = scenario();
-            let change = Change::between(&before, &changed);
-            (change.is_of_filters(), [1, 2].map(|id| change.concerns(id)))
+            let ((now, keys), before) = (changed(step), scenario());
+            let changed = Changed::among(&keys, &before, &now);
+            (changed.is_of_filters(), [1, 2].map(|id| changed.concerns(id)))
         };
-        assert_eq!(concerned(|scenario| scenario.filters[0].fading = 1.5), (true, [true, false]));
-        assert_eq!(concerned(|scenario| scenario.filters[1].name = "other".to_owned()), (true, [false, false]));
-        assert_eq!(concerned(|scenario| scenario.seed = 7), (false, [true, true]));
+        assert_eq!(concerned(STEPS[0].0), (true, [false, true]));
+        assert_eq!(concerned(|_, change| change.edit(Edit::of_filter(2, "name", "other"))), (true, [false, false]));
+        assert_eq!(concerned(|of, change| change.set(of, "seed", 7.0)), (false, [true, true]));
+    }
+
+    #[test]
+    fn options_that_the_others_exclude_are_turned_off_and_said() {
+        let mut scenario = scenario();
+        scenario.filters[0].walk = 0.1;
+        let mut change = Change::default();
+        change.set(&scenario, "filters#1.smoother", 1.0);
+        assert_eq!(change.apply(&mut scenario).unwrap(), ["filters#1.smoother", "filters#1.walk"]);
+        assert!(scenario.filters[0].smoother && scenario.validate().is_ok());
     }
 
     #[test]
     fn a_setting_that_is_gone_is_not_changed() {
-        let mut changed = scenario();
-        changed.filters[0].fading = 1.5;
+        let mut change = Change::default();
+        change.set(&scenario(), "filters#1.fading", 1.5);
         let mut without = scenario();
         without.filters.remove(0);
-        let error = Change::between(&scenario(), &changed).apply(&without).unwrap_err();
+        let error = change.apply(&mut without).unwrap_err();
         assert_eq!(error.to_string(), "the scenario has no setting `filters#1.fading`");
     }
 }

@@ -28,8 +28,6 @@ pub struct ChoiceInfo<T> {
     pub serves: fn(&T) -> bool,
     /// The place of the chosen option.
     pub get: fn(&T) -> usize,
-    /// Chooses the option at a place.
-    pub set: fn(&mut T, usize),
 }
 
 /// One option of a choice.
@@ -72,7 +70,6 @@ static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     value: |at| word(&["force", "ground_acceleration"], at),
     serves: |_| true,
     get: |scenario| usize::from(scenario.input == InputKind::GroundAcceleration),
-    set: |scenario, at| scenario.input = if at == 0 { InputKind::Force } else { InputKind::GroundAcceleration },
 };
 
 static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
@@ -84,7 +81,6 @@ static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
     value: |at| word(&["zero", "first"], at),
     serves: |_| true,
     get: |scenario| usize::from(scenario.hold == Hold::First),
-    set: |scenario, at| scenario.hold = if at == 0 { Hold::Zero } else { Hold::First },
 };
 
 const SHAPES: [(&str, Force); 6] = [
@@ -109,7 +105,6 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
             |(_, shape): &(&str, Force)| std::mem::discriminant(shape) == std::mem::discriminant(&scenario.force);
         SHAPES.iter().position(same).unwrap_or(0)
     },
-    set: |scenario, at| scenario.force = SHAPES.get(at).map_or(Force::None, |(_, shape)| *shape),
 };
 
 static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
@@ -122,7 +117,6 @@ static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
     value: |at| word(&["automatic", "local_linearisation", "runge_kutta", "euler"], at),
     serves: |filter| filter.kind.info().has_propagation,
     get: |filter| Propagation::ALL.iter().position(|way| Some(*way) == filter.propagation).map_or(0, |at| at + 1),
-    set: |filter, at| filter.propagation = at.checked_sub(1).and_then(|at| Propagation::ALL.get(at).copied()),
 };
 
 /// How readings that do not fit are weighed.
@@ -138,7 +132,6 @@ pub static ROBUST: ChoiceInfo<FilterSettings> = ChoiceInfo {
     value: |at| word(&Robust::ALL.map(|rule| rule.info().key), at),
     serves: |filter| filter.can(&option::WEIGHED),
     get: |filter| Robust::ALL.iter().position(|rule| *rule == filter.robust).unwrap_or(0),
-    set: |filter, at| filter.robust = Robust::ALL.get(at).copied().unwrap_or(Robust::NONE),
 };
 
 /// The choices of a scenario besides its filters.
@@ -166,13 +159,15 @@ mod tests {
     use super::*;
     use crate::data::document;
 
-    fn each<T: Default + serde::Serialize + 'static>(all: &[&ChoiceInfo<T>]) {
+    fn each<T: Default + serde::Serialize + serde::de::DeserializeOwned + 'static>(all: &[&ChoiceInfo<T>]) {
         for info in all {
             // A file leaves out a default.
             let default = (info.value)((info.get)(&T::default()));
             let mut of = T::default();
             for (place, option) in (info.options)().into_iter().enumerate() {
-                (info.set)(&mut of, place);
+                let mut document = document::of(&of).unwrap();
+                document[info.key] = document::of(&(info.value)(place)).unwrap();
+                of = document::read(&document).unwrap();
                 assert_eq!(((info.get)(&of), info.chosen(&of)), (place, Some(option)), "{info:?}");
                 let file = document::of(&of).unwrap().get(info.key).map(|value| Value::try_from(value).unwrap());
                 assert_eq!(file.as_ref().unwrap_or(&default), &(info.value)(place), "{info:?} in a file");

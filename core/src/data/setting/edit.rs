@@ -71,14 +71,17 @@ impl Edit {
     /// As [`Self::apply`].
     pub fn apply_all(edits: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
         let mut document = document::of(scenario)?;
-        for edit in edits {
-            let value = document::of(&edit.value)?;
-            if let Some(error) = document::not_finite(&value) {
-                return Err(ScenarioError::Syntax(format!("`{}`: {error}", edit.key)));
-            }
-            put(&mut document, scenario, &edit.key, &value, &scenario.filters_instead_of(&edit.key))?;
-        }
+        edits.iter().try_for_each(|edit| edit.put(&mut document, scenario))?;
         Scenario::from_document(&document)
+    }
+
+    /// Writes the value into the document of a scenario.
+    pub(super) fn put(&self, document: &mut Document, scenario: &Scenario) -> Result<(), ScenarioError> {
+        let value = document::of(&self.value)?;
+        if let Some(error) = document::not_finite(&value) {
+            return Err(ScenarioError::Syntax(format!("`{}`: {error}", self.key)));
+        }
+        put(document, scenario, &self.key, &value, &scenario.filters_instead_of(&self.key))
     }
 }
 
@@ -116,9 +119,13 @@ pub(super) fn put(
         paths.push(address.to_owned());
     }
     if paths.is_empty() || !paths.iter().all(|path| document::put(document, path, value)) {
-        return Err(ScenarioError::Syntax(format!("the scenario has no setting `{address}`{instead}")));
+        return Err(no_setting(address, instead));
     }
     Ok(())
+}
+
+pub(super) fn no_setting(address: &str, instead: &str) -> ScenarioError {
+    ScenarioError::Syntax(format!("the scenario has no setting `{address}`{instead}"))
 }
 
 fn rounded(value: &Value) -> Value {

@@ -39,7 +39,7 @@ pub struct SettingInfo<T> {
 
 impl<T> SettingInfo<T> {
     /// A setting without words that always has an effect.
-    pub(super) const fn new(key: &'static str, get: fn(&T) -> f64, set: fn(&mut T, f64)) -> Self {
+    pub(in crate::data) const fn new(key: &'static str, get: fn(&T) -> f64, set: fn(&mut T, f64)) -> Self {
         Self {
             key,
             symbol: "",
@@ -77,7 +77,7 @@ macro_rules! by_key {
 }
 by_key!(SettingInfo, T);
 
-pub(super) trait Field {
+pub(in crate::data) trait Field {
     fn number(own: Self) -> f64;
     fn from_number(number: f64) -> Self;
 }
@@ -117,8 +117,45 @@ macro_rules! row {
     };
 }
 
+/// Declares settings: each field with its default, and behind it the rows of the numbers that it has.
+macro_rules! settings {
+    (
+        $(#[$of:meta])*
+        pub struct $T:ident {
+            $(
+                $(#[$attribute:meta])*
+                pub $field:ident: $kind:ty = $default:expr;
+                $($row:ident: $($path:ident).+, $name:literal { $($data:tt)* })*
+            )*
+        }
+    ) => {
+        $(#[$of])*
+        pub struct $T {
+            $(
+                $(#[$attribute])*
+                pub $field: $kind,
+            )*
+        }
+
+        impl Default for $T {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        $($(
+            #[doc = concat!("The ", $name, ".")]
+            #[allow(unreachable_pub, reason = "most rows are named by no one")]
+            pub static $row: SettingInfo<$T> = row! { $($path).+, $name, $($data)* };
+        )*)*
+
+        /// Every row, in the order of the fields.
+        pub(in crate::data) static ROWS: &[&SettingInfo<$T>] = &[$($(&$row,)*)*];
+    };
+}
+
 pub(crate) use by_key;
-pub(super) use row;
+pub(in crate::data) use {row, settings};
 
 /// The values that a setting may have. Its text ends the sentence that begins with "but must be".
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
+use super::{Entry, SettingInfo, TABLES, TableInfo, of_filter, of_scenario};
 use crate::data::scenario::address::is_of_all;
 use crate::data::scenario::{Fault, FilterSettings, Scenario, Sensor};
 use crate::mathematics::channel::Channel;
@@ -68,7 +68,7 @@ impl Place {
         if id.is_some_and(|id| scenario.filters.iter().filter(|filter| filter.id == id).count() > 1) {
             return None;
         }
-        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key);
+        let number = of_filter().find(|info| info.key == key);
         let member = if let Some(info) = number {
             Member::Number(info)
         } else if let Some(table) = TableInfo::from_key(key).filter(|table| table.factor.is_some()) {
@@ -92,7 +92,7 @@ impl Place {
     /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.
     pub(super) fn instead(scenario: &Scenario, text: &str) -> String {
         if scenario.filters_at(text).is_some() {
-            let numbers = OF_FILTER.into_iter().flatten().map(|info| info.key);
+            let numbers = of_filter().map(|info| info.key);
             let keys = listed(numbers.chain(TABLES.map(|table| table.key)));
             return format!(
                 "; a filter has {keys}, and in the last {} a number for each channel or sensor",

@@ -1,9 +1,9 @@
 //! The settings of a scenario besides its filters that are one number each: its own, and those of the force's shape.
 
 use super::Allowed;
-use super::filter::MAX_DELAY;
 use super::info::{Field, SettingInfo, row};
 use crate::data::scenario::Scenario;
+use crate::data::scenario::filter::MAX_DELAY;
 use crate::data::signal::Force;
 
 type Row = SettingInfo<Scenario>;
@@ -162,15 +162,14 @@ pub static FORCE: [Row; 11] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::setting::{Address, CHOICES_OF_SCENARIO};
+    use crate::setting::{Address, CHOICES_OF_SCENARIO, Edit};
 
     #[test]
     fn every_number_of_every_shape_is_read_and_set_at_its_address() {
         let shape = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force").unwrap();
         let mut found = 0;
         for place in 0..(shape.options)().len() {
-            let mut scenario = Scenario::default();
-            (shape.set)(&mut scenario, place);
+            let mut scenario = Edit::new("force", (shape.value)(place)).apply(&Scenario::default()).unwrap();
             for info in &FORCE {
                 let address = Address::parse(&scenario, info.key);
                 assert_eq!(address.is_ok(), !(info.get)(&scenario).is_nan(), "{info:?} of {:?}", scenario.force);

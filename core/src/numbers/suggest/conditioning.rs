@@ -5,7 +5,7 @@ use super::ambient::has_no_input;
 use super::likeliest::{Likeliest, likelihood_over};
 use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
-use crate::data::import::{MappedColumn, Offset};
+use crate::data::mapping::{MappedColumn, Offset};
 use crate::data::resample::finer;
 use crate::data::scenario::option::PLUCKED;
 use crate::mathematics::lists::{mapped, places, sort_items};

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use super::moments;
 use super::spectra::{GapTreatment, LONG, Spectra, passed};
 use crate::data::free_decay::{Fit, highest};
-use crate::data::import::Mapping;
+use crate::data::mapping::Mapping;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::NormalEquations;
 use crate::mathematics::lists::{numbers, sort_numbers};

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::Record;
-use crate::data::import::Mapping;
+use crate::data::mapping::Mapping;
 use crate::data::record::Timed;
 use crate::mathematics::fourier::Transform;
 use crate::mathematics::lists::sort_numbers;

@@ -1,5 +1,7 @@
 //! A change of a run's scenario, computed beside the run.
 
+use std::sync::Arc;
+
 use super::{Bank, Run, Update};
 use crate::data::scenario::cost;
 use crate::mathematics::lists::{mapped, sort_items, sorted_places};
@@ -30,20 +32,20 @@ pub(crate) struct Revision {
 impl Revision {
     pub(crate) fn new(
         run: &Run,
-        scenario: &Scenario,
+        scenario: Arc<Scenario>,
         source: Option<Source>,
         spare: &mut Spare,
     ) -> Result<Self, RunError> {
         scenario.validate()?;
-        let same_filters = source.is_none() && same_filters(run, scenario);
+        let same_filters = source.is_none() && same_filters(run, &scenario);
         let same_record = source.is_none() && (same_filters || run.source().is_measured());
         let recording = (!same_record)
-            .then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record.take()));
+            .then(|| Recording::new(&scenario, source.unwrap_or_else(|| run.source()), spare.record.take()));
         let current = recording.as_ref().unwrap_or(&run.recording);
         // A truth that has diverged has fewer samples than its scenario.
         let is_simulated = matches!(run.source(), Source::Simulated);
-        let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
-        let mut bank = Bank::new(scenario, current.record())?;
+        let samples = if same_record && is_simulated { run.samples } else { current.samples(&scenario) };
+        let mut bank = Bank::new(Arc::clone(&scenario), current.record())?;
         let before = &run.scenario().filters;
         let place_of =
             |filter: &FilterSettings| before.iter().position(|b| b.computes_as(filter)).filter(|_| same_filters);
@@ -55,7 +57,7 @@ impl Revision {
                 bank.add(current.record(), samples, spare.estimates.pop());
             }
         }
-        let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
+        let cost = |place: usize| scenario.filters[place].time_of_step(&scenario);
         let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
         order.retain(|&place| kept[place].is_none());
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
@@ -165,15 +167,11 @@ impl Revision {
 }
 
 fn same_filters(run: &Run, scenario: &Scenario) -> bool {
-    // Laws are for populations, and no run reads them.
-    let same_truth = |one: &Scenario, other: &Scenario| {
-        *one == Scenario { filters: one.filters.clone(), draw: one.draw.clone(), ..other.clone() }
-    };
     let before = run.scenario();
     match run.source() {
         Source::Simulated => {
             let reaches = run.recording.len() >= (run.done() + lookahead(scenario, run.record().dt())).min(run.samples);
-            run.record().forgotten() == 0 && reaches && same_truth(before, scenario)
+            run.record().forgotten() == 0 && reaches && before.has_truth_of(scenario)
         }
         Source::Measured(_) | Source::Live(_) => {
             let read = |s: &Scenario| {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{BadFilter, Cause, LikelyCause, rms};
-use crate::data::import::Mapping;
+use crate::data::mapping::Mapping;
 use crate::data::setting::Edit;
 use crate::judgement::words::short;
 use crate::{Channel, Hold, InputKind, Propagation, Quantity};

@@ -1,14 +1,12 @@
-//! The meaning of a file's columns.
+//! The meaning of a file's columns, as a scenario names it. The importer reads it: [`crate::import`].
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::header::unit;
-use super::{Dialect, ImportError, Table};
 use crate::Quantity;
-use crate::data::document::{self, Document, is_default, is_one};
-use crate::data::resample::GUARD;
+use crate::data::document::{self, Document, DocumentError, is_default, is_one};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -23,7 +21,7 @@ pub struct Mapping {
     /// The file's name. The command line looks for it beside the scenario.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// A hash of the file's bytes ([`super::hash`]), to recognise the same file; may be empty.
+    /// A hash of the file's bytes ([`crate::import::hash`]), to recognise the same file; may be empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub hash: String,
     /// The file's form, if it cannot be guessed.
@@ -139,27 +137,90 @@ impl TryFrom<Document> for Offset {
     }
 }
 
+/// An impossible setting of a mapping.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`record.{key}` is {value}, but must be {allowed}")]
+pub struct MappingError {
+    /// Its path below `record`.
+    pub key: String,
+    /// Its value.
+    pub value: String,
+    /// The allowed values.
+    pub allowed: String,
+}
+
+/// The form of a text file with columns of numbers. [`Loading`](crate::import::Loading) finds it by looking at the first lines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct Dialect {
+    /// The encoding.
+    pub encoding: Encoding,
+    /// The delimiter between cells.
+    pub delimiter: Delimiter,
+    /// The decimal character.
+    pub decimal: Decimal,
+    /// The line with the columns' names, counted from 1; 0 if there is none.
+    pub names: usize,
+    /// The line with the columns' units, counted from 1; 0 if there is none.
+    pub units: usize,
+    /// The first line with numbers, counted from 1.
+    pub data: usize,
+    /// Whether a separator such as that in `1.234`, where commas are decimal, or in `1,234` is one of thousands.
+    #[serde(skip_serializing_if = "is_default")]
+    pub thousands: bool,
+}
+
+/// The encoding of a text file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// UTF-8, which includes ASCII.
+    #[default]
+    Utf8,
+    /// Latin-1, one byte a character.
+    Latin1,
+    /// UTF-16, the lower byte first.
+    Utf16Le,
+    /// UTF-16, the higher byte first.
+    Utf16Be,
+}
+
+/// The delimiter between the cells of a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Delimiter {
+    /// `,`
+    #[default]
+    Comma,
+    /// `;`
+    Semicolon,
+    /// A tab.
+    Tab,
+    /// Blanks and tabs, any number of them.
+    Blanks,
+}
+
+/// The character between the whole part of a number and its fraction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Decimal {
+    /// `1.5`
+    #[default]
+    Point,
+    /// `1,5`
+    Comma,
+}
+
 impl Mapping {
-    pub(super) fn needs_even_steps(&self) -> bool {
-        self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
-    }
-
-    /// As shares of the Nyquist frequency; `dt` \[s\].
-    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
-        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
-        let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
-        [low.clamp(0.0, 0.99 * high), high]
-    }
-
     /// Checks every number.
     ///
     /// # Errors
-    /// [`ImportError::Setting`] for the first impossible one.
-    pub fn validate(&self) -> Result<(), ImportError> {
+    /// [`MappingError`] for the first impossible one.
+    pub fn validate(&self) -> Result<(), MappingError> {
         let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
             self;
         let require = |ok: bool, key: &str, value: String, allowed: &str| {
-            if ok { Ok(()) } else { Err(ImportError::Setting(key.to_owned(), value, allowed.to_owned())) }
+            if ok { Ok(()) } else { Err(MappingError { key: key.to_owned(), value, allowed: allowed.to_owned() }) }
         };
         for (key, number) in [("time.rate", time.rate), ("time.dt", time.dt)] {
             let number = number.unwrap_or(1.0);
@@ -202,14 +263,14 @@ impl Mapping {
     /// The mapping in a text of TOML: the table `[record]` of a scenario, or its keys alone.
     ///
     /// # Errors
-    /// [`crate::ScenarioError::Syntax`] where the text is not a mapping.
-    pub fn from_toml(text: &str) -> Result<Self, crate::ScenarioError> {
+    /// [`DocumentError`] where the text is not a mapping.
+    pub fn from_toml(text: &str) -> Result<Self, DocumentError> {
         let document = document::from_toml(text)?;
         let mapping = match document.get("record") {
             Some(record) => document::read(record).map_err(|error| error.at_key("record")),
             None => document::read(&document),
         };
-        mapping.map_err(|error| error.in_toml(text).into())
+        mapping.map_err(|error| error.in_toml(text))
     }
 }
 
@@ -236,21 +297,6 @@ impl MappedColumn {
     pub fn new(column: impl Into<String>) -> Self {
         let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
         Self { column: column.into(), unit, gain, offset, delay, missing }
-    }
-
-    pub(super) fn factor(&self) -> f64 {
-        self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
-    }
-
-    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
-    /// that is far from all others, is missing.
-    pub fn of(table: &Table, column: impl Into<String>) -> Self {
-        let mut mapped = Self::new(column);
-        if let Some(place) = table.place(&mapped.column) {
-            mapped.unit = table.columns[place].unit.clone().unwrap_or_default();
-            mapped.missing = table.sentinel(place).filter(|found| found.is_usual).map(|found| found.value);
-        }
-        mapped
     }
 }
 
