@@ -204,13 +204,6 @@ mod tests {
         let line: toml::Table = toml::from_str(line).unwrap();
         assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
         assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
-        for (wrong, why) in [
-            (Edit::of_filter(9, "fading", 1.0), "the scenario has no setting `filters#9.fading`; its filters are"),
-            (Edit::of_filter(ekf, "fadng", 1.0), "`filters[0].fadng`: unknown field `fadng`, expected one of"),
-        ] {
-            let error = wrong.apply(&scenario).unwrap_err().to_string();
-            assert!(error.starts_with(why), "{error}");
-        }
     }
 
     #[test]
@@ -240,20 +233,10 @@ mod tests {
     fn settings_that_there_are_not_cannot_be_edited() {
         let mut scenario = Scenario::default();
         scenario.plant.set(Channel::NATURAL_FREQUENCY, crate::Signal::Constant(6.0));
-        for key in [
-            "",
-            "plnt.natural_frequency",
-            "plant.frequency",
-            "plant.natural_frequency.step",
-            "filters.EKF",
-            "filters.*",
-            "filters.KF.fading",
-            "filters.*.fadng",
-            "filters.EKF.sensor_std.2",
-            "filters.EKF.sensor_std.acceleration",
-            "sensors.acceleration.noise_std",
-            "record.every",
-        ] {
+        let keys = " plnt.natural_frequency plant.frequency plant.natural_frequency.step filters.EKF filters.* filters.KF.fading \
+             filters.*.fadng filters.EKF.sensor_std.2 filters.EKF.sensor_std.acceleration sensors.acceleration.noise_std \
+             record.every";
+        for key in keys.split(' ') {
             let error = Edit::new(key, 1.0).apply(&scenario).unwrap_err().to_string();
             let last = key.rsplit('.').next().unwrap_or_default();
             let is_unread = error.contains(&format!("unknown field `{last}`"));
