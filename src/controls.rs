@@ -33,11 +33,7 @@ pub struct Edits<'a> {
     pub change: Change,
 }
 
-impl<'a> Edits<'a> {
-    pub fn of(scenario: &'a Arc<Scenario>) -> Self {
-        Self { scenario, change: Change::default() }
-    }
-
+impl Edits<'_> {
     /// Sets a number, if it is another one than before.
     pub fn set_other(&mut self, address: &str, before: f64, now: f64) {
         if now != before {

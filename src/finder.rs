@@ -2,7 +2,7 @@
 
 use egui::{Align2, Context, Key, Order, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::Scenario;
-use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
+use kalmanscope_core::setting::{self, Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use crate::request::{Request, ViewKind};
@@ -93,7 +93,9 @@ impl Finder {
                 return true;
             }
             Some(Choice::Edit(edit)) => {
-                requests.push(Request::Edit(edit.clone().into()));
+                let mut change = setting::Change::default();
+                change.edit(edit.clone());
+                requests.push(Request::Edit(change));
             }
             Some(Choice::Request(request)) => requests.push((**request).clone()),
         }

@@ -94,7 +94,7 @@ pub enum Request {
 impl Request {
     /// Asks for a change, unless it is empty.
     pub(crate) fn edit(change: Change) -> Option<Self> {
-        (!change.is_empty()).then_some(Self::Edit(change))
+        (change != Change::default()).then_some(Self::Edit(change))
     }
 
     pub(crate) fn set(address: Address, value: f64) -> Self {

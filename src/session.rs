@@ -55,9 +55,8 @@ pub enum Mode {
 /// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Arc<Scenario>,
-    /// The number of the opening since which only [`Self::edit`] has changed the scenario, and of the last one.
-    opening: usize,
-    openings: usize,
+    /// Stands for the opening since which only [`Self::edit`] has changed the scenario.
+    opening: Arc<()>,
     /// The addresses of all settings that were ever changed.
     changed: BTreeSet<String>,
     study: Study,
@@ -123,7 +122,6 @@ impl Session {
         let study = Study::new(&scenario, source, Self::KEPT)?;
         let mut session = Self {
             can_be_whole: study.run().samples() <= Self::LONGEST_WHOLE + 1,
-            study,
             job: None,
             team: Rc::new(Frames::FRAME),
             long: LongFilters::default(),
@@ -132,9 +130,9 @@ impl Session {
             is_opened: false,
             complete: false,
             budget,
-            scenario: Arc::new(scenario),
-            opening: 0,
-            openings: 0,
+            scenario: study.run().shared_scenario(),
+            opening: Arc::default(),
+            study,
             changed: BTreeSet::new(),
             wanted: Wanted::default(),
             wanted_mode: Mode::Live,
@@ -303,11 +301,8 @@ impl Session {
 
     /// Opens a scenario and computes its picture; until that is complete, the last picture stays. An
     /// impossible scenario is kept for editing, while the run stays that of the last possible one.
-    pub fn set_scenario(&mut self, mut scenario: Scenario) {
-        scenario.number_filters();
-        scenario.keep_draws();
-        self.openings += 1;
-        self.show(Version { scenario: Arc::new(scenario), opening: self.openings });
+    pub fn set_scenario(&mut self, scenario: Scenario) {
+        self.show(Version::opened(scenario));
     }
 
     fn show(&mut self, version: Version) {

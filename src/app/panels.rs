@@ -1,6 +1,7 @@
 //! The panels beside the plots, or drawers below them: settings, lesson, diagnosis.
 
 use egui::{Align, Frame, Layout, Panel, RichText, Ui};
+use kalmanscope_core::setting::Change;
 
 use super::App;
 use crate::bar;
@@ -32,7 +33,7 @@ impl App {
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
         let is_short = !*all_settings && lit.is_empty();
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
-            let mut edits = Edits::of(session.shared_scenario());
+            let mut edits = Edits { scenario: session.shared_scenario(), change: Change::default() };
             if is_short {
                 let all = few_controls_ui(ui, &mut edits, story);
                 requests.extend(Request::edit(edits.change));

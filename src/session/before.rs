@@ -22,7 +22,15 @@ const ANOTHER: &str = "other settings";
 #[derive(Clone)]
 pub struct Version {
     pub(super) scenario: Arc<Scenario>,
-    pub(super) opening: usize,
+    pub(super) opening: Arc<()>,
+}
+
+impl Version {
+    pub(super) fn opened(mut scenario: Scenario) -> Self {
+        scenario.number_filters();
+        scenario.keep_draws();
+        Self { scenario: Arc::new(scenario), opening: Arc::default() }
+    }
 }
 
 impl PartialEq for Version {
@@ -75,20 +83,17 @@ impl Session {
     pub fn edit(&mut self, change: &Change) -> Result<(), ScenarioError> {
         let mut scenario = (*self.scenario).clone();
         self.changed.extend(change.apply(&mut scenario)?);
-        scenario.number_filters();
-        scenario.keep_draws();
-        self.restore(Version { scenario: Arc::new(scenario), opening: self.opening });
+        self.restore(Version { opening: Arc::clone(&self.opening), ..Version::opened(scenario) });
         Ok(())
     }
 
     /// Takes over another scenario in place of this one, as an edit.
     pub fn replace(&mut self, scenario: Scenario) {
-        self.openings += 1;
-        self.restore(Version { scenario: Arc::new(scenario), opening: self.openings });
+        self.restore(Version::opened(scenario));
     }
 
     pub fn version(&self) -> Version {
-        Version { scenario: Arc::clone(&self.scenario), opening: self.opening }
+        Version { scenario: Arc::clone(&self.scenario), opening: Arc::clone(&self.opening) }
     }
 
     /// Takes over an earlier scenario, as an edit.
@@ -159,7 +164,7 @@ impl Session {
     fn remember(&mut self, version: Version) {
         let was = &version.scenario;
         let changed = Changed::among(&self.changed, was, &self.scenario);
-        let changed = Some(changed).filter(|_| version.opening == self.opening);
+        let changed = Some(changed).filter(|_| Arc::ptr_eq(&version.opening, &self.opening));
         let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
         let concerns = |id: u32| is_kept(id) && changed.as_ref().is_none_or(|changed| changed.concerns(id));
         let ids: Vec<u32> = was.filters.iter().map(|filter| filter.id).filter(|&id| concerns(id)).collect();
@@ -245,7 +250,7 @@ mod tests {
         let first = session.version();
         assert_eq!(edited(&mut session, &[("filters#1.fading", 1.0)]), "EKF λ = 1.005");
         let all = [("filters#1.fading", 1.2), ("filters#1.initial_mean.natural_frequency", 9.0), ("seed", 7.0)];
-        assert_eq!(edited(&mut session, &all), "EKF guess ωₙ = 10, EKF λ = 1, …");
+        assert_eq!(edited(&mut session, &all), "EKF λ = 1, EKF guess ωₙ = 8, …");
         session.restore(first);
         session.rest(2.0 * ONE_CHANGE);
         session.replace(Scenario { seed: 9, ..session.scenario().clone() });

@@ -2,7 +2,7 @@
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
 use kalmanscope_core::setting::{
-    Address, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo, of_filter,
+    Address, Change, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo, of_filter,
 };
 use kalmanscope_core::{FilterSettings, Scenario};
 use kalmanscope_lab::channels;
@@ -34,7 +34,7 @@ pub(super) static VIEW: View = View {
 };
 
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-    let mut edits = Edits::of(context.session.shared_scenario());
+    let mut edits = Edits { scenario: context.session.shared_scenario(), change: Change::default() };
     let scenario = edits.scenario;
     if scenario.filters.is_empty() {
         ui.weak("There is no filter: add one in the settings.");

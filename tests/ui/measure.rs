@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::rc::Rc;
 
 use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
-use kalmanscope_core::setting::Edit;
+use kalmanscope_core::setting::Change;
 
 use super::files::drop_file;
 use super::records::{check_result, open_record};
@@ -128,8 +128,9 @@ fn filters_are_watched_while_it_swings() {
         screen.state_mut().session_mut().seek(4.0);
         tell(&mut screen, 900);
         assert!((seconds(&screen) - 4.0).abs() < 0.1, "the past stands still: {} s", seconds(&screen));
-        let fading = Edit::of_filter(screen.state().session().scenario().filters[0].id, "fading", 1.001);
-        screen.state_mut().session_mut().edit(&fading.into()).unwrap();
+        let mut change = Change::default();
+        change.set(screen.state().session().scenario(), "filters.1.fading", 1.001);
+        screen.state_mut().session_mut().edit(&change).unwrap();
         screen.state_mut().session_mut().toggle_play();
         tell(&mut screen, 1200);
         let session = screen.state().session();

@@ -121,9 +121,12 @@ impl<'de> Deserialize<'de> for Scenario {
     }
 }
 
+/// A copy for a run: each filter has a unique id.
 impl From<&Scenario> for Arc<Scenario> {
     fn from(scenario: &Scenario) -> Self {
-        Self::new(scenario.clone())
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        Self::new(scenario)
     }
 }
 

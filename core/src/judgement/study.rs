@@ -195,7 +195,7 @@ impl Job {
     ) -> Result<Self, RunError> {
         let Study { run, analysis, spare, window } = study;
         let source = source.or_else(|| (run.done() != samples.min(run.samples())).then(|| run.source()));
-        let revision = Revision::new(run, scenario.into(), source, spare)?;
+        let revision = Revision::new(run, &scenario.into(), source, spare)?;
         let goal = samples.min(revision.samples);
         let is_simulated =
             revision.own_record().is_some() && !revision.source().is_some_and(|source| source.is_measured());

@@ -100,7 +100,7 @@ impl Run {
     /// As [`Self::on_record`]; this run is then unchanged.
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
-        let mut revision = Revision::new(self, scenario.into(), None, &mut spare)?;
+        let mut revision = Revision::new(self, &scenario.into(), None, &mut spare)?;
         if revision.is_of_everything {
             self.restart(scenario)?;
             return Ok(Update::Everything);
@@ -285,7 +285,7 @@ impl Run {
 }
 
 pub(crate) struct Bank {
-    /// The scenario; each filter has a unique id.
+    /// Each filter has a unique id.
     pub(crate) scenario: Arc<Scenario>,
     quantities: Vec<Quantity>,
     /// Time between samples \[s\].
@@ -298,12 +298,9 @@ pub(crate) struct Bank {
 }
 
 impl Bank {
-    pub(crate) fn new(mut scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
+    pub(crate) fn new(scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
         let quantities = scenario.measured();
         let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
-        if !scenario.is_numbered() {
-            Arc::make_mut(&mut scenario).number_filters();
-        }
         let dt = record.dt();
         Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
@@ -437,7 +434,7 @@ pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Es
     if record.forgotten() > 0 {
         return Err(RunError::Forgotten(record.forgotten()));
     }
-    let bank = Bank::new(Arc::new(scenario), record)?;
+    let bank = Bank::new((&scenario).into(), record)?;
     let mut estimates = bank.smoothed(place);
     match bank.smoother(place, record) {
         Some(mut smoother) => while !smoother.advance(record, record.len(), true, usize::MAX, &mut estimates) {},

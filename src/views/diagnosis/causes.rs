@@ -3,7 +3,7 @@
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnosis::{Remedy, in_percent};
-use kalmanscope_core::setting::Edit;
+use kalmanscope_core::setting::{Change, Edit};
 
 use super::evidence;
 use crate::request::Request;
@@ -144,6 +144,8 @@ fn edits_ui(
         .ctx
         .accesskit_node_builder(button.id, |node| node.set_label(format!("Apply the remedy of {filter}: {cause}")));
     if button.clicked() {
-        requests.push(Request::Edit(edits.iter().cloned().collect()));
+        let mut change = Change::default();
+        edits.iter().for_each(|edit| change.edit(edit.clone()));
+        requests.push(Request::Edit(change));
     }
 }

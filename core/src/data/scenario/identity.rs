@@ -4,8 +4,8 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
+use super::Scenario;
 use super::address::ALL;
-use super::{FilterSettings, Scenario};
 use crate::mathematics::lists::mapped;
 
 impl Scenario {
@@ -23,14 +23,6 @@ impl Scenario {
             seen.push(filter.id);
         }
         self.part_names();
-    }
-
-    /// Whether every filter has a unique id and a unique name: [`Self::number_filters`] changes nothing.
-    pub(crate) fn is_numbered(&self) -> bool {
-        self.filters.iter().enumerate().all(|(place, filter)| {
-            let is_alone = |other: &FilterSettings| other.id != filter.id && !clash(&other.name, &filter.name);
-            filter.id != 0 && filter.name != ALL && self.filters[..place].iter().all(is_alone)
-        })
     }
 
     /// The smallest id that no filter has.

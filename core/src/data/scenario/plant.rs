@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::Scenario;
 use crate::data::signal::Step;
 use crate::mathematics::catalogue::{KnownPlants, expected_channels};
-use crate::mathematics::equation::{Equation, EquationError, EquationSettings};
+use crate::mathematics::equation::{Equation, EquationSettings};
 use crate::mathematics::model::{InputKind, Model};
 use crate::{Channel, PlantKind, Signal};
 
@@ -233,15 +233,6 @@ impl<'de> Deserialize<'de> for Key {
 }
 
 impl Scenario {
-    /// Makes an equation the truth's plant. Filters begin with its guesses, if these differ from the earlier ones.
-    ///
-    /// # Errors
-    /// [`EquationError`] if it is no plant; nothing changes then.
-    pub fn set_equation(&mut self, settings: &EquationSettings) -> Result<(), EquationError> {
-        self.set_plant(PlantKind::of_equation(settings)?);
-        Ok(())
-    }
-
     /// Gives filters the guesses of an equation for channels that the one before had with others.
     pub(super) fn take_guesses(&mut self, before: &[Channel]) {
         for &channel in self.plant.kind.channels() {

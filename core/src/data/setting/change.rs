@@ -36,29 +36,12 @@ enum Part {
     Value(String, Document),
     Filter(usize, Box<FilterSettings>),
     NoFilter(u32),
-    Sensor(Sensor),
+    Sensor(Box<Sensor>),
     NoSensor(Quantity),
     Plant(PlantKind),
 }
 
-impl From<Edit> for Change {
-    fn from(edit: Edit) -> Self {
-        Self(vec![Part::Edit(edit)])
-    }
-}
-
-impl FromIterator<Edit> for Change {
-    fn from_iter<T: IntoIterator<Item = Edit>>(edits: T) -> Self {
-        Self(edits.into_iter().map(Part::Edit).collect())
-    }
-}
-
 impl Change {
-    /// Whether nothing is changed.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// Gives the number at an address of a scenario a value.
     pub fn set(&mut self, scenario: &Scenario, address: &str, value: f64) {
         match Address::parse(scenario, address) {
@@ -95,7 +78,7 @@ impl Change {
 
     /// Puts a sensor in place of that of its quantity, or else adds it.
     pub fn put_sensor(&mut self, sensor: Sensor) {
-        self.0.push(Part::Sensor(sensor));
+        self.0.push(Part::Sensor(Box::new(sensor)));
     }
 
     /// Takes out the sensor of a quantity.
@@ -151,8 +134,8 @@ impl Change {
                 }
                 Part::Sensor(sensor) => {
                     match scenario.sensor_place(sensor.measures) {
-                        Some(place) => scenario.sensors[place] = *sensor,
-                        None => scenario.add_sensor(*sensor),
+                        Some(place) => scenario.sensors[place] = **sensor,
+                        None => scenario.add_sensor(**sensor),
                     }
                     keys.push(of_sensor(sensor.measures));
                 }
@@ -163,7 +146,7 @@ impl Change {
                 Part::Plant(kind) => {
                     keys.extend(scenario.measured().into_iter().map(of_sensor));
                     scenario.set_plant(kind.clone());
-                    keys.push(KIND_OF_PLANT.to_owned());
+                    keys.push("plant.kind".to_owned());
                 }
             }
         }
@@ -176,7 +159,6 @@ impl Change {
     }
 }
 
-const KIND_OF_PLANT: &str = "plant.kind";
 const SENSOR: &str = "sensors.";
 
 fn of_sensor(quantity: Quantity) -> String {
@@ -193,7 +175,9 @@ pub struct Changed<'a> {
 impl<'a> Changed<'a> {
     /// Those of some addresses, which [`Change::apply`] returns. Filters are the same where their ids are.
     pub fn among(addresses: impl IntoIterator<Item = &'a String>, was: &'a Scenario, now: &'a Scenario) -> Self {
-        let differs = |key: &&str| value(was, key) != value(now, key);
+        let is_in_both = |id: u32| [was, now].into_iter().all(|scenario| filter_of(scenario, id).is_some());
+        let stays = |key: &str| split_id(key).is_none_or(|(id, inner)| inner.is_empty() || is_in_both(id));
+        let differs = |key: &&str| stays(key) && value(was, key) != value(now, key);
         Self { was, now, keys: addresses.into_iter().map(String::as_str).filter(differs).collect() }
     }
 
@@ -211,12 +195,12 @@ impl<'a> Changed<'a> {
 
     /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `number` writes a number.
     pub fn what_was(&self, number: impl Fn(f64) -> String) -> Vec<String> {
-        let Self { was, now, keys } = self;
-        // Those of filters come first, one filter's after the other's, then filters that are gone, and new ones.
+        let Self { was, keys, .. } = self;
+        // Those of filters come first, then filters that are gone, and new ones.
         let rank = |key: &str| match split_id(key) {
-            Some((id, "")) => (1 + usize::from(place(was, id).is_none()), place(was, id).or(place(now, id))),
-            Some((id, _)) => (0, place(was, id)),
-            None => (3, None),
+            Some((id, "")) => 1 + u8::from(filter_of(was, id).is_none()),
+            Some(_) => 0,
+            None => 3,
         };
         let mut keys = keys.clone();
         sort_items(&mut keys, |one, other| (rank(one), one).cmp(&(rank(other), other)));
@@ -226,9 +210,10 @@ impl<'a> Changed<'a> {
     fn said(&self, key: &str, number: &impl Fn(f64) -> String) -> String {
         let Self { was, now, .. } = *self;
         let come_or_gone = |is_gone: bool, name: &str| format!("{} {name}", if is_gone { "with" } else { "without" });
-        let filter = split_id(key).and_then(|(id, inner)| Some((filter(was, id).or(filter(now, id))?, inner)));
-        if let Some((filter, "")) = filter {
-            return come_or_gone(place(was, filter.id).is_some(), &filter.name);
+        let filter =
+            split_id(key).and_then(|(id, inner)| Some((filter_of(was, id).or_else(|| filter_of(now, id))?, inner)));
+        if let Some((own, "")) = filter {
+            return come_or_gone(filter_of(was, own.id).is_some(), &own.name);
         }
         let old = words(&value(was, key), number);
         if let Some(quantity) = sensor(key) {
@@ -244,11 +229,7 @@ impl<'a> Changed<'a> {
     }
 }
 
-fn place(scenario: &Scenario, id: u32) -> Option<usize> {
-    scenario.filters.iter().position(|filter| filter.id == id)
-}
-
-fn filter(scenario: &Scenario, id: u32) -> Option<&FilterSettings> {
+fn filter_of(scenario: &Scenario, id: u32) -> Option<&FilterSettings> {
     scenario.filters.iter().find(|filter| filter.id == id)
 }
 
@@ -271,11 +252,11 @@ fn value(scenario: &Scenario, key: &str) -> Document {
     let Some((id, inner)) = split_id(key) else {
         return match chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(number) {
             Some(value) => value,
-            None if key == KIND_OF_PLANT => document::of(&scenario.plant.kind).unwrap_or_default(),
+            None if key == "plant.kind" => document::of(&scenario.plant.kind).unwrap_or_default(),
             None => written(scenario, key),
         };
     };
-    let Some(filter) = filter(scenario, id) else { return Document::Null };
+    let Some(filter) = filter_of(scenario, id) else { return Document::Null };
     if inner.is_empty() {
         return true.into();
     }
@@ -393,9 +374,8 @@ impl Edit {
                 if let Some(info) = CHOICES_OF_FILTER.into_iter().find(|info| info.key == key) {
                     return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
                 }
-                if let Some(info) = of_filter().find(|info| info.key == key) {
-                    let name = if info.symbol.is_empty() { info.name } else { info.symbol };
-                    return Some(format!("set {name} = {}", number(&self.value)?));
+                if of_filter().any(|info| info.key == key) {
+                    return Some(format!("set {} = {}", name(scenario, key), number(&self.value)?));
                 }
                 let (table, entry) = TableInfo::entry(key, &|key| scenario.channel(key), &Quantity::from_key)?;
                 Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
@@ -425,8 +405,7 @@ mod tests {
 
     type Step = fn(&Scenario, &mut Change);
 
-    const STEPS: [(Step, &str); 11] = [
-        (|of, change| change.set(of, "filters.UKF.fading", 1.5), "filters#2.fading"),
+    const STEPS: [(Step, &str); 10] = [
         (|of, change| change.set(of, "filters.*.eta", 1.5), "filters#1.eta filters#2.eta"),
         (
             |of, change| change.set(of, "filters.EKF.sensor_std", 2.0),
@@ -476,9 +455,7 @@ mod tests {
         };
         assert_eq!(said(|_, change| change.edit(Edit::new("force", "none"))), "force over time = white noise");
         assert_eq!(said(|_, change| change.edit(Edit::new("hold", "first"))), "input between samples = held");
-        assert_eq!(said(|of, change| change.set(of, "filters#1.substeps", 4.0)), "EKF steps a sample = 0");
         assert_eq!(said(|of, change| change.set(of, "filters#1.jump", 1.0)), "EKF jump at a sudden change = no");
-        assert_eq!(said(|of, change| change.set(of, "seed", 9.0)), "seed = 1");
         assert_eq!(said(|_, change| change.edit(Edit::of_filter(2, "robust", "gate"))), "UKF outliers = none");
         assert_eq!(said(|_, change| change.remove_filter(2)), "with UKF");
         let other = |of: &Scenario, change: &mut Change| {
@@ -487,6 +464,11 @@ mod tests {
         };
         assert_eq!(said(other), "EKF η = 0, EKF λ = 1.005, EKF delay v = 0, EKF √R v = 0.06, with the velocity sensor");
         assert_eq!(said(|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0))), "plant ωₙ = step");
+        let more = |of: &Scenario, change: &mut Change| {
+            change.put_filter(1, FilterSettings { id: 3, name: "C".to_owned(), ..of.filters[0].clone() });
+            change.edit(Edit::of_filter(3, "fading", 1.5));
+        };
+        assert_eq!(said(more), "without C");
         // What is as it was is not said.
         assert_eq!(said(|of, change| change.set(of, "seed", 1.0)), "");
     }
@@ -498,7 +480,7 @@ mod tests {
             let changed = Changed::among(&keys, &before, &now);
             (changed.is_of_filters(), [1, 2].map(|id| changed.concerns(id)))
         };
-        assert_eq!(concerned(STEPS[0].0), (true, [false, true]));
+        assert_eq!(concerned(|of, change| change.set(of, "filters.UKF.fading", 1.5)), (true, [false, true]));
         assert_eq!(concerned(|_, change| change.edit(Edit::of_filter(2, "name", "other"))), (true, [false, false]));
         assert_eq!(concerned(|of, change| change.set(of, "seed", 7.0)), (false, [true, true]));
     }

@@ -205,20 +205,10 @@ mod tests {
     fn settings_that_there_are_not_cannot_be_edited() {
         let mut scenario = Scenario::default();
         scenario.plant.set(Channel::NATURAL_FREQUENCY, crate::Signal::Constant(6.0));
-        for key in [
-            "",
-            "plnt.natural_frequency",
-            "plant.frequency",
-            "plant.natural_frequency.step",
-            "filters.EKF",
-            "filters.*",
-            "filters.KF.fading",
-            "filters.*.fadng",
-            "filters.EKF.sensor_std.2",
-            "filters.EKF.sensor_std.acceleration",
-            "sensors.acceleration.noise_std",
-            "record.every",
-        ] {
+        let keys = " plnt.natural_frequency plant.frequency plant.natural_frequency.step filters.EKF filters.* filters.KF.fading \
+             filters.*.fadng filters.EKF.sensor_std.2 filters.EKF.sensor_std.acceleration sensors.acceleration.noise_std \
+             record.every";
+        for key in keys.split(' ') {
             let error = Edit::new(key, 1.0).apply(&scenario).unwrap_err().to_string();
             let last = key.rsplit('.').next().unwrap_or_default();
             let is_unread = error.contains(&format!("unknown field `{last}`"));

@@ -32,20 +32,20 @@ pub(crate) struct Revision {
 impl Revision {
     pub(crate) fn new(
         run: &Run,
-        scenario: Arc<Scenario>,
+        scenario: &Arc<Scenario>,
         source: Option<Source>,
         spare: &mut Spare,
     ) -> Result<Self, RunError> {
         scenario.validate()?;
-        let same_filters = source.is_none() && same_filters(run, &scenario);
+        let same_filters = source.is_none() && same_filters(run, scenario);
         let same_record = source.is_none() && (same_filters || run.source().is_measured());
         let recording = (!same_record)
-            .then(|| Recording::new(&scenario, source.unwrap_or_else(|| run.source()), spare.record.take()));
+            .then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record.take()));
         let current = recording.as_ref().unwrap_or(&run.recording);
         // A truth that has diverged has fewer samples than its scenario.
         let is_simulated = matches!(run.source(), Source::Simulated);
-        let samples = if same_record && is_simulated { run.samples } else { current.samples(&scenario) };
-        let mut bank = Bank::new(Arc::clone(&scenario), current.record())?;
+        let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
+        let mut bank = Bank::new(Arc::clone(scenario), current.record())?;
         let before = &run.scenario().filters;
         let place_of =
             |filter: &FilterSettings| before.iter().position(|b| b.computes_as(filter)).filter(|_| same_filters);
@@ -57,7 +57,7 @@ impl Revision {
                 bank.add(current.record(), samples, spare.estimates.pop());
             }
         }
-        let cost = |place: usize| scenario.filters[place].time_of_step(&scenario);
+        let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
         let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
         order.retain(|&place| kept[place].is_none());
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
