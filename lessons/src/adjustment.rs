@@ -12,6 +12,8 @@ use crate::LessonError;
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Adjustment {
+    /// The text of the button that makes the changes; empty for those before the first step.
+    pub label: String,
     /// Filters to remove, by their names.
     pub remove_filters: Vec<String>,
     /// Filters to add, as in a scenario file; `like = "NAME"` copies missing settings from another filter.
@@ -24,47 +26,13 @@ pub struct Adjustment {
     pub set: Table,
 }
 
-/// A change with the button that makes it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(from = "LabelledChange")]
-pub struct Change {
-    /// The button's text.
-    pub label: String,
-    /// The change.
-    pub adjustment: Adjustment,
-}
-
-/// A change as in a file, where label and adjustment are one table.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LabelledChange {
-    label: String,
-    #[serde(default)]
-    remove_filters: Vec<String>,
-    #[serde(default)]
-    add_filters: Vec<Table>,
-    #[serde(default)]
-    remove_sensors: Vec<Quantity>,
-    #[serde(default)]
-    add_sensors: Vec<Sensor>,
-    #[serde(default)]
-    set: Table,
-}
-
-impl From<LabelledChange> for Change {
-    fn from(change: LabelledChange) -> Self {
-        let LabelledChange { label, remove_filters, add_filters, remove_sensors, add_sensors, set } = change;
-        Self { label, adjustment: Adjustment { remove_filters, add_filters, remove_sensors, add_sensors, set } }
-    }
-}
-
 impl Adjustment {
     /// The scenario with these changes.
     ///
     /// # Errors
     /// [`LessonError`] where the scenario lacks something to change, or the changed scenario is impossible.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, LessonError> {
-        let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
+        let Self { label: _, remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
         let mut scenario = scenario.clone();
         for name in remove_filters {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
@@ -89,13 +57,11 @@ impl Adjustment {
         let edits: Vec<Edit> = set.iter().map(|(key, value)| Edit::new(key, value.clone())).collect();
         Ok(Edit::apply_all(&edits, &scenario)?)
     }
-}
 
-impl Adjustment {
     /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
     /// added sensor its noise.
     pub fn paths(&self) -> Vec<String> {
-        let Self { remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
+        let Self { label: _, remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
         let name = |filter: &Table| Some(format!("filters.{}.name", filter.get("name")?.as_str()?));
         let filters = add_filters.iter().filter_map(name);
         let sensors = add_sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key()));
@@ -152,18 +118,12 @@ mod tests {
     use super::*;
     use kalmanscope_core::{Channel, FilterKind};
 
-    fn change(text: &str) -> Change {
-        toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
+    fn change(text: &str) -> Adjustment {
+        toml::from_str(text).unwrap()
     }
 
     fn apply(text: &str) -> Result<Scenario, LessonError> {
-        change(text).adjustment.apply(&Scenario::default())
-    }
-
-    #[test]
-    fn nothing_changed_is_the_same_scenario() {
-        assert_eq!(apply("").unwrap(), Scenario::default());
-        assert_eq!(Adjustment::default().apply(&Scenario::default()).unwrap(), Scenario::default());
+        change(text).apply(&Scenario::default())
     }
 
     #[test]
@@ -189,16 +149,9 @@ mod tests {
             "set = { \"filters.EKF.fading\" = 1.01, dt = 0.1 }\nadd_filters = [{ like = \"EKF\", name = \"P\" }]\n\
              add_sensors = [{ measures = \"acceleration\", noise_std = 0.5 }]\nremove_filters = [\"UKF\"]",
         );
-        let mut paths = change.adjustment.paths();
+        let mut paths = change.paths();
         paths.sort();
         assert_eq!(paths, ["dt", "filters.EKF.fading", "filters.P.name", "sensors.acceleration.noise_std"]);
-    }
-
-    #[test]
-    fn tables_are_merged_and_values_replaced() {
-        let mut below: Table = "a = 1\n[t]\nb = 2\nc = 3".parse().unwrap();
-        lay_over(&mut below, &"a = 9\nd = 5\n[t]\nb = 7".parse().unwrap());
-        assert_eq!(below, "a = 9\nd = 5\n[t]\nb = 7\nc = 3".parse().unwrap());
     }
 
     #[test]
@@ -222,7 +175,7 @@ mod tests {
         assert!(unknown.contains("unknown field `fadng`"), "{unknown}");
         let impossible = apply("set = { \"filters.EKF.fading\" = 0.5 }").unwrap_err().to_string();
         assert!(impossible.contains("filters[0].fading"), "{impossible}");
-        let unknown = toml::from_str::<Change>("label = \"x\"\nsett = {}").unwrap_err().to_string();
+        let unknown = toml::from_str::<Adjustment>("sett = {}").unwrap_err().to_string();
         assert!(unknown.contains("sett"), "{unknown}");
     }
 }
