@@ -150,7 +150,7 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
         theme_ui(ui);
         let commands = [
             ("Presenter mode", "Large type, and no bar (P)", presenting, Request::TogglePresenter),
-            ("Find…", "Any setting, view, scenario, lesson or command (/)", false, Request::Find),
+            ("Find…", "Any setting, view, scenario, lesson, export or command (/)", false, Request::Find),
             ("List of keys", "All keys and gestures (?)", false, Request::ToggleKeys),
         ];
         for (name, hint, is_on, request) in commands {
@@ -206,11 +206,9 @@ fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
 }
 
 fn theme_ui(ui: &mut Ui) {
-    let dark = ui.ctx().theme() == egui::Theme::Dark;
-    let name = if dark { "Light theme" } else { "Dark theme" };
+    let (theme, name) = theme::other(ui.ctx());
     if ui.selectable_label(false, name).clicked() {
-        let next = if dark { egui::Theme::Light } else { egui::Theme::Dark };
-        ui.ctx().set_theme(next);
+        ui.ctx().set_theme(theme);
         ui.close();
     }
 }

@@ -221,6 +221,14 @@ impl Task for Everything {
     }
 }
 
+/// Every export with its name and a hint, in the menu's order: figures first.
+pub(crate) fn entries() -> impl Iterator<Item = (Export, String, &'static str)> {
+    let hint = "The views on screen as outlines and text, for a document";
+    let figures = FigureFormat::ALL.into_iter();
+    let figures = figures.map(move |format| (Export::Figure(format), format!("{} (SVG)", format.name()), hint));
+    figures.chain(RESULTS.into_iter().map(|(export, name, hint)| (export, name.to_owned(), hint)))
+}
+
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
@@ -228,23 +236,18 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
             ui.close();
         }
         ui.separator();
-        let mut entry = |ui: &mut Ui, export: Export, name: &str, hint: &str| {
-            let button = ui.button(name).on_hover_text(hint);
-            probe::remember(ui.ctx(), name, button.rect);
+        ui.label(RichText::new("The views as a figure").weak());
+        for (place, (export, name, hint)) in entries().enumerate() {
+            if place == FigureFormat::ALL.len() {
+                ui.separator();
+                ui.label(RichText::new("Results").weak());
+            }
+            let button = ui.button(&name).on_hover_text(hint);
+            probe::remember(ui.ctx(), &name, button.rect);
             if button.clicked() {
                 requests.push(Request::Export(export));
                 ui.close();
             }
-        };
-        ui.label(RichText::new("The views as a figure").weak());
-        for format in FigureFormat::ALL {
-            let hint = "The views on screen as outlines and text, for a document";
-            entry(ui, Export::Figure(format), &format!("{} (SVG)", format.name()), hint);
-        }
-        ui.separator();
-        ui.label(RichText::new("Results").weak());
-        for (export, name, hint) in RESULTS {
-            entry(ui, export, name, hint);
         }
     });
     let button = named(button, "Export");

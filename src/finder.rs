@@ -1,23 +1,44 @@
-//! The finder: a field that finds any setting, view, scenario, lesson and command by words.
+//! The finder: a field that finds any setting, view, scenario, lesson, export and command by words.
 
-use egui::{Align2, Context, Key, Order, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Context, Key, Order, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{self, Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::request::{Request, ViewKind};
+use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::Session;
 use crate::text::{parse, sentence, significant, unit_in};
-use crate::theme::Palette;
 use crate::tutor::Catalogue;
 use crate::views::view;
 use crate::widgets::named;
-use crate::{keys, theme};
+use crate::{export, keys, theme};
 
 /// The width of the window \[points\].
 const WIDTH: f32 = 460.0;
 
-const SHOWN: usize = 40;
+/// Limits the entries, and those in sight.
+const SHOWN: usize = 100;
+const ROWS: f32 = 10.0;
+
+/// Other words for entries whose title contains a text.
+const SYNONYMS: [(&str, &str); 16] = [
+    ("theme", "colours night appearance"),
+    ("link", "share url address"),
+    ("Report", "pdf print diagnosis"),
+    ("(SVG)", "figure picture image export"),
+    ("(CSV)", "data table export excel"),
+    ("settings", "options panel"),
+    ("play or pause", "run stop start"),
+    ("Innovations", "residual prediction error"),
+    ("NIS and NEES", "consistency chi-squared"),
+    ("Autocorrelation", "whiteness"),
+    ("Scores", "rmse results table"),
+    ("Map", "grid sweep heat"),
+    ("Monte Carlo", "seeds population ensemble"),
+    ("Frequency response", "bode transfer resonance hz spectrum"),
+    ("Spectrogram", "hz spectrum time"),
+    ("take back", "undo"),
+];
 
 #[derive(Default)]
 pub(crate) struct Finder {
@@ -32,7 +53,6 @@ impl Finder {
         &mut self,
         ctx: &Context,
         (session, catalogue): (&Session, &Catalogue),
-        palette: &Palette,
         requests: &mut Vec<Request>,
     ) -> bool {
         let width = WIDTH.min(ctx.content_rect().width() - 24.0);
@@ -42,7 +62,7 @@ impl Finder {
             ui.set_width(width);
             match &mut self.change {
                 Some(change) => is_open &= change.ui(ui, session.scenario(), requests),
-                None => is_open &= self.list_ui(ui, (session, catalogue), palette, requests),
+                None => is_open &= self.list_ui(ui, (session, catalogue), requests),
             }
         });
         is_open
@@ -52,14 +72,14 @@ impl Finder {
         &mut self,
         ui: &mut Ui,
         (session, catalogue): (&Session, &Catalogue),
-        palette: &Palette,
         requests: &mut Vec<Request>,
     ) -> bool {
         // Arrows choose an entry, they do not move the cursor.
         let [up, down, enter] = ui.input_mut(|input| {
             [Key::ArrowUp, Key::ArrowDown, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
         });
-        let field = TextEdit::singleline(&mut self.text).hint_text("a setting, view, scenario, lesson or command");
+        let field =
+            TextEdit::singleline(&mut self.text).hint_text("a setting, view, scenario, lesson, export or command");
         let field = named(ui.add(field.desired_width(f32::INFINITY).char_limit(60)), "Find by words");
         if !std::mem::replace(&mut self.has_begun, true) || !field.has_focus() {
             field.request_focus();
@@ -67,14 +87,17 @@ impl Finder {
         if field.changed() {
             self.place = 0;
         }
-        let all = entries(session, catalogue);
+        let all = entries(session, catalogue, theme::other(ui.ctx()));
         let found: Vec<&Entry> = found(&all, &self.text).into_iter().take(SHOWN).collect();
         self.place =
             (self.place + usize::from(down)).min(found.len().saturating_sub(1)) - usize::from(up).min(self.place);
         let mut chosen = if enter { found.get(self.place).copied() } else { None };
-        ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+        let height = ROWS * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+        ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+        let list = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]);
+        list.show(ui, |ui| {
             for (place, entry) in found.iter().enumerate() {
-                let row = entry_ui(ui, entry, place == self.place, palette);
+                let row = entry_ui(ui, entry, place == self.place);
                 if place == self.place && (up || down) {
                     row.scroll_to_me(None);
                 }
@@ -83,7 +106,7 @@ impl Finder {
                 }
             }
             if found.is_empty() {
-                ui.weak("Nothing has these words.");
+                ui.weak("No match");
             }
         });
         match chosen.map(|entry| &entry.choice) {
@@ -98,16 +121,17 @@ impl Finder {
                 requests.push(Request::Edit(change));
             }
             Some(Choice::Request(request)) => requests.push((**request).clone()),
+            Some(Choice::Theme(theme)) => ui.ctx().set_theme(*theme),
         }
         false
     }
 }
 
-fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui::Response {
-    let row = ui.selectable_label(is_on, entry.title.as_str());
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let at = row.rect.right_center() + vec2(8.0, 0.0);
-    ui.painter().text(at, Align2::LEFT_CENTER, entry.kind, font, palette.weak);
+fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool) -> egui::Response {
+    let kind = RichText::new(entry.kind).small();
+    let kind = if is_on { kind } else { kind.weak() };
+    let row = Button::selectable(is_on, entry.title.as_str()).right_text(kind).truncate();
+    let row = ui.add(row.min_size(vec2(ui.available_width(), ui.spacing().interact_size.y)));
     row.ctx.accesskit_node_builder(row.id, |node| node.set_label(format!("{}, {}", entry.title, entry.kind)));
     if entry.hint.is_empty() { row } else { row.on_hover_text(entry.hint.as_str()) }
 }
@@ -146,11 +170,13 @@ struct Entry {
     title: String,
     kind: &'static str,
     hint: String,
+    /// Title, kind and synonyms, in small letters.
     words: String,
     choice: Choice,
 }
 
 enum Choice {
+    Theme(egui::Theme),
     Setting(Address),
     Edit(Edit),
     Request(Box<Request>),
@@ -159,7 +185,7 @@ enum Choice {
 impl Entry {
     fn new(title: impl Into<String>, kind: &'static str, hint: impl Into<String>, request: Request) -> Self {
         let (title, hint) = (title.into(), hint.into());
-        let words = format!("{title} {kind} {hint}").to_lowercase();
+        let words = format!("{title} {kind}").to_lowercase();
         Self { title, kind, hint, words, choice: Choice::Request(Box::new(request)) }
     }
 }
@@ -171,7 +197,7 @@ fn title(scenario: &Scenario, address: &Address) -> String {
     filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
 }
 
-fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
+fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme, &str)) -> Vec<Entry> {
     let scenario = session.scenario();
     let settings = addresses(scenario).into_iter().map(|address| Entry {
         title: title(scenario, &address),
@@ -197,25 +223,43 @@ fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
     let commands = keys::commands(session)
         .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
-    settings.chain(choices).chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
+    let arrangements = Arrangement::ALL.into_iter();
+    let arrangements = arrangements.map(|one| Entry::new(one.name(), "arrangement", "", Request::Arrange(one)));
+    let exports =
+        export::entries().map(|(export, name, hint)| Entry::new(name, "export", hint, Request::Export(export)));
+    let theme = Entry { choice: Choice::Theme(theme), ..Entry::new(name, "command", "", Request::Find) };
+    let own = views.chain(arrangements).chain(scenarios).chain(lessons).chain(exports).chain(commands).chain([theme]);
+    let mut all: Vec<Entry> = settings.chain(choices).chain(own).collect();
+    for entry in &mut all {
+        for (_, words) in SYNONYMS.iter().filter(|(part, _)| entry.title.contains(part)) {
+            entry.words = format!("{} {words}", entry.words);
+        }
+    }
+    all
 }
 
+/// The entries that have all words in their title or a synonym; only without one, those that have them in their hint.
 fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
     let text = text.to_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();
-    let rank = |entry: &Entry| {
+    let rank = |entry: &&Entry| {
         let title = entry.title.to_lowercase();
         let in_title = words.iter().filter(|word| title.contains(**word)).count();
         let begins = words.first().is_some_and(|word| title.starts_with(word));
         (words.len() - in_title, !begins)
     };
-    let mut found: Vec<&Entry> = entries
-        .iter()
-        .filter(|entry| {
-            words.iter().all(|word| entry.words.contains(word) || entry.title.to_lowercase().contains(word))
-        })
-        .collect();
+    let with = |hints: bool| -> Vec<&Entry> {
+        let has = |entry: &Entry, word: &str| {
+            let title = entry.title.to_lowercase();
+            entry.words.contains(word) || title.contains(word) || hints && entry.hint.to_lowercase().contains(word)
+        };
+        entries.iter().filter(|entry| words.iter().all(|word| has(entry, word))).collect()
+    };
+    let mut found = with(false);
+    if found.is_empty() {
+        found = with(true);
+    }
     // Stable: entries of one rank keep their order.
-    found.sort_by_key(|entry| rank(entry));
+    found.sort_by_key(rank);
     found
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::{Channel, Hold, Scenario};
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
 use crate::session::{Mode, Session};
-use crate::theme;
+use crate::{theme, tutor};
 
 struct Shortcut {
     name: &'static str,
@@ -73,8 +73,16 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("Esc", "leave this list, stop computing, or leave an enlarged view", &[Key::Escape], |_| {
                 Request::Leave
             }),
-            plain("/", "find a setting, view, scenario, lesson or command", &[Key::Slash], |_| Request::Find),
+            plain("/", "find a setting, view, scenario, lesson, export or command", &[Key::Slash], |_| Request::Find),
             plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
+        ],
+    ),
+    (
+        "In a lesson",
+        &[
+            plain("N", "show me, make the change, or go to the next step", &[Key::N], |_| Request::TurnLesson(true)),
+            plain("Backspace", "the step before", &[Key::Backspace], |_| Request::TurnLesson(false)),
+            plain("Q", "leave the lesson", &[Key::Q], |_| Request::LeaveLesson),
         ],
     ),
     (
@@ -124,7 +132,7 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
         return;
     }
     // Space presses the button that has the focus, and arrows move a slider.
-    let has_focus = ctx.memory(|memory| memory.focused().is_some());
+    let has_focus = ctx.memory(|memory| memory.focused().is_some_and(|id| id != tutor::text_id()));
     let is_taken = |keys: &[Key]| {
         has_focus && keys.iter().any(|key| matches!(key, Key::Space | Key::ArrowLeft | Key::ArrowRight | Key::Escape))
     };

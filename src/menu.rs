@@ -10,6 +10,7 @@ use egui::{
 };
 
 use crate::spark::Picture;
+use crate::theme::Palette;
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
@@ -63,9 +64,9 @@ pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option
     let mut text = LayoutJob::default();
     text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
     text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
-    let colors = [ui.visuals().text_color(), ui.visuals().weak_text_color().gamma_multiply(0.6)];
+    let palette = Palette::of(ui.ctx().theme());
     let paint = move |ui: &Ui, place: AtomPaintArgs| {
-        picture.iter().for_each(|picture| picture.paint(ui.painter(), place.rect, colors));
+        picture.iter().for_each(|picture| picture.paint(ui.painter(), place.rect, &palette));
     };
     let button = ui.add(
         Button::new((Atom::paint(PICTURE, paint), text))

@@ -51,6 +51,7 @@ pub enum Request {
     ChangeLesson,
     FinishLesson,
     LeaveLesson,
+    TurnLesson(bool),
     ToggleEntry(LegendEntry),
     ShowAllChannels,
     ToggleControls,

@@ -1,6 +1,9 @@
 //! The shape of a series of values in a small plot.
 
-use egui::{Color32, Mesh, Painter, Rect, Response, Sense, Ui, Vec2};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+use kalmanscope_core::FilterColor;
+
+use crate::theme::Palette;
 
 const WIDTH: usize = 120;
 const HEIGHT: f32 = 30.0;
@@ -20,19 +23,27 @@ impl Spark {
         Self::between(range(values), values)
     }
 
-    pub(crate) fn between((low, high): (f64, f64), values: &[f64]) -> Self {
+    pub(crate) fn between(bounds: (f64, f64), values: &[f64]) -> Self {
+        Self::over(bounds, values.len(), |k| [values[k]; 2])
+    }
+
+    /// The shape of `len` ranges, each from a lower to an upper value.
+    pub(crate) fn over((low, high): (f64, f64), len: usize, of: impl Fn(usize) -> [f64; 2]) -> Self {
         let span = if high > low { high - low } else { 1.0 };
-        let chunk = values.len().div_ceil(WIDTH).max(1);
-        let range = |chunk: &[f64]| {
-            let there = chunk
-                .iter()
-                .filter(|value| value.is_finite())
-                .map(|value| ((value - low) / span).clamp(0.0, 1.0) as f32);
-            there.fold(None, |range: Option<(f32, f32)>, v| {
+        let chunk = len.div_ceil(WIDTH).max(1);
+        let range = |begin: usize| {
+            let there = (begin..len.min(begin + chunk)).flat_map(&of).filter(|value| value.is_finite());
+            let shares = there.map(|value| ((value - low) / span).clamp(0.0, 1.0) as f32);
+            shares.fold(None, |range: Option<(f32, f32)>, v| {
                 Some(range.map_or((v, v), |(low, high)| (low.min(v), high.max(v))))
             })
         };
-        Self { ranges: values.chunks(chunk).map(range).collect() }
+        Self { ranges: (0..len).step_by(chunk).map(range).collect() }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn is_flat(&self) -> bool {
+        self.ranges.iter().flatten().all(|range| Some(range) == self.ranges.iter().flatten().next())
     }
 
     pub(crate) fn ui(&self, ui: &mut Ui, color: Color32) -> Response {
@@ -42,37 +53,73 @@ impl Spark {
     }
 
     pub(crate) fn paint(&self, painter: &Painter, rect: Rect, color: Color32) {
-        let rect = rect.shrink(1.0);
+        painter.line(self.ends(rect).collect(), Stroke::new(1.3, color));
+    }
+
+    /// The lower and the upper end of each column.
+    fn ends(&self, rect: Rect) -> impl Iterator<Item = Pos2> {
         let step = rect.width() / self.ranges.len().max(1) as f32;
-        let height = |share: f32| rect.bottom() - share * rect.height();
-        let mut mesh = Mesh::default();
-        let mut before: Option<(f32, f32)> = None;
-        for (place, range) in self.ranges.iter().enumerate() {
-            if let Some((mut low, mut high)) = *range {
-                // Neighbours touch, so that a slow course is a line.
-                if let Some((below, above)) = before {
-                    (low, high) = (low.min(above), high.max(below));
-                }
-                let x = rect.left() + (place as f32 + 0.5) * step;
-                // Each column has its pixel where the course is flat: a segment or a rectangle would lose it by rounding.
-                let (top, bottom) = (height(high) - 0.5, height(low) + 0.5);
-                let half = 0.5 * step.max(1.0);
-                mesh.add_colored_rect(Rect::from_x_y_ranges(x - half..=x + half, top..=bottom), color);
-            }
-            before = *range;
-        }
-        painter.add(mesh);
+        let there = self.ranges.iter().enumerate().filter_map(|(place, range)| Some((place, (*range)?)));
+        there.flat_map(move |(place, (low, high))| {
+            let x = rect.left() + (place as f32 + 0.5) * step;
+            [low, high].map(|share| pos2(x, rect.bottom() - share * rect.height()))
+        })
     }
 }
 
+#[derive(Clone, Copy)]
+pub(crate) enum Ink {
+    Text,
+    Truth,
+    Filter(FilterColor),
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Mark {
+    Band,
+    Line,
+    Dots,
+}
+
+/// A small plot without axes: courses over each other, or the cells of a map.
+#[derive(Default)]
 pub(crate) struct Picture {
-    pub(crate) course: Spark,
-    pub(crate) truth: Option<Spark>,
+    pub(crate) courses: Vec<(Mark, Ink, Spark)>,
+    /// The number of cells up, and the colours column by column, from the bottom.
+    pub(crate) cells: (usize, Vec<Color32>),
 }
 
 impl Picture {
-    pub(crate) fn paint(&self, painter: &Painter, rect: Rect, [color, faint]: [Color32; 2]) {
-        self.truth.iter().for_each(|truth| truth.paint(painter, rect, faint));
-        self.course.paint(painter, rect, color);
+    pub(crate) fn paint(&self, painter: &Painter, rect: Rect, palette: &Palette) {
+        let (up, colors) = &self.cells;
+        let cell = rect.size() / vec2((colors.len() / up.max(&1)).max(1) as f32, *up as f32);
+        let mut mesh = Mesh::default();
+        for (place, color) in colors.iter().enumerate() {
+            let at = vec2((place / up) as f32 * cell.x, -((place % up) as f32 + 1.0) * cell.y);
+            mesh.add_colored_rect(Rect::from_min_size(rect.left_bottom() + at, cell), *color);
+        }
+        painter.add(mesh);
+        for (mark, ink, spark) in &self.courses {
+            let color = match ink {
+                Ink::Text => palette.text,
+                Ink::Truth => palette.truth.gamma_multiply(0.45),
+                Ink::Filter(color) => palette.shade(*color),
+            };
+            match mark {
+                Mark::Line => spark.paint(painter, rect, color),
+                Mark::Dots => painter.extend(spark.ends(rect).map(|end| Shape::circle_filled(end, 1.1, color))),
+                Mark::Band => {
+                    let mut mesh = Mesh::default();
+                    for end in spark.ends(rect) {
+                        mesh.colored_vertex(end, color.gamma_multiply(0.25));
+                    }
+                    for corner in (2..mesh.vertices.len() as u32).step_by(2) {
+                        mesh.add_triangle(corner - 2, corner - 1, corner);
+                        mesh.add_triangle(corner - 1, corner, corner + 1);
+                    }
+                    painter.add(mesh);
+                }
+            }
+        }
     }
 }

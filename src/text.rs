@@ -37,7 +37,12 @@ pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
 }
 
+/// A text with a capital at its beginning, unless it begins with a symbol such as λ, ωₙ or dt.
 pub fn sentence(text: &str) -> String {
+    let word = text.split([' ', ',', ':']).next().unwrap_or_default();
+    if !word.is_ascii() || word.len() <= 2 && !word.contains(['a', 'e', 'i', 'o', 'u', 'y']) {
+        return text.to_owned();
+    }
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

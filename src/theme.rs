@@ -16,6 +16,14 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
+/// The theme that is not shown, with its name.
+pub(crate) fn other(ctx: &egui::Context) -> (Theme, &'static str) {
+    match ctx.theme() {
+        Theme::Dark => (Theme::Light, "Light theme"),
+        Theme::Light => (Theme::Dark, "Dark theme"),
+    }
+}
+
 pub fn strong() -> FontFamily {
     FontFamily::Name(STRONG.into())
 }

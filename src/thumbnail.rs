@@ -1,20 +1,30 @@
-//! Small pictures in menus: of a scenario what moves, and of a lesson what its first filter makes of a parameter, over time.
+//! Small pictures in menus: of a scenario what moves, and of a lesson the plot that its file chooses.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Context, Id};
-use kalmanscope_core::{Channel, Run, Scenario};
+use egui::{Color32, Context, Id};
+use kalmanscope_core::{Axis, Channel, Estimates, Evidence, ModelClasses, Record, Run, Scenario};
+use kalmanscope_lab::{Ensemble, Plan, Runner};
 use kalmanscope_lessons::records::source;
-use kalmanscope_lessons::{BuiltIn, Lesson};
+use kalmanscope_lessons::{self as lessons, BuiltIn, Course, Lesson};
 
 use crate::session::Budget;
-use crate::spark::{Picture, Spark, range};
+use crate::spark::{Ink, Mark, Picture, Spark, range};
+use crate::theme;
 
+/// The room above and below the courses, as a share of their range.
+const MARGIN: f64 = 0.08;
+
+/// The range of a picture follows from what comes after this part of it: a guess may be far off.
 const BEGINNING: usize = 20;
 
-const LEAST: f64 = 0.1;
-
 const PIECE: usize = 32;
+
+/// The cells that are computed side by side.
+const PORTION: usize = 8;
+
+/// The cells across and up in the picture of a map.
+const CELLS: [usize; 2] = [24, 12];
 
 #[derive(Clone)]
 enum Thumbnail {
@@ -23,9 +33,15 @@ enum Thumbnail {
 }
 
 struct Making {
-    run: Run,
-    /// The parameter whose estimate is drawn; the motion if there is none.
-    parameter: Option<Channel>,
+    work: Work,
+    /// Of a lesson; without it the motion is drawn.
+    picture: Option<lessons::Picture>,
+}
+
+enum Work {
+    Run(Box<Run>),
+    /// The scores of a map's cells so far.
+    Map(Box<Runner>, Vec<f64>),
 }
 
 /// The picture of a scenario: its first mass, or the first sensor of its measured record. `None` until it is made, or if there is
@@ -34,8 +50,7 @@ pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Picture>
     in_turn(ctx, entry.file, || Making::motion(&entry.scenario().ok()?))
 }
 
-/// The picture of a lesson: the first parameter that it speaks of, as the first filter estimates it, or the motion. `None` until
-/// it is made, or if there is none.
+/// The picture that the lesson's file chooses. `None` until it is made, or if there is none.
 pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> {
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
 }
@@ -76,67 +91,167 @@ fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) ->
 impl Making {
     fn motion(scenario: &Scenario) -> Option<Self> {
         let scenario = Scenario { filters: Vec::new(), ..scenario.clone() };
-        let run = Run::from_source(&scenario, source(&scenario).ok()?).ok()?;
-        Some(Self { run, parameter: None })
+        Some(Self { work: run(&scenario)?, picture: None })
     }
 
     fn of_lesson(lesson: &Lesson) -> Option<Self> {
-        let scenario = lesson.first_scenario().ok()?;
-        let of_step = lesson.steps.iter().flat_map(|step| step.channels.iter().copied());
-        let parameters = scenario.plant.kind.channels().iter().copied();
-        let mut channels = of_step.chain(parameters).filter(|channel| channel.is_parameter());
-        // One that samples takes long.
-        let first = scenario.filters.first().filter(|filter| !filter.kind.is_sampled());
-        let alone = first.map(|first| Scenario { filters: vec![first.clone()], ..scenario.clone() });
-        let run = alone.and_then(|alone| Run::from_source(&alone, source(&alone).ok()?).ok());
-        let parameter = run.as_ref().and_then(|run| {
-            let estimates = run.estimates().first()?;
-            channels.find(|channel| estimates.place(*channel).is_some())
-        });
-        match (run, parameter) {
-            (Some(run), Some(parameter)) => Some(Self { run, parameter: Some(parameter) }),
-            _ => Self::motion(&scenario),
-        }
+        let picture = lesson.picture.clone()?;
+        let number = picture.step.checked_sub(1)?;
+        let mut scenario = lesson.scenario_at(number).ok()?;
+        let work = if picture.show == Course::Map {
+            let map = lesson.steps.get(number)?.map.as_ref()?;
+            scenario.filters.retain(|filter| filter.name == map.filter);
+            let axis = |text: &str, count: usize| Some(Axis { count, ..Axis::parse(text).ok()? });
+            let axes = vec![axis(&map.x, CELLS[0])?, axis(&map.y, CELLS[1])?];
+            let plan = Plan { filters: vec![0], measures: vec![map.measure], axes, times: 0 };
+            let source = source(&scenario).ok()?;
+            Work::Map(Box::new(Runner::new(Ensemble::new(scenario, plan).ok()?, source).ok()?), Vec::new())
+        } else {
+            scenario.filters.retain(|filter| picture.filters.is_empty() || picture.filters.contains(&filter.name));
+            run(&scenario)?
+        };
+        Some(Self { work, picture: Some(picture) })
     }
 
-    /// Continues until `while_time` returns false. Returns whether the run is at its end.
+    /// Continues until `while_time` returns false. Returns whether the work is done.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { run, .. } = self;
-        while run.done() < run.samples() {
-            let before = run.done();
-            run.advance_to(before + PIECE);
-            // A truth that overflows ends before.
-            if run.done() == before {
-                break;
-            }
-            if !while_time() {
-                return false;
+        loop {
+            let is_done = match &mut self.work {
+                Work::Run(run) => {
+                    let before = run.done();
+                    run.advance_to(before + PIECE);
+                    // A truth that overflows ends before.
+                    run.done() == before || run.done() == run.samples()
+                }
+                Work::Map(runner, scores) => {
+                    let end = runner.ensemble().cells().min(scores.len() + PORTION);
+                    scores.extend(runner.rows(&(scores.len()..end).collect::<Vec<_>>()));
+                    scores.len() == runner.ensemble().cells()
+                }
+            };
+            if is_done || !while_time() {
+                return is_done;
             }
         }
-        true
     }
 
     fn picture(&self) -> Option<Picture> {
-        let Self { run, parameter } = self;
-        let record = run.record();
-        let Some(channel) = *parameter else {
-            let sensor = || (!record.sensors().is_empty()).then(|| record.measured(0));
-            let motion = record.truth(Channel::DISPLACEMENT).or_else(sensor)?;
-            return Some(Picture { course: Spark::new(motion), truth: None });
+        match (&self.work, &self.picture) {
+            (Work::Map(_, scores), _) => Some(Picture { cells: (CELLS[1], colors(scores)), ..Picture::default() }),
+            (Work::Run(run), Some(picture)) => Some(sketch(run, picture)),
+            (Work::Run(run), None) => {
+                let record = run.record();
+                let sensor = || (!record.sensors().is_empty()).then(|| record.measured(0));
+                let motion = record.truth(Channel::DISPLACEMENT).or_else(sensor)?;
+                let courses = vec![(Mark::Line, Ink::Text, Spark::new(motion))];
+                Some(Picture { courses, ..Picture::default() })
+            }
+        }
+    }
+}
+
+fn run(scenario: &Scenario) -> Option<Work> {
+    Run::from_source(scenario, source(scenario).ok()?).ok().map(Box::new).map(Work::Run)
+}
+
+/// The colours of scores by the decades between the smallest and the largest, but for a few at either end.
+fn colors(scores: &[f64]) -> Vec<Color32> {
+    let decades: Vec<f64> = scores.iter().map(|score| score.abs().max(f64::MIN_POSITIVE).log10()).collect();
+    let mut sorted: Vec<f64> = decades.iter().copied().filter(|score| score.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let few = sorted.len() / 20;
+    let [low, high] = [few, sorted.len().saturating_sub(few + 1)].map(|at| sorted.get(at).copied().unwrap_or(0.0));
+    let share = |score: &f64| if score.is_finite() { (score - low) / (high - low).max(1e-9) } else { 1.0 };
+    decades.iter().map(|score| theme::sequential(share(score) as f32)).collect()
+}
+
+/// The lower and the upper value of each sample.
+type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
+
+fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
+    let (record, show) = (run.record(), picture.show);
+    let first = || run.channels().into_iter().find(|channel| channel.is_parameter());
+    let channel = picture.channel.or_else(first).unwrap_or(Channel::DISPLACEMENT);
+    let sensor = picture.sensor.and_then(|sensor| sensor.place_in(record.sensors())).unwrap_or(0);
+    let reading = |place: usize| -> Values<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
+    let smoothed = run.smoothed();
+    let evidence: &[Evidence] = &run.estimates().iter().map(Evidence::new).collect::<Vec<_>>();
+    let mut drawn: Vec<(Mark, Ink, Values<'_>)> = Vec::new();
+    match show {
+        Course::Measured => drawn.push((Mark::Line, Ink::Text, reading(sensor))),
+        Course::Estimate => {
+            let reads = record.sensors().iter().position(|sensor| sensor.channel() == Some(channel));
+            drawn.extend(reads.map(|place| (Mark::Dots, Ink::Truth, reading(place))));
+            if let Some(truth) = record.truth(channel) {
+                drawn.push((Mark::Line, Ink::Truth, Box::new(|k| [truth[k]; 2])));
+            }
+        }
+        Course::LearntNoise => {
+            let std = run.scenario().sensors.get(sensor).map_or(f64::NAN, |sensor| sensor.noise_std);
+            drawn.push((Mark::Line, Ink::Truth, Box::new(move |_| [std; 2])));
+        }
+        _ => {}
+    }
+    let probability = |place: usize, k: usize| {
+        let all = ModelClasses::new(evidence.iter().map(|one| one.at(k).unwrap_or(f64::NEG_INFINITY)));
+        [place, place + 1].map(|count| all.probabilities().iter().take(count).sum())
+    };
+    for (place, estimates) in run.estimates().iter().chain(&smoothed).enumerate() {
+        let ink = Ink::Filter(estimates.color());
+        if show == Course::Probability {
+            drawn.push((Mark::Band, ink, Box::new(move |k| probability(place, k))));
+            continue;
+        }
+        let belief = move |k: usize| belief(estimates, record, (show, channel, sensor), k).unwrap_or([f64::NAN; 2]);
+        let is_centred = matches!(show, Course::Error | Course::Innovation);
+        let band = move |k: usize| {
+            let [mean, std] = belief(k);
+            [-2.0, 2.0].map(|sigmas| sigmas * std + if is_centred { 0.0 } else { mean })
         };
-        let estimates = run.estimates().first()?;
+        let mark = if show == Course::Innovation { Mark::Dots } else { Mark::Line };
+        drawn.push((Mark::Band, ink, Box::new(band)));
+        drawn.push((mark, ink, Box::new(move |k| [belief(k)[0]; 2])));
+    }
+    let sample = |time: f64| ((time / record.dt()).round() as usize).min(run.len());
+    let (begin, end) = (picture.from.map_or(0, sample), picture.to.map_or(run.len(), sample));
+    let len = end.saturating_sub(begin);
+    // A band may begin far wider than what it ends as.
+    let is_narrow = |mark: Mark| mark != Mark::Band || show == Course::Probability;
+    let narrow = drawn.iter().filter(|(mark, ..)| is_narrow(*mark));
+    let late = narrow.flat_map(|(_, _, of)| (begin + len / BEGINNING..end).flat_map(of)).collect::<Vec<f64>>();
+    let (low, high) = picture.range.map_or_else(|| range(&late), |[low, high]| (low, high));
+    let margin = if show == Course::Probability { 0.0 } else { MARGIN * (high - low) };
+    let bounds = if low < high { (low - margin, high + margin) } else { (low - 1.0, low + 1.0) };
+    let spark = |of: &Values<'_>| Spark::over(bounds, len, |k| of(begin + k));
+    let courses = drawn.iter().map(|(mark, ink, of)| (*mark, *ink, spark(of))).collect();
+    Picture { courses, ..Picture::default() }
+}
+
+/// The value that a picture draws at sample `k`, and its standard deviation.
+fn belief(
+    estimates: &Estimates,
+    record: &Record,
+    (show, channel, sensor): (Course, Channel, usize),
+    k: usize,
+) -> Option<[f64; 2]> {
+    if k >= estimates.len() {
+        return None;
+    }
+    let of_channel = || {
         let place = estimates.place(channel)?;
-        let course: Vec<f64> = (0..estimates.len()).map(|k| estimates.mean(k)[place]).collect();
-        let truth = record.truth(channel);
-        let late = range(course.get(course.len() / BEGINNING..)?);
-        let (low, high) = truth.map_or(late, |truth| {
-            let (low, high) = range(truth);
-            (low.min(late.0), high.max(late.1))
-        });
-        let middle = 0.5 * (low + high);
-        let half = (0.6 * (high - low)).max(LEAST * middle.abs());
-        let shape = |values: &[f64]| Spark::between((middle - half, middle + half), values);
-        Some(Picture { course: shape(&course), truth: truth.map(shape) })
+        Some([estimates.canonical_mean(k, place), estimates.std(k, place)])
+    };
+    match show {
+        Course::Estimate => of_channel(),
+        Course::Error => of_channel().and_then(|[mean, std]| Some([mean - record.truth(channel)?.get(k)?, std])),
+        Course::Innovation => {
+            let sensors = estimates.sensors().len();
+            let variance = estimates.innovation_cov(k).get(sensor * (sensors + 1))?;
+            Some([*estimates.innovation(k).get(sensor)?, variance.sqrt()])
+        }
+        Course::LearntNoise => estimates.sensor_noise(k, sensor),
+        Course::ProcessScale => estimates.process_scale(k),
+        Course::Measured | Course::Probability | Course::Map => None,
     }
 }
 
@@ -154,35 +269,21 @@ mod tests {
         let of_scenarios = built_in.map(|entry| (entry.title, Making::motion(&entry.scenario().unwrap())));
         for (title, making) in of_lessons.chain(of_scenarios) {
             let mut making = making.unwrap_or_else(|| panic!("{title}"));
+            let done = |making: &Making| match &making.work {
+                Work::Run(run) => (run.done(), PIECE),
+                Work::Map(_, scores) => (scores.len(), PORTION),
+            };
             // One piece at a time: no frame waits for a whole run.
-            let (mut pieces, mut before) = (0, 0);
+            let mut before = 0;
             while !making.advance(&mut || false) {
-                assert!(making.run.done() <= before + PIECE, "{title}");
-                (pieces, before) = (pieces + 1, making.run.done());
+                let (now, piece) = done(&making);
+                assert!((before + 1..=before + piece).contains(&now), "{title}");
+                before = now;
             }
-            assert!(pieces >= making.run.samples() / PIECE - 1, "{title}: {pieces}");
-            assert!(making.picture().is_some(), "{title}");
+            let Picture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
+            // Of a scenario nothing may move.
+            let is_flat = courses.iter().all(|(_, _, spark)| spark.is_flat()) && cells.1.is_empty();
+            assert!(!is_flat || making.picture.is_none(), "{title}");
         }
-    }
-
-    #[test]
-    fn pictures_come_one_after_the_other() {
-        let ctx = Context::default();
-        let mut came = [None; 2];
-        for frame in 0..10_000 {
-            let mut shown = [false; 2];
-            ctx.run_ui(egui::RawInput::default(), |ui| {
-                shown = [0, 1].map(|at| of_scenario(ui.ctx(), &BUILT_IN[at]).is_some());
-            })
-            .textures_delta
-            .clear();
-            for (came, _) in came.iter_mut().zip(shown).filter(|(came, shown)| came.is_none() && *shown) {
-                *came = Some(frame);
-            }
-            if came[1].is_some() {
-                break;
-            }
-        }
-        assert!(came[0].is_some() && came[0] < came[1], "{came:?}");
     }
 }

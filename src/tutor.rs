@@ -17,6 +17,7 @@ use crate::team::Precision;
 use crate::visibility::Visibility;
 
 pub(crate) use menu::{invitation_ui, menu_ui};
+pub(crate) use panel::text_id;
 
 pub struct Tutor {
     lesson: Lesson,
@@ -86,7 +87,7 @@ impl Tutor {
         if self.lit.is_empty()
             && let Some(change) = self.current().and_then(|step| step.change.as_ref())
         {
-            self.lit = change.adjustment.paths();
+            self.lit = change.paths();
         }
         for path in &mut self.lit {
             *path = scenario.address_by_id(path);
@@ -148,7 +149,7 @@ impl Tutor {
     /// [`LessonError`] where the scenario no longer has the target of the change.
     pub fn change(&mut self, session: &mut Session) -> Result<(), LessonError> {
         if let Some(change) = self.current().and_then(|step| step.change.as_ref()) {
-            session.edit(&change.adjustment.change(session.scenario())?)?;
+            session.edit(&change.change(session.scenario())?)?;
             self.changed = true;
             self.show(session);
         }
@@ -267,48 +268,4 @@ fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
     };
     choice.check(&scenario)?;
     Ok(choice)
-}
-
-#[cfg(test)]
-mod tests {
-    use kalmanscope_core::{Channel, Measure};
-
-    use super::*;
-
-    #[test]
-    fn the_maps_of_all_lessons_are_possible() {
-        let mut maps = 0;
-        for lesson in kalmanscope_lessons::lessons() {
-            let lesson = lesson.expect("a built-in lesson can be read");
-            let scenarios = lesson.scenarios().expect("its changes are possible");
-            for (step, scenario) in lesson.steps.iter().zip(&scenarios) {
-                let Some(map) = &step.map else { continue };
-                maps += 1;
-                let choice = choice_of(map, scenario).unwrap_or_else(|error| panic!("{}: {error}", lesson.title));
-                for axis in &choice.axes {
-                    // Another filter's name would not change the map's own filter.
-                    assert!(!axis.key.starts_with("filters.") || axis.key.starts_with("filters.*."), "{}", axis.key);
-                }
-            }
-        }
-        assert!(maps >= 8, "{maps} maps");
-    }
-
-    #[test]
-    fn an_impossible_map_is_told() {
-        let map = Map {
-            x: "seed=1:9:9".to_owned(),
-            y: "filters.*.fading=1:1.1:5".to_owned(),
-            measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
-            filter: "EKF".to_owned(),
-            second: Some("UKF".to_owned()),
-        };
-        let scenario = Scenario::default();
-        let of = |map: &Map| choice_of(map, &scenario).map(|choice| (choice.filter, choice.second));
-        assert!(of(&map).is_ok_and(|(first, second)| second.is_some_and(|second| second != first)));
-        let error = |map: Map| of(&map).unwrap_err();
-        assert!(error(Map { filter: "KF".to_owned(), ..map.clone() }).contains("no filter `KF`"));
-        assert!(error(Map { y: map.x.clone(), ..map.clone() }).contains("both axes"));
-        assert!(error(Map { x: "seed=1:999:999".to_owned(), ..map }).contains("may have 256"));
-    }
 }

@@ -12,6 +12,8 @@ use crate::LessonError;
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Adjustment {
+    /// The text of the button that makes the changes; empty for those before the first step.
+    pub label: String,
     /// Filters to remove, by their names.
     pub remove_filters: Vec<String>,
     /// Filters to add, as in a scenario file; `like = "NAME"` copies missing settings from another filter.
@@ -22,40 +24,6 @@ pub struct Adjustment {
     pub add_sensors: Vec<Sensor>,
     /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std.natural_frequency" = 1e-3`.
     pub set: Table,
-}
-
-/// A change with the button that makes it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(from = "LabelledChange")]
-pub struct Change {
-    /// The button's text.
-    pub label: String,
-    /// The change.
-    pub adjustment: Adjustment,
-}
-
-/// A change as in a file, where label and adjustment are one table.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LabelledChange {
-    label: String,
-    #[serde(default)]
-    remove_filters: Vec<String>,
-    #[serde(default)]
-    add_filters: Vec<Table>,
-    #[serde(default)]
-    remove_sensors: Vec<Quantity>,
-    #[serde(default)]
-    add_sensors: Vec<Sensor>,
-    #[serde(default)]
-    set: Table,
-}
-
-impl From<LabelledChange> for Change {
-    fn from(change: LabelledChange) -> Self {
-        let LabelledChange { label, remove_filters, add_filters, remove_sensors, add_sensors, set } = change;
-        Self { label, adjustment: Adjustment { remove_filters, add_filters, remove_sensors, add_sensors, set } }
-    }
 }
 
 impl Adjustment {
@@ -75,7 +43,7 @@ impl Adjustment {
     /// # Errors
     /// [`LessonError`] where the scenario lacks something to change.
     pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
-        let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
+        let Self { label: _, remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
         let (mut change, mut scenario) = (setting::Change::default(), scenario.clone());
         for name in remove_filters {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
@@ -102,7 +70,7 @@ impl Adjustment {
     /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
     /// added sensor its noise.
     pub fn paths(&self) -> Vec<String> {
-        let Self { remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
+        let Self { label: _, remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
         let name = |filter: &Table| Some(format!("filters.{}.name", filter.get("name")?.as_str()?));
         let filters = add_filters.iter().filter_map(name);
         let sensors = add_sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key()));
@@ -159,18 +127,12 @@ mod tests {
     use super::*;
     use kalmanscope_core::{Channel, FilterKind};
 
-    fn change(text: &str) -> Change {
-        toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
+    fn change(text: &str) -> Adjustment {
+        toml::from_str(text).unwrap()
     }
 
     fn apply(text: &str) -> Result<Scenario, LessonError> {
-        change(text).adjustment.apply(&Scenario::default())
-    }
-
-    #[test]
-    fn nothing_changed_is_the_same_scenario() {
-        assert_eq!(apply("").unwrap(), Scenario::default());
-        assert_eq!(Adjustment::default().apply(&Scenario::default()).unwrap(), Scenario::default());
+        change(text).apply(&Scenario::default())
     }
 
     #[test]
@@ -196,16 +158,9 @@ mod tests {
             "set = { \"filters.EKF.fading\" = 1.01, dt = 0.1 }\nadd_filters = [{ like = \"EKF\", name = \"P\" }]\n\
              add_sensors = [{ measures = \"acceleration\", noise_std = 0.5 }]\nremove_filters = [\"UKF\"]",
         );
-        let mut paths = change.adjustment.paths();
+        let mut paths = change.paths();
         paths.sort();
         assert_eq!(paths, ["dt", "filters.EKF.fading", "filters.P.name", "sensors.acceleration.noise_std"]);
-    }
-
-    #[test]
-    fn tables_are_merged_and_values_replaced() {
-        let mut below: Table = "a = 1\n[t]\nb = 2\nc = 3".parse().unwrap();
-        lay_over(&mut below, &"a = 9\nd = 5\n[t]\nb = 7".parse().unwrap());
-        assert_eq!(below, "a = 9\nd = 5\n[t]\nb = 7\nc = 3".parse().unwrap());
     }
 
     #[test]
@@ -229,7 +184,7 @@ mod tests {
         assert!(unknown.contains("unknown field `fadng`"), "{unknown}");
         let impossible = apply("set = { \"filters.EKF.fading\" = 0.5 }").unwrap_err().to_string();
         assert!(impossible.contains("filters[0].fading"), "{impossible}");
-        let unknown = toml::from_str::<Change>("label = \"x\"\nsett = {}").unwrap_err().to_string();
+        let unknown = toml::from_str::<Adjustment>("sett = {}").unwrap_err().to_string();
         assert!(unknown.contains("sett"), "{unknown}");
     }
 }

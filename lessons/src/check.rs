@@ -6,8 +6,7 @@ use kalmanscope_core::{Channel, MeasureKind, Quantity, Scenario, Times, Value, V
 use serde::Deserialize;
 
 use crate::LessonError;
-use crate::grid::Cells;
-use crate::limits::{Expected, Limits};
+use crate::grid::{Cells, is_within};
 
 /// The share of all records in which a check holds that states none.
 pub(crate) const NEARLY_ALL: f64 = 0.98;
@@ -35,26 +34,20 @@ pub struct Check {
     pub to: Option<f64>,
     /// Divides by the same measure of another filter.
     pub than: Option<String>,
-    /// Divides by the same measure of smoothed estimates, of the same filter unless `than` names another.
-    #[serde(default)]
-    pub than_smoothed: bool,
     /// Divides by the same measure before the step's change.
     #[serde(default)]
     pub before: bool,
     /// Divides by the same measure at another time.
     pub than_at: Option<f64>,
-    /// Divides by the same measure over a range from another time on.
-    pub than_from: Option<f64>,
-    /// Divides by the same measure over a range until another time.
-    pub than_to: Option<f64>,
     /// Measures the share of the cells of a grid in which the measure keeps within limits.
     pub cells: Option<Cells>,
     /// The measured number must be above this.
     pub above: Option<f64>,
     /// The measured number must be below this.
     pub below: Option<f64>,
-    /// The result must be this.
-    pub is: Option<Expected>,
+    /// The word must be one of these, for a measure that is none of numbers.
+    #[serde(default)]
+    pub is: Vec<String>,
     /// The share of all records in which the check holds; nearly all if left out: 98 %. The text of the step must state
     /// a lower share.
     #[serde(default = "nearly_all")]
@@ -75,16 +68,12 @@ impl Check {
 
     /// The samples to compare with.
     pub fn reference_times(&self) -> Times {
-        let other = Times { at: self.than_at, from: self.than_from, to: self.than_to };
-        if other == Times::default() { self.times() } else { other }
+        self.than_at.map_or_else(|| self.times(), |at| Times { at: Some(at), ..Times::default() })
     }
 
     /// The filter to compare with, and whether its smoothed estimates are meant.
     pub(crate) fn reference_filter(&self) -> (&str, bool) {
-        match &self.than {
-            Some(than) => (than, self.than_smoothed),
-            None => (&self.filter, self.smoothed || self.than_smoothed),
-        }
+        self.than.as_ref().map_or((&self.filter, self.smoothed), |than| (than, false))
     }
 
     /// Whether it is about a verdict.
@@ -94,12 +83,12 @@ impl Check {
 
     /// Whether the result is a ratio.
     pub fn is_relative(&self) -> bool {
-        self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
+        self.before || self.than.is_some() || self.than_at.is_some()
     }
 
     /// Whether a value meets the check; of a check over cells, a share of them.
     pub fn holds(&self, value: &Value) -> bool {
-        Limits { above: self.above, below: self.below, is: self.is.as_ref() }.hold(value)
+        is_within(value, (self.above, self.below), &self.is)
     }
 
     /// Validates the check against a scenario.
@@ -121,28 +110,23 @@ impl Check {
         if let Some(cells) = &self.cells {
             cells.validate(scenario)?;
         }
-        let own = Limits { above: self.above, below: self.below, is: self.is.as_ref() };
+        let own = (self.above.or(self.below).is_some(), !self.is.is_empty());
         // Those of the measure; a check over cells has others for their share.
-        let Limits { above, below, is } = self.cells.as_ref().map_or(own, Cells::limits);
-        let number = above.is_some() || below.is_some();
+        let (number, word) =
+            self.cells.as_ref().map_or(own, |cells| (cells.above.or(cells.below).is_some(), !cells.is.is_empty()));
         let kind = self.measure.info().kind;
-        let is_number = !matches!(kind, ValueKind::Verdict | ValueKind::Cause | ValueKind::Words | ValueKind::Flag);
-        let fits = match is {
-            Some(Expected::Flag(_)) => kind == ValueKind::Flag,
-            Some(Expected::Word(_) | Expected::OneOf(_)) => matches!(kind, ValueKind::Verdict | ValueKind::Words),
-            None => is_number,
-        };
-        let wrong = if kind == ValueKind::Cause {
-            "cannot be of `cause`: a search takes too long"
+        let is_word = matches!(kind, ValueKind::Verdict | ValueKind::Words);
+        let wrong = if matches!(kind, ValueKind::Cause | ValueKind::Flag) {
+            "must be of a number, a verdict or a remark"
         } else if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
         } else if self.measure.needs_sensor() && self.sensor.is_none() {
             "lacks a `sensor`"
-        } else if is_number && !(number && fits) {
+        } else if !is_word && (!number || word) {
             "needs `above` or `below`"
-        } else if !is_number && (number || self.is_relative() || !fits) {
+        } else if is_word && (!word || number || self.is_relative()) {
             "needs `is`, and nothing to compare with"
-        } else if self.cells.is_some() && (self.before || own.is.is_some() || own.above.or(own.below).is_none()) {
+        } else if self.cells.is_some() && (self.before || own != (true, false)) {
             "over cells needs `above` or `below` for their share, and cannot compare with `before`"
         } else if !(self.share > 0.0 && self.share <= 1.0) {
             "needs a `share` above 0 and up to 1"
@@ -163,8 +147,8 @@ impl fmt::Display for Check {
             let one = |word: &str, t: Option<f64>| t.map_or(String::new(), |t| format!(" {word} {t} s"));
             one("at", at) + &one("from", from) + &one("to", to)
         };
-        let hindsight = |smoothed: bool| if smoothed { ", smoothed" } else { "" };
-        write!(f, "{} of {}{}", self.measure, self.filter, hindsight(self.smoothed))?;
+        let hindsight = if self.smoothed { ", smoothed" } else { "" };
+        write!(f, "{} of {}{hindsight}", self.measure, self.filter)?;
         if let Some(channel) = self.channel {
             write!(f, " in {}", channel.key())?;
         }
@@ -172,33 +156,26 @@ impl fmt::Display for Check {
         if self.is_relative() {
             let before = if self.before { " before" } else { "" };
             let other = self.than.as_deref().unwrap_or("that");
-            write!(f, ", over {other}{}{before}", hindsight(self.than_smoothed))?;
-            if self.reference_times() != self.times() {
-                write!(f, "{}", time(self.reference_times()))?;
-            }
+            let at = self.than_at.map_or(String::new(), |_| time(self.reference_times()));
+            write!(f, ", over {other}{before}{at}")?;
         }
         if let Some(Cells { x, y, above, below, is }) = &self.cells {
-            limits(f, *above, *below, is.as_ref())?;
+            limits(f, (*above, *below), is)?;
             write!(f, "; share of the cells of {x}")?;
             if let Some(y) = y {
                 write!(f, " and {y}")?;
             }
         }
-        limits(f, self.above, self.below, self.is.as_ref())
+        limits(f, (self.above, self.below), &self.is)
     }
 }
 
 /// Writes the limits of a number or the expected words.
-fn limits(f: &mut fmt::Formatter<'_>, above: Option<f64>, below: Option<f64>, is: Option<&Expected>) -> fmt::Result {
+fn limits(f: &mut fmt::Formatter<'_>, (above, below): (Option<f64>, Option<f64>), is: &[String]) -> fmt::Result {
     for (word, limit) in [("above", above), ("below", below)] {
         if let Some(limit) = limit {
             write!(f, ", {word} {limit:?}")?;
         }
     }
-    match is {
-        Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
-        Some(Expected::Word(word)) => write!(f, ", {word}"),
-        Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
-        None => Ok(()),
-    }
+    if is.is_empty() { Ok(()) } else { write!(f, ", {}", is.join(" or ")) }
 }

@@ -81,24 +81,11 @@ impl Claim {
         let quantile = |q: f64| Value::Number(numbers[((numbers.len() - 1) as f64 * q).round() as usize]).to_string();
         [0.0, 0.02, 0.1, 0.5, 0.9, 0.98, 1.0].map(quantile).join(" | ")
     }
-
-    /// The least and the largest number, or all words.
-    fn span(&self) -> String {
-        if let [least, .., largest] = self.numbers()[..] {
-            return format!("{} … {}", Value::Number(least), Value::Number(largest));
-        }
-        let words: Vec<String> = self.words().into_iter().map(|(word, _)| word).collect();
-        words.join(", ")
-    }
 }
 
 impl fmt::Display for Claim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { lesson, step, check, .. } = self;
-        write!(f, "{lesson}, step {}: {check}: {}", step + 1, self.span())?;
-        for (seed, value) in self.failures() {
-            write!(f, "; fails with seed {seed}: {value}")?;
-        }
-        if self.is_about_nearly_all() { Ok(()) } else { write!(f, " (in {:.0} % of the records)", 100.0 * check.share) }
+        f.write_str(&self.summary())?;
+        self.failures().try_for_each(|(seed, value)| write!(f, "; fails with seed {seed}: {value}"))
     }
 }

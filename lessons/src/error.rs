@@ -40,6 +40,9 @@ pub enum LessonError {
     /// A question lacks something, or its answer is none of its choices.
     #[error("the question {0}")]
     Question(String),
+    /// A picture shows what its lesson lacks.
+    #[error("the picture needs a {0} that the lesson lacks")]
+    Picture(&'static str),
     /// A record is not built in.
     #[error("the record `{0}` does not come along")]
     UnknownRecord(String),
@@ -51,6 +54,9 @@ pub enum LessonError {
         /// The reason.
         reason: String,
     },
+    /// The button of a change has no text.
+    #[error("the change has no `label`")]
+    NoLabel,
     /// The lesson has no step.
     #[error("the lesson has no step")]
     NoStep,

@@ -1,11 +1,10 @@
 //! Grids over settings: the map that a step shows in the laboratory, and the cells of a check.
 
 use kalmanscope_core::setting::{Address, SEED};
-use kalmanscope_core::{Axis, Measure, Scenario};
+use kalmanscope_core::{Axis, Measure, Scenario, Value};
 use serde::Deserialize;
 
 use crate::LessonError;
-use crate::limits::{Expected, Limits};
 
 /// Limits the values on one axis: a check runs the scenario for each.
 const MOST: usize = 256;
@@ -45,6 +44,14 @@ pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>,
 fn check_corners(scenario: &Scenario, axes: &[Axis]) -> Result<(), LessonError> {
     let ends: Vec<Axis> = axes.iter().map(|axis| Axis { count: 2, ..axis.clone() }).collect();
     cells(scenario, &ends).map(|_| ())
+}
+
+/// Whether a number is between limits, or a word is one of those that are expected.
+pub(crate) fn is_within(value: &Value, (above, below): (Option<f64>, Option<f64>), is: &[String]) -> bool {
+    match value {
+        Value::Number(x) => !x.is_nan() && above.is_none_or(|limit| *x > limit) && below.is_none_or(|limit| *x < limit),
+        words => words.words().iter().any(|word| is.iter().any(|one| one == word)),
+    }
 }
 
 /// A map over two settings, in the words of the laboratory.
@@ -96,14 +103,15 @@ pub struct Cells {
     pub above: Option<f64>,
     /// The measure must be below this in the cell.
     pub below: Option<f64>,
-    /// The word must be this in the cell.
-    pub is: Option<Expected>,
+    /// The word must be one of these in the cell.
+    #[serde(default)]
+    pub is: Vec<String>,
 }
 
 impl Cells {
-    /// The limits of the measure in a cell.
-    pub(crate) fn limits(&self) -> Limits<'_> {
-        Limits { above: self.above, below: self.below, is: self.is.as_ref() }
+    /// Whether a value in a cell keeps within the limits.
+    pub(crate) fn hold(&self, value: &Value) -> bool {
+        is_within(value, (self.above, self.below), &self.is)
     }
 
     /// The axes.

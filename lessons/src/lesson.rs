@@ -1,12 +1,12 @@
 //! Lessons and their files.
 
-use kalmanscope_core::document::{self, Document};
+use kalmanscope_core::document;
 use kalmanscope_core::{Channel, Scenario};
 use serde::Deserialize;
 use toml::Table;
 
-use crate::adjustment::{self, Adjustment, Change};
-use crate::{BuiltIn, Check, LessonError, Map, Question};
+use crate::adjustment::{self, Adjustment};
+use crate::{BuiltIn, Check, LessonError, Map, Picture, Question};
 
 /// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -14,10 +14,12 @@ use crate::{BuiltIn, Check, LessonError, Map, Question};
 pub struct Lesson {
     /// The title in the menu.
     pub title: String,
-    /// The group in the menu.
-    pub group: String,
+    /// The course in the menu.
+    pub course: String,
     /// A sentence on what the lesson teaches.
     pub summary: String,
+    /// The picture in the menu.
+    pub picture: Option<Picture>,
     /// The initial scenario.
     pub scenario: Base,
     /// Changes to the initial scenario, before the first step.
@@ -29,25 +31,12 @@ pub struct Lesson {
 
 /// The initial scenario of a lesson.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Document")]
+#[serde(untagged, expecting = "expected the name of a built-in scenario, or a table")]
 pub enum Base {
     /// A built-in one, by the name of its file.
     Named(String),
     /// A scenario of the lesson's own, as in a scenario file.
     Inline(Table),
-}
-
-impl TryFrom<Document> for Base {
-    type Error = &'static str;
-
-    fn try_from(document: Document) -> Result<Self, Self::Error> {
-        match document {
-            Document::String(name) => Ok(Self::Named(name)),
-            other => document::read(&other)
-                .map(Self::Inline)
-                .map_err(|_| "expected the name of a built-in scenario, or a table"),
-        }
-    }
 }
 
 /// A step of a lesson.
@@ -59,7 +48,7 @@ pub struct Step {
     /// A question that is asked before the change is made and its effect is shown.
     pub question: Option<Question>,
     /// The change, if any.
-    pub change: Option<Change>,
+    pub change: Option<Adjustment>,
     /// The effect to be seen.
     pub happens: String,
     /// Why.
@@ -93,6 +82,9 @@ impl Step {
         self.checks.iter().any(Check::is_of_verdict)
     }
 }
+
+/// The speed of a reader who thinks along.
+const WORDS_A_MINUTE: usize = 150;
 
 const fn yes() -> bool {
     true
@@ -161,6 +153,9 @@ impl Lesson {
         }
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let before = number.checked_sub(1).map_or(&first, |last| &scenarios[last]);
+            if step.change.as_ref().is_some_and(|change| change.label.trim().is_empty()) {
+                return Err(LessonError::NoLabel.in_step(number));
+            }
             if let Some(question) = &step.question {
                 // The question comes before the change.
                 question.validate(before).map_err(|error| error.in_step(number))?;
@@ -177,7 +172,23 @@ impl Lesson {
                 valid.map_err(|error| error.in_step(number))?;
             }
         }
+        if let Some(picture) = &lesson.picture {
+            let mut steps = lesson.steps.iter().zip(&scenarios);
+            let (step, scenario) = steps.nth(picture.step.wrapping_sub(1)).ok_or(LessonError::Picture("step"))?;
+            picture.validate(scenario, step.map.is_some())?;
+        }
         Ok(lesson)
+    }
+
+    /// The time that a reader takes, in whole minutes: to read every text, and half a minute a step to look.
+    pub fn minutes(&self) -> usize {
+        let texts = self.steps.iter().flat_map(|step| {
+            let Step { look, happens, why, question, .. } = step;
+            let question = question.iter().flat_map(|one| [&one.ask, &one.because].into_iter().chain(&one.choices));
+            [look, happens, why].into_iter().chain(question)
+        });
+        let words: usize = texts.map(|text| text.split_whitespace().count()).sum();
+        (words.div_ceil(WORDS_A_MINUTE) + self.steps.len() / 2).max(1)
     }
 
     /// Reads a lesson, but does not try its scenarios and checks.
@@ -209,7 +220,7 @@ impl Lesson {
         let mut scenario = self.first_scenario()?;
         for (number, step) in self.steps.iter().enumerate().take(step + 1) {
             if let Some(change) = &step.change {
-                scenario = change.adjustment.apply(&scenario).map_err(|error| error.in_step(number))?;
+                scenario = change.apply(&scenario).map_err(|error| error.in_step(number))?;
             }
         }
         Ok(scenario)
@@ -228,7 +239,7 @@ impl Lesson {
 mod tests {
     use super::*;
 
-    const HEAD: &str = "title = \"T\"\ngroup = \"Practice\"\nsummary = \"s\"\nscenario = \"stiffness-loss\"\n";
+    const HEAD: &str = "title = \"T\"\ncourse = \"Practice\"\nsummary = \"s\"\nscenario = \"stiffness-loss\"\n";
     const STEP: &str = "[[steps]]\nlook = \"l\"\nhappens = \"h\"\nwhy = \"w\"\n";
 
     #[test]
@@ -249,14 +260,6 @@ mod tests {
     }
 
     #[test]
-    fn a_lesson_may_bring_its_own_scenario() {
-        let text = format!("{HEAD}{STEP}")
-            .replace("\"stiffness-loss\"", "{ duration = 3.0, plant = { damping_ratio = 0.2 } }");
-        let scenario = Lesson::from_toml(&text).unwrap().scenario_at(0).unwrap();
-        assert_eq!((scenario.duration, scenario.plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0)), (3.0, 0.2));
-    }
-
-    #[test]
     fn errors_name_their_step() {
         let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
         for (text, message) in [
@@ -272,19 +275,15 @@ mod tests {
             ),
             (check("measure = \"rmse\", below = 1"), "step 2: the check of `rmse` lacks a `channel`"),
             (check("measure = \"nis\""), "step 2: the check of `nis` needs `above` or `below`"),
-            (check("measure = \"nis\", below = 1, than = \"KF\""), "step 2: the scenario has no filter `KF`"),
             (
-                check("measure = \"verdict\", is = true"),
+                check("measure = \"verdict\", below = 1"),
                 "step 2: the check of `verdict` needs `is`, and nothing to compare with",
             ),
             (
                 check("measure = \"nis\", below = 1, before = true"),
                 "step 2: the check of `nis` compares with what was before, but the step changes nothing",
             ),
-            (
-                check("measure = \"nis\", below = 1, share = 80"),
-                "step 2: the check of `nis` needs a `share` above 0 and up to 1",
-            ),
+            (format!("{HEAD}{STEP}change = {{ set = {{ seed = 1 }} }}"), "step 1: the change has no `label`"),
         ] {
             let error = Lesson::from_toml(&text).unwrap_err().to_string();
             assert!(error.starts_with(message), "{error}");

@@ -80,6 +80,10 @@ impl App {
             Request::ChangeLesson => self.change_lesson(),
             Request::FinishLesson => self.finish_lesson(),
             Request::LeaveLesson => self.leave_lesson(),
+            Request::TurnLesson(forward) => {
+                let asked = self.tutor.as_ref().map_or(vec![], |tutor| tutor.turn(forward));
+                asked.into_iter().for_each(|request| self.apply(request, shown, ctx));
+            }
             Request::ToggleEntry(entry) => visible.toggle(entry),
             Request::ShowAllChannels => visible.only.clear(),
             Request::ShowAllSettings(all) => self.show_all_settings(all),

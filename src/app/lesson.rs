@@ -85,9 +85,10 @@ impl App {
     }
 
     pub(super) fn leave_lesson(&mut self) {
-        self.tutor = None;
-        self.axis.framed = None;
-        self.visible.reset();
+        if self.tutor.take().is_some() {
+            self.axis.framed = None;
+            self.visible.reset();
+        }
     }
 
     pub(super) fn studies(&self) -> Studies {

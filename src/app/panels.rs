@@ -31,7 +31,7 @@ impl App {
     ) {
         let Self { session, tutor, requests, width, drawers, all_settings, story, .. } = self;
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
-        let is_short = !*all_settings && lit.is_empty();
+        let is_short = !*all_settings;
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut edits = Edits { scenario: session.shared_scenario(), change: Change::default() };
             if is_short {

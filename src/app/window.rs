@@ -13,7 +13,7 @@ use crate::story;
 use crate::theme::{self, Palette};
 use crate::transport::{Extent, Transport};
 use crate::view::ViewContext;
-use crate::{keys, widgets};
+use crate::{keys, tutor, widgets};
 
 /// Limits the width of a window that shows its settings in a drawer under the plots \[points\].
 pub(super) const NARROW: f32 = 720.0;
@@ -28,7 +28,7 @@ fn is_bar_wanted(ctx: &Context) -> bool {
         ctx.input(|input| input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top()));
     near || theme::is_for_fingers(ctx)
         || egui::Popup::is_any_open(ctx)
-        || ctx.memory(|memory| memory.focused().is_some())
+        || ctx.memory(|memory| memory.focused().is_some_and(|id| id != tutor::text_id()))
 }
 
 /// Limits the height of a window that shows settings beside plots, unless the user opens them \[points\].
@@ -105,7 +105,7 @@ impl App {
             keys::window_ui(ui.ctx(), &mut self.keys_open);
         }
         let Self { finder, editor, session, catalogue, requests, .. } = self;
-        finder.take_if(|finder| !finder.ui(ui.ctx(), (session, catalogue), &palette, requests));
+        finder.take_if(|finder| !finder.ui(ui.ctx(), (session, catalogue), requests));
         widgets::ring_ui(ui.ctx(), &palette);
         editor.take_if(|editor| !editor.ui(ui.ctx(), session.scenario(), &palette, requests));
         self.measure_ui(ui.ctx(), &palette);

@@ -1,26 +1,35 @@
-//! The ways to a lesson: the menu, and an invitation for new users.
+//! How a lesson is begun: the menu, and an invitation for new users.
 
-use std::ops::Range;
-
-use egui::{Button, RichText, TextWrapMode, Ui};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Align2, Button, CornerRadius, Response, RichText, Sense, Stroke, StrokeKind, TextWrapMode, Ui, vec2};
+use kalmanscope_lessons::Lesson;
 
 use super::Catalogue;
 use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::Request;
+use crate::theme::{self, Palette};
 use crate::thumbnail;
 use crate::widgets::named;
 
-/// The width of the window that the menu leaves, and the least width of a column \[points\].
+/// The width of the window that the menu leaves, and the least width of a card \[points\].
 const AROUND: f32 = 40.0;
-const LEAST: f32 = 380.0;
+const LEAST: f32 = 164.0;
 
-const MOST: usize = 3;
+/// The most cards in a row: a course has about as many.
+const MOST: usize = 7;
 
-/// The distance between lessons in columns, so that a small desktop has all of them in sight \[points\].
-const CLOSE: f32 = 3.0;
+/// The distance between cards, and from a card's edge to its contents \[points\].
+const GAP: f32 = 8.0;
+const PADDING: f32 = 7.0;
 
-const NAME: f32 = 0.4;
+/// The height of a card's picture as a share of its width, and at least and at most \[points\].
+const SHARE: f32 = 0.25;
+const HEIGHTS: (f32, f32) = (40.0, 84.0);
+
+/// The heights of two lines of a title and of the line below \[points\].
+const TITLE: f32 = 36.0;
+const FOOT: f32 = 15.0;
 
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
@@ -33,83 +42,69 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
-        let lessons = &catalogue.lessons;
+        ui.spacing_mut().item_spacing = vec2(GAP, 6.0);
         let room = ui.ctx().content_rect().width() - AROUND;
         let columns = ((room / LEAST) as usize).clamp(1, MOST);
-        let groups: Vec<&str> = lessons.iter().map(|lesson| lesson.group.as_str()).collect();
-        ui.horizontal_top(|ui| {
-            for places in even(&groups, columns) {
-                ui.vertical(|ui| {
-                    if columns > 1 {
-                        ui.spacing_mut().item_spacing.y = CLOSE;
+        let width = room / columns as f32 - GAP;
+        let mut place = 0;
+        for course in catalogue.lessons.chunk_by(|one, next| one.course == next.course) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().interact_size.y = 0.0;
+                ui.label(RichText::new(&course[0].course).family(theme::strong()).size(15.0));
+                let finished = course.iter().filter(|lesson| catalogue.is_finished(lesson)).count();
+                if finished > 0 {
+                    ui.weak(format!("{finished} of {} finished", course.len()));
+                }
+            });
+            let begin = place;
+            for row in course.chunks(columns) {
+                ui.horizontal_top(|ui| {
+                    for lesson in row {
+                        let state = (place - begin + 1, catalogue.is_finished(lesson));
+                        if card_ui(ui, lesson, state, width).clicked() {
+                            requests.push(Request::StartLesson(place));
+                            ui.close();
+                        }
+                        place += 1;
                     }
-                    ui.set_width(room / columns as f32 - ui.spacing().item_spacing.x);
-                    lessons_ui(ui, catalogue, places, requests);
                 });
             }
-        });
+        }
     });
     probe::remember(ui.ctx(), "Lessons", button.rect);
 }
 
-/// Divides the lessons among columns of about the same height. The name of a group has a height, too.
-fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
-    let fill = |limit: f32| {
-        let (mut all, mut begin, mut height) = (Vec::new(), 0, 0.0);
-        for place in 0..groups.len() {
-            let is_named = place == begin || groups[place] != groups[place - 1];
-            let more = if is_named { 1.0 + NAME } else { 1.0 };
-            if place > begin && height + more > limit {
-                all.push(begin..place);
-                (begin, height) = (place, 1.0 + NAME);
-            } else {
-                height += more;
-            }
+/// The card of a lesson: its picture, its title, and its number in the course with the minutes that it takes.
+fn card_ui(ui: &mut Ui, lesson: &Lesson, (number, is_finished): (usize, bool), width: f32) -> Response {
+    let above = (SHARE * width).clamp(HEIGHTS.0, HEIGHTS.1);
+    let size = vec2(width, above + TITLE + FOOT + 2.5 * PADDING);
+    let (rect, card) = ui.allocate_exact_size(size, Sense::click());
+    let palette = Palette::of(ui.ctx().theme());
+    let foot = format!("{number} · {} min", lesson.minutes());
+    if ui.is_rect_visible(rect) {
+        let painter = ui.painter_at(rect);
+        let is_on = card.hovered() || card.has_focus();
+        let edge = if is_on { palette.accent } else { palette.separator };
+        painter.rect(rect, CornerRadius::same(6), palette.ground, Stroke::new(1.0, edge), StrokeKind::Inside);
+        let inner = rect.shrink(PADDING);
+        let picture = inner.with_max_y(inner.top() + above);
+        if let Some(made) = thumbnail::of_lesson(ui.ctx(), lesson) {
+            made.paint(&painter.with_clip_rect(picture), picture, &palette);
         }
-        all.push(begin..groups.len());
-        all
-    };
-    let mut limit = groups.len() as f32 / columns as f32;
-    loop {
-        let all = fill(limit);
-        if all.len() <= columns {
-            return all;
-        }
-        limit += 0.1;
-    }
-}
-
-fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests: &mut Vec<Request>) {
-    let mut group = "";
-    for place in places {
-        let Some(lesson) = catalogue.at(place) else { continue };
-        if lesson.group != group {
-            group = &lesson.group;
-            ui.label(RichText::new(group).small().weak());
-        }
-        let finished = catalogue.is_finished(lesson);
-        let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
-        let button = menu::entry_ui(ui, &text, &lesson.summary, thumbnail::of_lesson(ui.ctx(), lesson));
-        let button = if finished { named(button, format!("{}, finished", lesson.title)) } else { button };
-        probe::remember(ui.ctx(), &lesson.title, button.rect);
-        if button.clicked() {
-            requests.push(Request::StartLesson(place));
-            ui.close();
+        let format = TextFormat::simple(egui::FontId::new(13.0, theme::strong()), palette.text);
+        let mut title = LayoutJob::single_section(lesson.title.clone(), format);
+        (title.wrap.max_width, title.wrap.max_rows) = (inner.width(), 2);
+        painter.galley(picture.left_bottom() + vec2(0.0, 0.5 * PADDING), painter.layout_job(title), palette.text);
+        let small = egui::FontId::proportional(11.5);
+        painter.text(inner.left_bottom(), Align2::LEFT_BOTTOM, &foot, small.clone(), palette.weak);
+        if is_finished {
+            painter.text(inner.right_bottom(), Align2::RIGHT_BOTTOM, "✓ finished", small, ui.visuals().hyperlink_color);
         }
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_groups_take_room_in_their_columns() {
-        let groups: Vec<&str> = (0..37).map(|place| ["a", "b", "c", "c", "c"][(place / 4).min(4)]).collect();
-        let lengths = |columns| even(&groups, columns).iter().map(ExactSizeIterator::len).collect::<Vec<_>>();
-        assert_eq!(lengths(3), [12, 13, 12]);
-        assert_eq!((lengths(1), lengths(2)), (vec![37], vec![18, 19]));
-        assert_eq!(even(&[], 3), vec![0..0]);
-        assert_eq!(even(&["a"], 3).len(), 1);
-    }
+    probe::remember(ui.ctx(), &lesson.title, rect);
+    let ending = if is_finished { ", finished" } else { "" };
+    card.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &lesson.title));
+    let card = named(card, format!("{}{ending}", lesson.title));
+    card.ctx.accesskit_node_builder(card.id, |node| node.set_description(format!("{foot}. {}", lesson.summary)));
+    card.on_hover_text(&lesson.summary)
 }

@@ -1,22 +1,25 @@
 //! The panel of a lesson.
 
-use egui::{Align, Button, Frame, Id, Label, Layout, Panel, RadioButton, RichText, ScrollArea, Sense, Ui};
-use kalmanscope_lessons::{Change, Question};
+use egui::{Align, Button, EventFilter, Frame, Id, Label, Layout, Panel, RadioButton, RichText, ScrollArea, Sense, Ui};
+use kalmanscope_lessons::{Adjustment, Question};
 
 use super::{Catalogue, Tutor};
 use crate::drawer::close_ui;
 use crate::request::{Answer, Request};
 use crate::theme::Palette;
+use crate::widgets::named;
 use crate::{probe, theme};
 
-/// Limits the height of a panel that leaves out the lesson's summary, which the menu has too \[points\].
-const SHORT: f32 = 450.0;
+/// The text of the step. It has the keyboard's focus when a step begins, so that Tab goes to its first control.
+pub(crate) fn text_id() -> Id {
+    Id::unique("text of the lesson's step")
+}
 
 impl Tutor {
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
         // The buttons stay on screen while the text is scrolled.
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
-            self.steps_ui(ui, catalogue, requests);
+            self.steps_ui(ui, catalogue, palette, requests);
         });
         ScrollArea::vertical().id_salt((&self.lesson.title, self.step)).auto_shrink(false).show(ui, |ui| {
             ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
@@ -44,14 +47,20 @@ impl Tutor {
     fn text_ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
         let Self { lesson, place: _, step, changed, answer, lit: _ } = self;
         let Some(current) = self.current() else { return };
-        let is_short = ui.clip_rect().height() < SHORT;
-        if *step == 0 && !is_short {
-            ui.weak(&lesson.summary);
-            ui.add_space(6.0);
-        }
-        part_ui(ui, "Look", &current.look);
+        let look = ui.scope(|ui| part_ui(ui, "Look", &current.look)).response;
         let revealed = self.is_revealed();
         let (opened, grown) = self.news(ui);
+        let text = ui.interact(look.rect, text_id(), Sense::focusable_noninteractive());
+        let text = named(text, format!("{}, step {} of {}", lesson.title, step + 1, lesson.steps.len()));
+        if opened {
+            text.request_focus();
+        }
+        if text.has_focus() {
+            // Arrows and Esc are those of the record and the views, as without a focus.
+            let filter =
+                EventFilter { horizontal_arrows: true, vertical_arrows: true, escape: true, ..EventFilter::default() };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(text_id(), filter));
+        }
         if let Some(question) = &current.question {
             let question = ui.scope(|ui| question_ui(ui, question, *answer, revealed, requests)).response;
             if opened && self.open_question().is_some() {
@@ -77,48 +86,73 @@ impl Tutor {
     fn news(&self, ui: &Ui) -> (bool, bool) {
         let state = (self.step, self.open_question().is_some(), self.is_revealed());
         let id = Id::unique(("state of the lesson's step", &self.lesson.title));
+        let frame = ui.ctx().cumulative_frame_nr();
         let before = ui.data_mut(|data| {
-            let before = data.get_temp(id);
-            data.insert_temp(id, state);
-            before
+            let before: Option<((usize, bool, bool), u64)> = data.get_temp(id);
+            data.insert_temp(id, (state, frame));
+            // Where it was not on screen in the frame before, it opens again.
+            before.filter(|(_, last)| last + 1 >= frame).map(|(state, _)| state)
         });
-        let opened = before.is_none_or(|(step, ..): (usize, bool, bool)| step != state.0);
+        let opened = before.is_none_or(|(step, ..)| step != state.0);
         (opened, !opened && before != Some(state))
     }
 
-    fn steps_ui(&self, ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
+    fn steps_ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
         let Self { lesson, place, step, .. } = self;
         let missing = self.missing();
         let button = |ui: &mut Ui, name: &str, text: String| {
-            let button = ui.add_enabled(missing.is_none(), Button::new(text));
+            let is_next = missing.is_none() && name != "Done";
+            let button = if is_next { primary(&text, palette) } else { Button::new(text) };
+            let button = ui.add_enabled(missing.is_none(), button);
             probe::remember(ui.ctx(), name, button.rect);
-            button.on_disabled_hover_text(missing.as_deref().unwrap_or_default()).clicked()
+            button.on_disabled_hover_text(missing.as_deref().unwrap_or_default())
         };
         ui.add_space(4.0);
         // Above the buttons, which do not move when it disappears.
         if let Some(missing) = &missing {
-            ui.label(RichText::new(missing).small().weak());
+            ui.add(Label::new(RichText::new(missing).small().weak()).selectable(false));
         }
         let is_last = step + 1 == lesson.steps.len();
         let next = place.map(|place| place + 1).and_then(|next| Some((next, catalogue.at(next)?)));
         if let Some((next, lesson)) = next.filter(|_| is_last)
-            && button(ui, "Next lesson", format!("Next: {}", lesson.title))
+            && button(ui, "Next lesson", format!("Next: {}", lesson.title)).clicked()
         {
             requests.extend([Request::FinishLesson, Request::StartLesson(next)]);
         }
         ui.horizontal_wrapped(|ui| {
-            if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
-                requests.push(Request::GoToStep(step - 1));
+            if ui.add_enabled(*step > 0, Button::new("Back")).on_hover_text("Key: Backspace").clicked() {
+                requests.extend(self.turn(false));
             }
-            ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
-            if !is_last {
-                if button(ui, "Next", "Next".to_owned()) {
-                    requests.push(Request::GoToStep(step + 1));
+            let of = RichText::new(format!("{} of {}", step + 1, lesson.steps.len())).weak();
+            ui.add(Label::new(of).selectable(false));
+            let name = if is_last { "Done" } else { "Next" };
+            if button(ui, name, name.to_owned()).on_hover_text("Key: N").clicked() {
+                requests.extend(self.turn(true));
+            }
+            if self.open_question().is_some() {
+                let show = ui.button("Show me").on_hover_text("Go on without an answer. Key: N");
+                probe::remember(ui.ctx(), "Show me", show.rect);
+                if show.clicked() {
+                    requests.extend(self.turn(true));
                 }
-            } else if button(ui, "Done", "Done".to_owned()) {
-                requests.extend([Request::FinishLesson, Request::LeaveLesson]);
             }
         });
+    }
+
+    /// One step of the reader's keys: what the open question, the change or the next button does, or a step back.
+    pub(crate) fn turn(&self, forward: bool) -> Vec<Request> {
+        if !forward {
+            return self.step.checked_sub(1).map(Request::GoToStep).into_iter().collect();
+        }
+        if self.open_question().is_some() {
+            vec![Request::Answer(Answer::Skipped)]
+        } else if !self.is_revealed() {
+            vec![Request::ChangeLesson]
+        } else if self.step + 1 < self.lesson.steps.len() {
+            vec![Request::GoToStep(self.step + 1)]
+        } else {
+            vec![Request::FinishLesson, Request::LeaveLesson]
+        }
     }
 
     fn missing(&self) -> Option<String> {
@@ -130,11 +164,11 @@ impl Tutor {
     }
 }
 
-fn change_ui(ui: &mut Ui, change: &Change, changed: bool, palette: &Palette, requests: &mut Vec<Request>) {
+fn change_ui(ui: &mut Ui, change: &Adjustment, changed: bool, palette: &Palette, requests: &mut Vec<Request>) {
     let button = if changed {
         Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())
     } else {
-        Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
+        primary(&change.label, palette)
     };
     let button = ui.add(button.wrap());
     probe::remember(ui.ctx(), "Change", button.rect);
@@ -142,6 +176,11 @@ fn change_ui(ui: &mut Ui, change: &Change, changed: bool, palette: &Palette, req
         requests.push(Request::ChangeLesson);
     }
     ui.add_space(6.0);
+}
+
+/// The one button of the next step.
+fn primary(text: &str, palette: &Palette) -> Button<'static> {
+    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }
 
 fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
@@ -165,12 +204,6 @@ pub(super) fn question_ui(
             revealed_choice_ui(ui, choice, chosen, question.is_right(place));
         } else if ui.add(RadioButton::new(chosen, choice.as_str())).clicked() {
             requests.push(Request::Answer(Answer::Choice(place)));
-        }
-    }
-    if answer.is_none() {
-        let text = RichText::new("Show me").color(ui.visuals().hyperlink_color);
-        if ui.add(Button::new(text).frame(false)).on_hover_text("Go on without an answer").clicked() {
-            requests.push(Request::Answer(Answer::Skipped));
         }
     }
     ui.add_space(6.0);

@@ -13,31 +13,6 @@ fn tab_to(screen: &mut Screen, label: &str) {
 }
 
 #[test]
-fn a_lesson_is_taken_by_keyboard() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    let lesson = kalmanscope_lessons::lessons().into_iter().map(Result::unwrap).nth(10).unwrap();
-    tab_to(&mut screen, "Lessons");
-    press(&mut screen, Key::Enter);
-    tab_to(&mut screen, &lesson.title);
-    press(&mut screen, Key::Enter);
-    for (number, step) in lesson.steps.iter().enumerate() {
-        assert!(screen.query_by_label(&step.look).is_some(), "step {}", number + 1);
-        if let Some(question) = &step.question {
-            tab_to(&mut screen, &question.choices[0]);
-            press(&mut screen, Key::Enter);
-        }
-        if let Some(change) = &step.change {
-            tab_to(&mut screen, &change.label);
-            press(&mut screen, Key::Enter);
-        }
-        assert!(screen.query_by_label(&step.why).is_some(), "step {}", number + 1);
-        tab_to(&mut screen, if number + 1 < lesson.steps.len() { "Next" } else { "Done" });
-        press(&mut screen, Key::Enter);
-    }
-    assert!(screen.query_by_label("Leave the lesson").is_none());
-}
-
-#[test]
 fn a_filter_is_tuned_and_compared_by_keyboard() {
     let mut screen = screen(DESKTOP, Theme::Light);
     press(&mut screen, Key::Space);

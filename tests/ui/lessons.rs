@@ -19,17 +19,6 @@ fn shown(screen: &Screen, plots: &[&str]) -> Vec<bool> {
 }
 
 #[test]
-fn a_step_shows_the_part_of_the_record_that_it_is_about_and_stands_still() {
-    let mut screen = lesson(DESKTOP, "Noise reduction");
-    let (from, to) = screen.state().axis().framed.expect("the step is about a moment");
-    assert!(to - from < 1.0);
-    assert!(!screen.state().session().playing());
-    assert_eq!(screen.state().session().time(), to);
-    click(&mut screen, "Leave the lesson");
-    assert_eq!(screen.state().axis().framed, None);
-}
-
-#[test]
 fn a_step_shows_the_channels_that_it_is_about_until_all_are_wanted() {
     let mut screen = lesson(DESKTOP, "Noise reduction");
     let plots = ["displacement", "velocity", "error of the displacement", "error of the natural frequency"];
@@ -64,6 +53,7 @@ fn a_question_and_its_choices_are_in_sight_on_a_phone() {
 #[test]
 fn a_frame_without_an_end_reaches_as_far_as_the_record() {
     let mut screen = lesson(DESKTOP, "Recursive estimation");
+    click(&mut screen, "Show me");
     click(&mut screen, "Next");
     assert_eq!(screen.state().axis().framed, Some((5.0, 30.0)));
     click(&mut screen, "Record for 60 s instead of 30 s");
@@ -90,22 +80,14 @@ fn a_lesson_has_the_room_of_the_settings_unless_they_are_wanted() {
     click(&mut screen, "Settings");
     screen.run_steps(20);
     assert!(screen.query_by_label("Truth").is_some());
-    let wide = lesson(Vec2::new(1700.0, 900.0), "Fading memory and a sudden loss");
+    let mut wide = lesson(Vec2::new(1700.0, 900.0), "Fading memory and a sudden loss");
     assert!(wide.query_by_label("Truth").is_some());
-}
-
-#[test]
-fn known_channels_have_no_chart_of_errors() {
-    let screen = lesson(DESKTOP, "Sensitivity to assumptions");
-    let plots = ["error of the displacement", "error of the natural frequency"];
-    assert_eq!(shown(&screen, &plots), [true, false]);
-}
-
-#[test]
-fn on_a_phone_the_views_are_in_the_order_of_the_step() {
-    let screen = lesson(PHONE, "Computational cost");
-    let top = |view: &str| screen.get_by_label(&format!("About {view}")).rect().top();
-    assert!(top("Errors") < top("States"));
+    click(&mut wide, "Fewer settings");
+    let width = |screen: &Screen| screen.get_by_label("All settings").rect();
+    let before = width(&wide);
+    click(&mut wide, "Show me");
+    click(&mut wide, "Next");
+    assert_eq!(width(&wide), before, "no step changes the panel");
 }
 
 pub(crate) fn is_enabled(screen: &Screen, label: &str) -> bool {
@@ -135,7 +117,37 @@ pub(crate) fn built_in(title: &str) -> Lesson {
     lessons.into_iter().find(|lesson| lesson.title == title).expect(title)
 }
 
-pub(crate) const GUESS: &str = "Guess 14 ± 2 rad/s";
+const GUESS: &str = "Guess 14 ± 2 rad/s";
+
+/// From the first answer to the next lesson, which has no question, and out of it.
+#[test]
+fn a_lesson_has_the_focus_and_is_taken_by_its_keys_alone() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    let is_at = |screen: &Screen, step: usize| {
+        let text = format!("{}, step {step} of {}", first.title, first.steps.len());
+        screen.get_by_label(&text).accesskit_node().is_focused()
+    };
+    assert!(is_at(&screen, 1));
+    for key in [Key::Space, Key::Space, Key::N, Key::N] {
+        press(&mut screen, key);
+    }
+    assert!(is_at(&screen, 2), "the answer is shown, and then the next step");
+    press(&mut screen, Key::Tab);
+    assert!(screen.get_by_label("Record for 60 s instead of 30 s").accesskit_node().is_focused());
+    press(&mut screen, Key::Backspace);
+    assert!(is_at(&screen, 1));
+    for _ in 0..8 {
+        press(&mut screen, Key::N);
+    }
+    assert!(screen.query_by_label("Leave the lesson").is_none(), "it is finished");
+    click(&mut screen, "Lessons");
+    screen.get_by_label("Recursive estimation, finished");
+    click(&mut screen, "Noise reduction");
+    press(&mut screen, Key::Q);
+    click(&mut screen, "Lessons");
+    assert!(screen.query_by_label("Noise reduction, finished").is_none(), "a lesson is finished by its end only");
+}
 
 #[test]
 fn a_question_comes_before_the_change_and_its_effect() {
@@ -156,10 +168,6 @@ fn a_question_comes_before_the_change_and_its_effect() {
     assert!(shows(&screen, "Not this time, and many would say so. The answer is: “After about a second.”"));
     assert!(shows(&screen, "Near the end of the 30 s. (your answer)"));
     assert!(screen.query_by_label_contains("Four σ are improbable at first").is_some());
-}
-
-#[test]
-fn a_right_answer_is_told_and_a_question_can_be_skipped() {
     let mut screen = lesson(DESKTOP, "Parameter initialisation");
     click(&mut screen, "Never: it rules such a value out.");
     // The choice is free until the change is made.
@@ -167,10 +175,6 @@ fn a_right_answer_is_told_and_a_question_can_be_skipped() {
     click(&mut screen, GUESS);
     screen.get_by_label("That is right.");
     screen.get_by_label("After about a second. (right, your answer)");
-    let mut screen = lesson(DESKTOP, "Parameter initialisation");
-    click(&mut screen, "Show me");
-    click(&mut screen, GUESS);
-    screen.get_by_label("The answer is: “After about a second.”");
 }
 
 #[test]
@@ -184,33 +188,6 @@ fn the_record_waits_for_the_answer() {
     assert_eq!(screen.state().session().mode(), Mode::Whole);
     assert_eq!(screen.state().axis().framed, Some((20.0, 60.0)));
     screen.get_by_label("That is right.");
-}
-
-#[test]
-fn a_finished_lesson_has_a_tick_and_leads_to_the_next() {
-    let first = built_in("Recursive estimation");
-    let mut screen = lesson(DESKTOP, &first.title);
-    study(&mut screen, &first);
-    assert!(is_enabled(&screen, "Done"));
-    click(&mut screen, "Next: Noise reduction");
-    screen.get_by_label("1 of 3");
-    click(&mut screen, "Lessons");
-    screen.get_by_label("Recursive estimation, finished");
-    assert!(screen.query_by_label("Noise reduction, finished").is_none());
-}
-
-#[test]
-fn a_lesson_is_finished_by_its_end_only() {
-    let first = built_in("Recursive estimation");
-    let mut screen = lesson(DESKTOP, &first.title);
-    click(&mut screen, "Leave the lesson");
-    click(&mut screen, "Lessons");
-    click(&mut screen, &first.title);
-    study(&mut screen, &first);
-    click(&mut screen, "Done");
-    assert!(screen.query_by_label("Leave the lesson").is_none());
-    click(&mut screen, "Lessons");
-    screen.get_by_label("Recursive estimation, finished");
 }
 
 #[test]
@@ -231,47 +208,6 @@ fn the_setting_that_a_step_changes_is_lit() {
     assert!(name != "EKF" && lit(&screen, &format!("filters.{name}.fading")), "{name}");
     click(&mut screen, "Leave the lesson");
     assert!(!lit(&screen, &format!("filters.{name}.fading")));
-}
-
-#[test]
-fn the_noise_of_a_sensor_that_a_step_changes_is_lit() {
-    let mut screen = lesson(Vec2::new(1700.0, 1400.0), "The valley of Q and R");
-    reveal(&mut screen, &built_in("The valley of Q and R").steps[0]);
-    screen.run_steps(3);
-    for table in ["process_std.velocity", "sensor_std.displacement"] {
-        assert!(screen.query_by_label(&format!("The step is about filters.KF.{table}")).is_some(), "{table}");
-    }
-}
-
-/// Where a step claims a verdict, the verdict is on screen.
-#[test]
-fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
-    for (size, titles) in [
-        (DESKTOP, &["Sensitivity to assumptions", "Wind-up", "R wrong by ten", "Acceleration only"][..]),
-        (PHONE, &["Fading memory and a sudden loss"]),
-    ] {
-        for title in titles {
-            let mut screen = screen(size, Theme::Light);
-            // A lecturer may have hidden them.
-            click(&mut screen, "Show verdicts");
-            click(&mut screen, "Lessons");
-            click(&mut screen, title);
-            let steps = built_in(title).steps;
-            for (number, step) in steps.iter().enumerate() {
-                reveal(&mut screen, step);
-                screen.run_steps(3);
-                for check in step.checks.iter().filter(|check| check.is_of_verdict()) {
-                    let chip = verdict(&screen, &check.filter);
-                    let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1));
-                    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
-                    assert!(window.contains_rect(chip), "{title}, step {}: {chip}", number + 1);
-                }
-                if number + 1 < steps.len() {
-                    click(&mut screen, "Next");
-                }
-            }
-        }
-    }
 }
 
 #[test]
@@ -307,7 +243,8 @@ fn lesson_and_finished_lessons_survive_a_reload() {
     let first = built_in("Recursive estimation");
     let mut screen = lesson(DESKTOP, &first.title);
     study(&mut screen, &first);
-    click(&mut screen, "Done");
+    click(&mut screen, "Next: Predict and update, step by step");
+    screen.get_by_label("1 of 4");
     click(&mut screen, "Lessons");
     click(&mut screen, "Parameter initialisation");
     click(&mut screen, "Near the end of the 30 s.");

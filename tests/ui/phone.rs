@@ -73,6 +73,7 @@ fn lesson(size: Vec2, title: &str) -> Screen {
 fn a_swipe_on_a_lesson_scrolls_its_text_and_leaves_the_plots_their_room() {
     for size in [PHONE, Vec2::new(390.0, 664.0)] {
         let mut screen = lesson(size, "Recursive estimation");
+        tap(&mut screen, "Show me");
         let before = plots(&screen, "lesson");
         assert!(before >= FOR_PLOTS * size.y, "{before} of {size}");
         let text = "The guess of 8 rad/s is corrected within about a second, and the band shrinks from then on. By 30 s it is less than a hundredth of its initial width.";
@@ -194,6 +195,7 @@ fn the_first_touch_moves_nothing_where_fingers_are_expected() {
 #[test]
 fn a_lesson_on_a_phone_on_its_side_leaves_plots_in_sight() {
     let mut screen = lesson(SIDE, "Recursive estimation");
+    tap(&mut screen, "Show me");
     let plot = screen.get_by_label("Plot of the natural frequency").rect();
     assert!(plot.height() > 110.0 && plot.bottom() <= SIDE.y, "{plot}");
     tap(&mut screen, "Next");

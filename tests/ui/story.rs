@@ -183,6 +183,11 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
         ("zeta guess", "Guess of ζ, fading EKF, setting"),
         ("std force", "Std of the force, setting"),
         ("euler plain", "Steps: Euler, plain EKF, choice"),
+        ("zeta sigma", "σ of the guess of ζ, fading EKF, setting"),
+        ("compare", "Compare, arrangement"),
+        ("csv", "Estimates (CSV), export"),
+        ("dark", "Dark theme, command"),
+        ("residual", "Innovations, view"),
     ] {
         let mut screen = first_visit(DESKTOP);
         find(&mut screen, text);
@@ -191,6 +196,10 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
         assert!(screen.query_by_label("Find by words").is_none());
     }
     let mut screen = first_visit(DESKTOP);
+    find(&mut screen, "guess");
+    let rows = screen.query_all_by_label_contains(", setting").map(|node| node.rect());
+    assert_eq!(rows.filter(|rect| rect.bottom() <= 400.0).count(), 10);
+    press(&mut screen, Key::Escape);
     find(&mut screen, "innov");
     press(&mut screen, Key::Enter);
     screen.get_by_label("About Innovations");

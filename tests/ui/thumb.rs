@@ -1,11 +1,10 @@
-//! Whole tasks on a phone with a thumb alone: tuning, why a filter is wrong, a map, a lesson, a record of one's own.
+//! Whole tasks on a phone with a thumb alone: tuning, why a filter is wrong, a map, a record of one's own.
 
 use egui::TouchPhase;
 use kalmanscope::theme;
 
 use super::export::exporting;
 use super::files::drop_file;
-use super::lessons::GUESS;
 use super::phone::{phone, swipe, tap, touch};
 use super::records::{check_result, dialects};
 use super::*;
@@ -70,19 +69,6 @@ fn a_map_is_opened_and_a_cell_of_it_taken() {
     assert!(after < before, "the guess of the cell: {after}");
     tap(&mut screen, "Undo");
     assert_eq!(scenario(&screen).filters[0].initial_mean[Channel::NATURAL_FREQUENCY], before);
-}
-
-#[test]
-fn a_lesson_asks_and_is_answered() {
-    let mut screen = phone(PHONE);
-    tap(&mut screen, "Lessons");
-    reach(&mut screen, WINDOW, "Parameter initialisation");
-    screen.run_steps(60);
-    tap(&mut screen, "After about a second.");
-    reach(&mut screen, DRAWER, GUESS);
-    screen.run_steps(30);
-    screen.get_by_label("That is right.");
-    assert_eq!(scenario(&screen).filters[0].initial_mean[Channel::NATURAL_FREQUENCY], 14.0);
 }
 
 #[test]

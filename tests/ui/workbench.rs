@@ -23,7 +23,7 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
                 assert_ne!(&before, scenario(&screen), "{}: {} changes nothing", lesson.title, change.label);
             }
             assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
-            assert_eq!(screen.state().session().problem(), None);
+            assert_eq!((screen.state().session().problem(), screen.state().notice()), (None, None));
             assert!(screen.query_by_label(&step.why).is_some(), "{}, step {}", lesson.title, i + 1);
             for check in step.checks.iter().filter(|check| check.is_of_verdict()) {
                 let chip = verdict(&screen, &check.filter);
@@ -157,7 +157,7 @@ fn views_come_back_one_by_one_when_all_have_been_hidden() {
 #[test]
 fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     let mut screen = workbench();
-    let lesson = kalmanscope_lessons::lessons().remove(9).unwrap();
+    let lesson = super::lessons::built_in("Fading memory and a sudden loss");
     for label in ["Lessons", &lesson.title, "Show me", "Next"] {
         click(&mut screen, label);
     }
@@ -167,18 +167,4 @@ fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     click(&mut screen, &lesson.steps[1].change.as_ref().unwrap().label);
     assert_eq!(scenario(&screen), &lesson.scenario_at(0).unwrap());
     assert!(screen.query_by_label(&lesson.steps[1].look).is_some());
-}
-
-#[test]
-fn a_lesson_on_a_phone_leaves_room_for_the_views_and_stays_where_it_is() {
-    let mut screen = screen(PHONE, Theme::Light);
-    for label in ["Lessons", "Noise reduction"] {
-        click(&mut screen, label);
-    }
-    let top = |screen: &Screen| screen.get_by_label("Leave the lesson").rect().top();
-    let before = top(&screen);
-    screen.run_steps(60);
-    assert_eq!(top(&screen), before);
-    assert!(before > 0.5 * PHONE.y, "the lesson begins at {before} of {}", PHONE.y);
-    assert!(screen.get_by_label("Next").rect().bottom() <= PHONE.y);
 }
