@@ -1,12 +1,10 @@
 //! Different computations of the same numbers agree.
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Update, Values,
+    Channel, Estimates, FilterKind, FilterSettings, Quantity, Run, Scenario, Sensor, Update, Values,
 };
 
-use nalgebra::{DMatrix, Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
-
-use crate::numbers::{DETERMINISTIC, exponential};
+use crate::numbers::DETERMINISTIC;
 use crate::run::{finished, finished_on, oscillator, record_of, values};
 
 const INITIAL_STD: [f64; 4] = [0.3, 1.0, 0.0, 0.0];
@@ -117,57 +115,6 @@ fn fading_is_the_same_for_every_filter() {
                 let ratio = other.std(last, i) / kf.std(last, i);
                 let tolerance = if other.kind().is_sampled() { 0.15 } else { 1e-9 };
                 assert!((ratio - 1.0).abs() < tolerance, "{} with {fading}: {ratio}", other.name());
-            }
-        }
-    }
-}
-
-fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
-    let settings = &scenario.filters[0];
-    let (wn, zeta) = (settings.initial_mean[Channel::NATURAL_FREQUENCY], settings.initial_mean[Channel::DAMPING_RATIO]);
-    let (a, b) = (-wn * wn, -2.0 * zeta * wn);
-    let whole = DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, a, b, 1.0, 0.0, 0.0, 0.0]) * scenario.dt;
-    let whole = exponential(&whole);
-    let transition: Matrix2<f64> = whole.fixed_view::<2, 2>(0, 0).into();
-    let input: Vector2<f64> = whole.fixed_view::<2, 1>(0, 2).into();
-    let observation = Matrix3x2::new(1.0, 0.0, 0.0, 1.0, a, b);
-    let noise = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| settings.sensor_std[i] * settings.sensor_std[i]));
-    let motion = |p: &Values| Vector2::new(p[Channel::DISPLACEMENT], p[Channel::VELOCITY]);
-    let variances = |p: &Values| Matrix2::from_diagonal(&motion(p).map(|std| std * std));
-    let process = variances(&settings.process_std);
-
-    let mut mean = motion(&settings.initial_mean);
-    let mut cov = variances(&settings.initial_std);
-    let mut beliefs = vec![(mean, cov)];
-    for k in 1..record.len() {
-        mean = transition * mean + input * record.force(k - 1);
-        cov = transition * cov * transition.transpose() * settings.fading + process;
-        let z = Vector3::from_fn(|i, _| record.measured(i)[k]);
-        let feedthrough = Vector3::new(0.0, 0.0, record.force(k));
-        let innovation = z - observation * mean - feedthrough;
-        let innovation_cov = observation * cov * observation.transpose() + noise;
-        let gain = cov * observation.transpose() * innovation_cov.try_inverse().unwrap();
-        mean += gain * innovation;
-        cov -= gain * observation * cov;
-        beliefs.push((mean, cov));
-    }
-    beliefs
-}
-
-#[test]
-fn the_kalman_filter_equals_the_textbooks() {
-    let scenario = known_parameters(&[FilterKind::KF], 0.01);
-    let run = finished(&scenario);
-    let kf = &run.estimates()[0];
-    let expected = naive_kalman_filter(&scenario, run.record());
-    assert_eq!(kf.len(), expected.len());
-    for (k, (mean, cov)) in expected.iter().enumerate() {
-        for i in 0..2 {
-            let error = (kf.mean(k)[i] - mean[i]).abs() / kf.std(k, i);
-            assert!(error < 1e-9, "mean {i} at {k}: {error}");
-            for j in 0..2 {
-                let error = (kf.cov(k)[4 * i + j] - cov[(i, j)]).abs() / (kf.std(k, i) * kf.std(k, j));
-                assert!(error < 1e-9, "cov {i} {j} at {k}: {error}");
             }
         }
     }

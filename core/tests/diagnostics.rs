@@ -36,7 +36,6 @@ fn all_bits(diagnostics: &Diagnostics) -> Vec<u64> {
     }
     for whiteness in diagnostics.whiteness() {
         numbers.extend(whiteness.autocorrelation());
-        numbers.push(whiteness.mean_square());
     }
     numbers.extend([diagnostics.log_likelihood(), diagnostics.share_in_ellipsoid().unwrap()]);
     bits(&numbers)

@@ -207,16 +207,3 @@ fn examples_can_be_read() {
     }
     assert!(read >= 3, "{read}");
 }
-
-#[test]
-fn keys_are_those_of_scenario_files() {
-    for kind in FilterKind::ALL {
-        assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
-    }
-    for kind in PlantKind::ALL {
-        assert_eq!(toml::Value::try_from(&kind), Ok(kind.key().into()));
-    }
-    for channel in Channel::all() {
-        assert_eq!(toml::Value::try_from(channel), Ok(channel.key().into()));
-    }
-}

@@ -100,16 +100,6 @@ fn a_filter_that_has_failed_says_where_and_why() {
     assert_eq!(OnlineFilter::new(&of(FilterKind::EKF), 1).err(), Some(RunError::NoFilter(1)));
 }
 
-#[test]
-fn a_filter_can_be_sent_to_another_thread() {
-    let mut online = OnlineFilter::new(&of(FilterKind::PF), 0).expect("the scenario is possible");
-    let step = move || {
-        online.step(0.0, &[0.0, 0.0], &mut LastSample::default());
-        online.pass().done()
-    };
-    assert_eq!(std::thread::spawn(step).join().ok(), Some(1));
-}
-
 fn samples(scenario: &Scenario, record: &Record, wants_prior: bool) -> Vec<LastSample> {
     let mut all = Vec::new();
     let keep = |sample: &Sample<'_>| {

@@ -30,15 +30,6 @@ fn start_values_depend_on_no_lucky_number_of_rows_or_unit_of_the_input() {
 }
 
 #[test]
-#[ignore = "1200 records"]
-fn start_values_of_a_grid_of_short_records() {
-    let lengths = (0..60).map(|i| (200.0 * 10.0_f64.powf(f64::from(i) / 59.0)) as usize + i as usize % 7);
-    let [right, all] = right_of_short(lengths, &[20.0, 50.0, 100.0, 200.0], &[1e-6, 1e-3, 1.0, 1e3, 1e6]);
-    println!("{right} of {all}");
-    assert!(right * 100 >= all * 99, "{right} of {all}");
-}
-
-#[test]
 fn rounding_stops_no_filter_of_a_motion_that_has_died_out() {
     for (hertz, rate, seed) in [(2.3, 50.0, 403), (35.0, 750.0, 401)] {
         let truth = Oscillator { natural_frequency: TAU * hertz, damping_ratio: 0.02 };

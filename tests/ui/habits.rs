@@ -229,7 +229,7 @@ fn smoothed_estimates_are_shown_of_the_whole_record() {
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     screen.run_steps(3);
     let [smoothed] = screen.state().session().smoothed() else { panic!("one filter has hindsight") };
-    assert_eq!((smoothed.id(), smoothed.is_smoothed(), smoothed.len()), (1, true, 6001));
+    assert_eq!((smoothed.id(), smoothed.name(), smoothed.len()), (1, "EKF, smoothed", 6001));
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub(super) mod info;
 mod place;
 mod scenario;
 mod table;
+mod words;
 
 use crate::data::scenario::Scenario;
 use crate::mathematics::channel::Channel;
@@ -39,4 +40,19 @@ pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {
     let mut all = filters.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
     let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
     found.or_else(|| scenario.channel(key).map(Channel::symbol))
+}
+
+/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
+fn name(scenario: &Scenario, key: &str) -> String {
+    let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
+    let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));
+    let rows = of_filter().map(|row| (row.key, row.name)).chain(of_scenario().map(|row| (row.key, row.name)));
+    let part = |part: &str| match (symbol(scenario, part), part.parse::<usize>()) {
+        (Some(symbol), _) => symbol.to_owned(),
+        (None, Ok(place)) => (place + 1).to_string(),
+        (None, Err(_)) => part.replace('_', " "),
+    };
+    let named = || choices.chain(rows).find(|(own, _)| *own == key).map(|(_, name)| name);
+    let whole = symbol(scenario, key).or_else(named);
+    whole.map_or_else(|| key.split('.').map(part).collect::<Vec<_>>().join(" "), str::to_owned)
 }

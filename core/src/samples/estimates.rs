@@ -101,11 +101,6 @@ impl Estimates {
         self.color = settings.color;
     }
 
-    /// Whether these are smoothed estimates.
-    pub fn is_smoothed(&self) -> bool {
-        self.smoothed
-    }
-
     /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
     pub fn name(&self) -> &str {
         &self.name

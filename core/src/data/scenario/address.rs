@@ -149,14 +149,4 @@ mod tests {
             assert_eq!((scenario.address_by_id(same), scenario.address_by_name(same)), (same.into(), same.into()));
         }
     }
-
-    #[test]
-    fn an_unknown_filter_is_answered_with_those_that_there_are() {
-        let scenario = Scenario::default();
-        assert_eq!(scenario.filters_instead_of("filters.KF.fading"), "; its filters are `EKF` and `UKF`");
-        assert_eq!(scenario.filters_instead_of("filters#7.fading"), "; its filters are `EKF` and `UKF`");
-        assert_eq!(scenario.filters_instead_of("filters.EKF.fadng"), "");
-        assert_eq!(scenario.filters_instead_of("filters.EKF"), "");
-        assert_eq!(scenario.filters_instead_of("plant.mass"), "");
-    }
 }

@@ -268,20 +268,6 @@ impl FilterSettings {
         MethodSettings { propagation: self.propagation_for(truth), iterations, ensemble_size }
     }
 
-    pub(crate) fn has_plain_update(&self) -> bool {
-        let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
-        !self.adaptation.is_on()
-            && !self.jump
-            && takes_all
-            && self.is_one()
-            && self.plucks.is_empty()
-            && self.correlation_time == Values::ZERO
-    }
-
-    pub(crate) fn is_one(&self) -> bool {
-        self.guesses == 1 && self.walk == 0.0 && self.process_scales == 1
-    }
-
     /// The channels of a filter of this truth that it can consider, or that can have bounds.
     pub fn considerable<'a>(&'a self, truth: &'a PlantKind) -> impl Iterator<Item = Channel> + 'a {
         let of_plant = self.plant.as_ref().unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));

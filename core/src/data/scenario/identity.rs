@@ -109,7 +109,7 @@ pub(super) fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FilterKind, FilterSettings, Scenario};
+    use crate::{FilterSettings, Scenario};
 
     fn numbered(ids: &[u32]) -> Vec<u32> {
         let filters = ids.iter().map(|&id| FilterSettings { id, ..FilterSettings::default() }).collect();
@@ -155,16 +155,6 @@ mod tests {
         }
         let (_, sentences) = named(&["ekf=a", "ukf=a"]);
         assert_eq!(sentences, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
-    }
-
-    #[test]
-    fn a_run_parts_the_names_of_its_filters() {
-        let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
-        scenario.filters[1].name = "EKF".to_owned();
-        let run = crate::Run::new(&scenario).unwrap();
-        let names: Vec<&str> = run.estimates().iter().map(crate::Estimates::name).collect();
-        assert_eq!((names, scenario.free_filter_name("EKF 7")), (vec!["EKF", "EKF 2"], "EKF 7".to_owned()));
-        assert_eq!(run.scenario().filters[1].kind, FilterKind::UKF);
     }
 
     #[test]

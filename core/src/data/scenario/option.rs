@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{Between, FilterSettings};
+use super::{Between, FilterSettings, Values};
 use crate::mathematics::channel::augment;
 use crate::mathematics::filter::FilterKind;
 use crate::{Channel, PlantKind};
@@ -95,6 +95,16 @@ impl FilterSettings {
     /// Whether no other option excludes the one whose setting has this key.
     pub(super) fn can_have(&self, key: &str) -> bool {
         EXCLUSIONS.iter().all(|(first, others, _)| others.iter().all(|other| other.key != key) || !(first.is_on)(self))
+    }
+
+    /// Whether one filter alone estimates all of its state, without bounds, of a motion without plucks.
+    pub(crate) fn is_single(&self) -> bool {
+        [&GUESSED, &WALKING, &SCALED, &PLUCKED, &CONSIDERED, &BOUNDED].iter().all(|option| !(option.is_on)(self))
+    }
+
+    pub(crate) fn has_plain_update(&self) -> bool {
+        let learns = [&LEARNT_R, &LEARNT_Q, &JUMPING, &WEIGHED].iter().any(|option| (option.is_on)(self));
+        self.is_single() && !learns && self.correlation_time == Values::ZERO
     }
 
     /// The first option that another one excludes: both, and the reason.

@@ -377,14 +377,6 @@ mod tests {
     }
 
     #[test]
-    fn only_settings_of_filters_leave_the_record_as_it_is() {
-        let scenario = Scenario::default();
-        let of_filters = |key| Address::parse(&scenario, key).unwrap().is_of_filters();
-        assert!(of_filters("filters.EKF.fading") && of_filters("filters.*.process_std"));
-        assert!(!of_filters("seed") && !of_filters("plant.damping_ratio") && !of_filters("sensors.velocity.noise_std"));
-    }
-
-    #[test]
     fn unknown_keys_are_refused() {
         let a_filter = "; a filter has `fading`, `eta`, `jump`, ";
         let its_plant = "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, ";

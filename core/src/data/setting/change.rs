@@ -1,10 +1,7 @@
-//! Changes of a scenario, what was before them, and edits in words, as a button says them.
-
-use toml::Value;
+//! Changes of a scenario, and what was before them.
 
 use super::{
-    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, SENSOR_DELAY, SENSOR_STD, TableInfo,
-    address, edit, of_filter, of_scenario, symbol,
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, address, edit, name, of_filter,
 };
 use crate::data::document::{self, Document};
 use crate::data::scenario::address::{of_filter as address_of, split_id};
@@ -276,21 +273,6 @@ fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<Document> {
     Some(all.iter().find(|info| info.key == key)?.chosen(of)?.name.into())
 }
 
-/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
-fn name(scenario: &Scenario, key: &str) -> String {
-    let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
-    let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));
-    let rows = of_filter().map(|row| (row.key, row.name)).chain(of_scenario().map(|row| (row.key, row.name)));
-    let part = |part: &str| match (symbol(scenario, part), part.parse::<usize>()) {
-        (Some(symbol), _) => symbol.to_owned(),
-        (None, Ok(place)) => (place + 1).to_string(),
-        (None, Err(_)) => part.replace('_', " "),
-    };
-    let named = || choices.chain(rows).find(|(own, _)| *own == key).map(|(_, name)| name);
-    let whole = symbol(scenario, key).or_else(named);
-    whole.map_or_else(|| key.split('.').map(part).collect::<Vec<_>>().join(" "), str::to_owned)
-}
-
 fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
     match value {
         Document::Null => "none".to_owned(),
@@ -299,104 +281,6 @@ fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
         Document::String(text) => text.clone(),
         Document::Array(_) | Document::Object(_) => "other".to_owned(),
     }
-}
-
-/// A σ that is at least this many times the present one leaves its sensor out.
-const LEFT_OUT: f64 = 500.0;
-
-impl Edit {
-    /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
-    /// An edit without words is the line of a file.
-    ///
-    /// ```
-    /// use kalmanscope_core::{Scenario, setting::Edit};
-    ///
-    /// let scenario = Scenario::default();
-    /// let words = |key: &str, value: f64| Edit::of_filter(1, key, value).in_words(&scenario);
-    /// assert_eq!(words("fading", 1.02), "set λ = 1.02");
-    /// assert_eq!(words("process_std.natural_frequency", 0.0537), "set √Q of ωₙ = 0.0537");
-    /// let gain = Edit::of_filter(1, "augment", vec!["input_gain"]);
-    /// assert_eq!(gain.in_words(&scenario), "estimate the input gain");
-    /// ```
-    pub fn in_words(&self, scenario: &Scenario) -> String {
-        let filter = scenario.filters_at(&self.key).and_then(|(places, _)| scenario.filters.get(*places.first()?));
-        let words = match filter {
-            Some(filter) => self.of_filter_in_words(filter, scenario),
-            None => self.of_scenario_in_words(),
-        };
-        words.unwrap_or_else(|| self.toml_line())
-    }
-
-    fn of_filter_in_words(&self, filter: &FilterSettings, scenario: &Scenario) -> Option<String> {
-        let key = self.inner();
-        match (key, &self.value) {
-            ("augment", Value::Array(wanted)) => {
-                let wanted = wanted.iter().filter_map(|key| scenario.channel(key.as_str()?));
-                let new: Vec<String> = wanted
-                    .filter(|channel| !filter.augment.contains(channel))
-                    .map(|channel| format!("the {}", channel.name()))
-                    .collect();
-                Some(if new.is_empty() {
-                    "estimate nothing more".to_owned()
-                } else {
-                    format!("estimate {}", new.join(" and "))
-                })
-            }
-            ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
-            ("plant", Value::Table(plant)) => Some(format!("take the equation {}", plant.get("equation")?.as_str()?)),
-            ("sensor_std", Value::Array(stds)) => {
-                let is_left_out = |(std, own): (&Value, &f64)| std.as_float().is_some_and(|std| std >= LEFT_OUT * own);
-                if let Some(place) = stds.iter().zip(&filter.sensor_std).position(is_left_out) {
-                    return Some(format!("leave out the {}", scenario.sensors.get(place)?.measures.name()));
-                }
-                let of = |(sensor, std): (&crate::Sensor, &Value)| {
-                    Some(format!("of {} = {}", sensor.measures.symbol(), number(std)?))
-                };
-                let all: Option<Vec<String>> = scenario.sensors.iter().zip(stds).map(of).collect();
-                Some(format!("set {} {}", SENSOR_STD.symbol, all?.join(", ")))
-            }
-            ("sensor_delay", Value::Array(delays)) => {
-                let before = |place: usize| filter.sensor_delay.get(place).copied().unwrap_or(0.0);
-                let of = |(place, sensor): (usize, &crate::Sensor)| {
-                    let delay = delays.get(place)?;
-                    let changes = delay.as_float() != Some(before(place));
-                    changes.then(|| Some(format!("of {} = {} s", sensor.measures.symbol(), number(delay)?)))
-                };
-                let all: Option<Vec<String>> = scenario.sensors.iter().enumerate().filter_map(of).collect();
-                Some(format!("set the {} {}", SENSOR_DELAY.symbol, all?.join(", ")))
-            }
-            (_, Value::Boolean(on)) => {
-                let info = of_filter().find(|info| info.key == key)?;
-                let label = (info.label)(filter).unwrap_or(info.name);
-                Some(if *on { label.to_owned() } else { format!("no {label}") })
-            }
-            _ => {
-                if let Some(info) = CHOICES_OF_FILTER.into_iter().find(|info| info.key == key) {
-                    return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
-                }
-                if of_filter().any(|info| info.key == key) {
-                    return Some(format!("set {} = {}", name(scenario, key), number(&self.value)?));
-                }
-                let (table, entry) = TableInfo::entry(key, &|key| scenario.channel(key), &Quantity::from_key)?;
-                Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
-            }
-        }
-    }
-
-    fn of_scenario_in_words(&self) -> Option<String> {
-        if let Some(info) = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == self.key) {
-            return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
-        }
-        let info = of_scenario().find(|info| info.key == self.key)?;
-        Some(format!("set {} = {}", info.name, number(&self.value)?))
-    }
-}
-
-/// A number with at most three significant digits.
-fn number(value: &Value) -> Option<String> {
-    let value = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
-    let text = format!("{value:.2e}");
-    text.parse::<f64>().ok().map(|short| short.to_string())
 }
 
 #[cfg(test)]

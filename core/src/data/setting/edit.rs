@@ -169,13 +169,6 @@ mod tests {
         assert_eq!((turned.filters[0].fading, turned.filters[1].fading), (1.5, scenario.filters[1].fading));
         renamed.filters[1].id = ekf;
         assert!(Edit::of_filter(ekf, "fading", 1.0).apply(&renamed).is_err(), "which of the two?");
-        for (wrong, why) in [
-            (Edit::of_filter(9, "fading", 1.0), "the scenario has no setting `filters#9.fading`; its filters are"),
-            (Edit::of_filter(ekf, "fadng", 1.0), "`filters[0].fadng`: unknown field `fadng`, expected one of"),
-        ] {
-            let error = wrong.apply(&scenario).unwrap_err().to_string();
-            assert!(error.starts_with(why), "{error}");
-        }
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl Setup {
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, |settings, _| !is_single(settings))
+        Self::unless(scenario, place, record, |settings, _| !settings.is_single())
     }
 
     /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times, and
@@ -152,11 +152,6 @@ impl Setup {
         ];
         Wrapped::new(filter, options)
     }
-}
-
-/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion without plucks.
-fn is_single(settings: &FilterSettings) -> bool {
-    settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
 }
 
 /// Missing measurements aside. If a number is not finite, the single filter reports the place.
