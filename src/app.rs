@@ -205,9 +205,8 @@ impl App {
     }
 
     fn tried(&self) -> Vec<u32> {
-        let is_in_view = self.layout.in_sight().contains(&ViewKind::Diagnosis);
         let ids = self.session.run().estimates().iter().map(Estimates::id);
-        ids.filter(|id| (is_in_view && self.visible.filter(*id)) || self.diagnosed == Some(*id)).collect()
+        ids.filter(|id| self.diagnosed == Some(*id)).collect()
     }
 
     fn wanted(&self) -> Wanted {

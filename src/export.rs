@@ -24,7 +24,7 @@ use crate::{menu, probe};
 /// The views that a report has besides those on screen: innovations, and measurements against predictions.
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
-const TEXT: [ViewKind; 4] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters, ViewKind::Diagnosis];
+const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
 
 const JSON: &str = "application/json";
 

@@ -155,7 +155,6 @@ impl Sheet<'_> {
     fn text_size(&self, kind: ViewKind, width: f32) -> Option<Vec2> {
         let room = match kind {
             ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters => AMPLE,
-            ViewKind::Diagnosis => width,
             _ => return None,
         };
         let shapes = self.canvas.draw(vec2(room, AMPLE), |ui| self.view_ui(ui, kind));
@@ -202,7 +201,7 @@ impl Sheet<'_> {
 }
 
 fn can_grow(kind: ViewKind) -> bool {
-    let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters | ViewKind::Diagnosis);
+    let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters);
     !is_text && kind.proportions() != Proportions::Flat
 }
 

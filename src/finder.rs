@@ -5,7 +5,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::request::{Request, ViewKind};
+use crate::request::{Request, Tabs, VIEWS, ViewKind};
 use crate::session::Session;
 use crate::text::{parse, sentence, significant, unit_in};
 use crate::theme::Palette;
@@ -187,9 +187,13 @@ fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         let title = filter.map_or_else(|| words.clone(), |filter| format!("{words}, {}", filter.name));
         Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
     });
-    let views = ViewKind::ALL.into_iter().map(|kind| {
-        let [about, ..] = view(kind).help;
-        Entry::new(view(kind).name, "view", about, Request::ShowView(kind))
+    let views = VIEWS.iter().flat_map(|(_, views)| *views).flat_map(|Tabs { name, tabs }| {
+        let entry = move |kind: &ViewKind| {
+            let [about, ..] = view(*kind).help;
+            let kind_of = if tabs.len() > 1 { *name } else { "view" };
+            Entry::new(view(*kind).name, kind_of, about, Request::ShowView(*kind))
+        };
+        tabs.iter().map(entry)
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));

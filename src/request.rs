@@ -13,7 +13,7 @@ use crate::ruler::End;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
 
-pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, ViewKind};
+pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
@@ -65,6 +65,8 @@ pub enum Request {
     CloseDiagnosis,
     ToggleView(ViewKind),
     ShowView(ViewKind),
+    /// Show the second tab in place of the first.
+    ChooseTab(ViewKind, ViewKind),
     Arrange(Arrangement),
     Rearrange(Box<Tree<ViewKind>>),
     TurnView(bool),

@@ -122,6 +122,7 @@ impl App {
             Request::Diagnose(id) => self.diagnosed = Some(id),
             Request::CloseDiagnosis => self.diagnosed = None,
             Request::ToggleView(view) => layout.toggle(view),
+            Request::ChooseTab(shown, wanted) => layout.choose_tab(shown, wanted),
             Request::ShowView(view) => {
                 layout.show(view);
                 if self.width < NARROW {
