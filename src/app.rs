@@ -21,6 +21,7 @@ use window::NARROW;
 
 use crate::equation::Editor;
 use crate::export::{Deliver, Exporting};
+use crate::figure::FigureDialog;
 use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{self, Choose, Inbox};
@@ -77,6 +78,7 @@ pub struct App {
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
     exporting: Option<Exporting>,
+    figure_dialog: Option<FigureDialog>,
     /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
@@ -130,6 +132,7 @@ impl App {
             finder: None,
             deliver: None,
             exporting: None,
+            figure_dialog: None,
             choose: None,
             shelf: None,
             sensors: Sensors::default(),

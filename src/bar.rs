@@ -51,7 +51,7 @@ impl Bar<'_> {
             scenario_menu_ui(ui, session, [!is_roomy, measures], requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
-            export::menu_ui(ui, narrow, requests);
+            export::menu_ui(ui, narrow, layout, requests);
             if is_roomy {
                 ui.separator();
             }

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use egui::{Context, Id, Popup, RichText, Ui};
+use egui::{Context, Id, Popup, Ui};
 use kalmanscope_cli::{Parts, day, report, write_estimates};
 use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::diagnostics::Depth;
@@ -37,13 +37,8 @@ pub struct File {
 
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
-/// Files of results, each with its name and a hint.
-const RESULTS: [(Export, &str, &str); 8] = [
-    (
-        Export::Report,
-        "Report (HTML)",
-        "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
-    ),
+/// Files of data, each with its name and a hint.
+const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
     (Export::Record, "Record (CSV)", "Force, measurements and truth, as the command line reads them"),
     (Export::Map, "Map (CSV)", "Every score of every cell of the map in the laboratory"),
@@ -54,7 +49,6 @@ const RESULTS: [(Export, &str, &str); 8] = [
     ),
     (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
     (Export::All, "Everything (JSON)", "Version, scenario, record, estimates and diagnosis, for a program"),
-    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on"),
 ];
 
 /// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
@@ -288,31 +282,34 @@ fn evidence(one: &Evidence) -> Document {
     })
 }
 
-pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &Layout, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
-        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
-            requests.push(Request::CopyLink);
-            ui.close();
-        }
-        ui.separator();
-        let mut entry = |ui: &mut Ui, export: Export, name: &str, hint: &str| {
+        let mut entry = |ui: &mut Ui, request: Request, name: &str, hint: &str| {
             let button = ui.button(name).on_hover_text(hint);
             probe::remember(ui.ctx(), name, button.rect);
             if button.clicked() {
-                requests.push(Request::Export(export));
+                requests.push(request);
                 ui.close();
             }
         };
-        ui.label(RichText::new("The views as a figure").weak());
-        for format in FigureFormat::ALL {
-            let hint = "The views on screen as outlines and text, for a document";
-            entry(ui, Export::Figure(format), &format!("{} (SVG)", format.name()), hint);
-        }
-        ui.separator();
-        ui.label(RichText::new("Results").weak());
-        for (export, name, hint) in RESULTS {
-            entry(ui, export, name, hint);
-        }
+        entry(ui, Request::CopyLink, "Copy link", "To this picture: settings, views and time (C)");
+        entry(ui, Request::ShowFigure, "Figure…", "The views on screen as outlines and text, for a document");
+        let hint = "Verdicts, evidence, estimates, scores and figures as one page, to print or to send";
+        entry(ui, Request::Export(Export::Report), "Report (HTML)", hint);
+        let data = ui.menu_button("Data…", |ui| {
+            // Nothing is computed for a view that is not there.
+            let is_there = |export: Export| match export {
+                Export::Map => layout.shown().contains(&ViewKind::Map),
+                Export::MonteCarlo => layout.shown().contains(&ViewKind::MonteCarlo),
+                _ => true,
+            };
+            for (export, name, hint) in DATA.into_iter().filter(|(export, ..)| is_there(*export)) {
+                entry(ui, Request::Export(export), name, hint);
+            }
+        });
+        probe::remember(ui.ctx(), "Data…", data.response.rect);
+        let hint = "Settings, views and playback; drop the file on this window to go on";
+        entry(ui, Request::Export(Export::Session), "Session, to open again", hint);
     });
     let button = named(button, "Export");
     probe::remember(ui.ctx(), "Export", button.rect);

@@ -4,6 +4,7 @@
 //! shapes become SVG, which needs neither a screen nor a graphics card.
 
 mod canvas;
+mod dialog;
 mod svg;
 
 use canvas::{Canvas, Geometry, Part, Pen, TYPE, extent};
@@ -18,6 +19,8 @@ use crate::request::{FigureFormat, Proportions, ViewKind};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 use crate::views::view;
+
+pub(crate) use dialog::FigureDialog;
 
 pub struct Figure {
     parts: Vec<Part>,

@@ -188,12 +188,11 @@ fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
     });
     let views = VIEWS.iter().flat_map(|(_, views)| *views).flat_map(|Tabs { name, tabs }| {
-        let entry = move |kind: &ViewKind| {
+        tabs.iter().map(move |kind| {
             let [about, ..] = view(*kind).help;
-            let kind_of = if tabs.len() > 1 { *name } else { "view" };
-            Entry::new(view(*kind).name, kind_of, about, Request::ShowView(*kind))
-        };
-        tabs.iter().map(entry)
+            let entry = Entry::new(view(*kind).name, "view", about, Request::ShowView(*kind));
+            Entry { words: format!("{} {}", entry.words, name.to_lowercase()), ..entry }
+        })
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));

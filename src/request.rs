@@ -82,6 +82,7 @@ pub enum Request {
     ToggleMark(End),
     ClearMarks,
     Export(Export),
+    ShowFigure,
     ToggleExports,
     ChooseMap(Box<Choice>),
     ComputeMap(bool),

@@ -12,6 +12,7 @@ use crate::controls::number;
 use crate::equation::Editor;
 use crate::export;
 use crate::export::Exporting;
+use crate::figure::FigureDialog;
 use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -107,6 +108,7 @@ impl App {
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
                     || self.exporting.take().is_some()
+                    || self.figure_dialog.take().is_some()
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds.set_stopped(true)
@@ -146,6 +148,7 @@ impl App {
                 (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
                 ctx.request_repaint();
             }
+            Request::ShowFigure => self.figure_dialog = Some(FigureDialog::default()),
             Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => _ = laboratory.set_stopped(!wanted),
