@@ -5,7 +5,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::request::{Request, Tabs, VIEWS, ViewKind};
+use crate::request::{Request, Tabs, VIEWS};
 use crate::session::Session;
 use crate::text::{parse, sentence, significant, unit_in};
 use crate::theme::Palette;

@@ -43,8 +43,11 @@ impl FigureDialog {
             self.drawn.take_if(|(of, _)| *of != format);
             let (_, figure) = self.drawn.get_or_insert_with(|| (format, draw(format)));
             let [width, height] = figure.millimetres();
-            let (rect, _) = ui.allocate_exact_size(room, Sense::hover());
-            figure.paint(ui, rect);
+            let size = figure.size * (room / figure.size).min_elem();
+            ui.vertical_centered(|ui| {
+                let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+                figure.paint(ui, rect);
+            });
             ui.horizontal(|ui| {
                 let button = Button::new("Save as SVG").fill(ui.visuals().selection.bg_fill);
                 is_written = ui.add(button).clicked();
@@ -59,10 +62,9 @@ impl FigureDialog {
 }
 
 impl Figure {
-    /// Paints the figure as large as fits into a rectangle.
-    fn paint(&self, ui: &Ui, room: Rect) {
-        let scale = (room.size() / self.size).min_elem();
-        let sheet = Rect::from_center_size(room.center(), scale * self.size);
+    /// Paints the figure into a rectangle of its proportions.
+    fn paint(&self, ui: &Ui, sheet: Rect) {
+        let scale = sheet.width() / self.size.x;
         let painter = ui.painter();
         painter.rect_filled(sheet, 0.0, Color32::WHITE);
         for part in &self.parts {

@@ -71,7 +71,7 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     }
     // The condition is two labels within 0.3 decades, the distance from 1 to 2.
     let labelled = |digit: i32| digit == 1 || (decade >= 1.8 && matches!(digit, 2 | 5));
-    let every = if decade < 0.5 { (0.5 / decade).ceil() as i32 } else { 1 };
+    let every = if decade < 0.6 { (0.6 / decade).ceil() as i32 } else { 1 };
     // A plot may be zoomed out without end, but there are no more powers than these.
     let powers = low.max(-MOST_DECADES).floor() as i32..=high.min(MOST_DECADES).ceil() as i32;
     let powers = powers.filter(|power| power % every == 0);

@@ -151,7 +151,7 @@ impl Arrangement {
             Self::Teach => "Teach",
             Self::Tune => "Tune",
             Self::Compare => "Compare",
-            Self::Laboratory => "Laboratory",
+            Self::Laboratory => "Experiment",
         }
     }
 }
