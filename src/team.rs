@@ -197,8 +197,17 @@ pub enum Budget {
 }
 
 impl Budget {
-    /// A frame computes for at most 12 ms, so that it takes no more than 50 ms in all.
+    /// A frame computes for at most 12 ms, and draws charts again for at most 12 ms, so that it takes no more than 50
+    /// ms in all.
     pub const FRAME: Self = Self::Time(Duration::from_millis(12));
+
+    /// Whether there is time for more after `spent`. If pieces are counted, a frame draws everything.
+    pub(crate) fn allows(self, spent: Duration) -> bool {
+        match self {
+            Self::Time(time) => spent < time,
+            Self::Unlimited | Self::Pieces(_) => true,
+        }
+    }
 
     /// A function for one slice that begins now: it returns whether there is time for another piece of work.
     pub(crate) fn slice(self) -> impl FnMut() -> bool {

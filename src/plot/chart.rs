@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
 
-use super::cache::cached;
+use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
 use super::decoration::{Decoration, Gaps, Labels, Strips};
 use super::handles::{Handle, handles_ui};
@@ -105,7 +105,8 @@ impl<'a> Chart<'a> {
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
             let draw = || Drawing::new(&layers, record, &window, self.least);
-            let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), draw));
+            let make = || in_turn(plot.ctx(), id, session.budget(), draw);
+            let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
                 plot.set_plot_bounds_x(followed.0..=followed.1);
                 if let Some((low, high)) = drawn.range {

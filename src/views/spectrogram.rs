@@ -38,8 +38,9 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>)
         ui.weak(if is_behind { "The spectrogram is being computed." } else { "There are too few samples yet." });
         return None;
     };
-    let drawn = cached(ui.ctx(), Id::unique("spectrogram"), (of, quantity.key()), || picture(ui, spectrogram));
-    let (texture, [from, to, _, top]) = &*drawn;
+    let drawn =
+        cached(ui.ctx(), Id::unique("spectrogram"), (of, quantity.key()), || Some(Some(picture(ui, spectrogram))));
+    let (texture, [from, to, _, top]) = drawn.as_ref().as_ref()?;
     let (from, to, top) = (*from, *to, *top);
     let followed = axis.followed(session);
     let label = format!("{} [Hz]", quantity.symbol());

@@ -39,7 +39,7 @@ pub(super) fn panels(
     palette: &Palette,
 ) -> Arc<Vec<Panel>> {
     let of = (laboratory.edition, laboratory.state.version, ctx.theme(), measure.name());
-    cached(ctx, Id::unique("panels of the map"), of, || made(ctx, survey, measure, palette))
+    cached(ctx, Id::unique("panels of the map"), of, || Some(made(ctx, survey, measure, palette)))
 }
 
 fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<Panel> {

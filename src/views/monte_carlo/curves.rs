@@ -54,7 +54,7 @@ pub(super) struct FilterCurves {
 
 pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
     let wanted = seeds.choice.parameter;
-    cached(ctx, Id::unique("Monte Carlo"), (seeds.state.version, wanted), || made(runs, wanted, context))
+    cached(ctx, Id::unique("Monte Carlo"), (seeds.state.version, wanted), || Some(made(runs, wanted, context)))
 }
 
 fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> Curves {
