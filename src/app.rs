@@ -20,6 +20,7 @@ use window::NARROW;
 
 use crate::equation::Editor;
 use crate::export::{Deliver, Exporting};
+use crate::figure::FigureDialog;
 use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{self, Choose, Inbox};
@@ -76,6 +77,7 @@ pub struct App {
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
     exporting: Option<Exporting>,
+    figure_dialog: Option<FigureDialog>,
     /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
@@ -129,6 +131,7 @@ impl App {
             finder: None,
             deliver: None,
             exporting: None,
+            figure_dialog: None,
             choose: None,
             shelf: None,
             sensors: Sensors::default(),
@@ -204,9 +207,8 @@ impl App {
     }
 
     fn tried(&self) -> Vec<u32> {
-        let is_in_view = self.layout.in_sight().contains(&ViewKind::Diagnosis);
         let ids = self.session.run().estimates().iter().map(Estimates::id);
-        ids.filter(|id| (is_in_view && self.visible.filter(*id)) || self.diagnosed == Some(*id)).collect()
+        ids.filter(|id| self.diagnosed == Some(*id)).collect()
     }
 
     fn wanted(&self) -> Wanted {

@@ -7,12 +7,11 @@ use crate::export;
 use crate::layout::Layout;
 use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
-use crate::request::{Arrangement, Request, ViewKind};
+use crate::request::{Arrangement, Request, Tabs, VIEWS, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
 use crate::thumbnail;
 use crate::tutor::{self, Catalogue};
-use crate::views::view;
 use crate::widgets::named;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
@@ -52,7 +51,7 @@ impl Bar<'_> {
             scenario_menu_ui(ui, session, [!is_roomy, measures], requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
-            export::menu_ui(ui, narrow, requests);
+            export::menu_ui(ui, narrow, layout, requests);
             if is_roomy {
                 ui.separator();
             }
@@ -131,14 +130,18 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
                 ui.close();
             }
         }
-        ui.separator();
         let shown = layout.shown();
-        for kind in ViewKind::ALL {
-            let mut on = shown.contains(&kind);
-            let checkbox = ui.checkbox(&mut on, view(kind).name);
-            probe::remember(ui.ctx(), view(kind).name, checkbox.rect);
-            if checkbox.changed() {
-                requests.push(Request::ToggleView(kind));
+        for (question, views) in VIEWS {
+            ui.separator();
+            ui.label(RichText::new(question).small().weak());
+            for Tabs { name, tabs } in views {
+                let of_view: Vec<ViewKind> = shown.iter().copied().filter(|kind| tabs.contains(kind)).collect();
+                let checkbox = ui.checkbox(&mut !of_view.is_empty(), *name);
+                probe::remember(ui.ctx(), name, checkbox.rect);
+                if checkbox.changed() {
+                    let toggled = if of_view.is_empty() { &tabs[..1] } else { &of_view };
+                    requests.extend(toggled.iter().map(|kind| Request::ToggleView(*kind)));
+                }
             }
         }
     });

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use egui::{Context, Id, Popup, RichText, Ui};
+use egui::{Context, Id, Popup, Ui};
 use kalmanscope_cli::{Parts, Results, day, report, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
@@ -24,7 +24,7 @@ use crate::{menu, probe};
 /// The views that a report has besides those on screen: innovations, and measurements against predictions.
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
-const TEXT: [ViewKind; 4] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters, ViewKind::Diagnosis];
+const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
 
 const JSON: &str = "application/json";
 
@@ -37,13 +37,8 @@ pub struct File {
 
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
-/// Files of results, each with its name and a hint.
-const RESULTS: [(Export, &str, &str); 8] = [
-    (
-        Export::Report,
-        "Report (HTML)",
-        "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
-    ),
+/// Files of data, each with its name and a hint.
+const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
     (Export::Record, "Record (CSV)", "Force, measurements and truth, as the command line reads them"),
     (Export::Map, "Map (CSV)", "Every score of every cell of the map in the laboratory"),
@@ -54,7 +49,6 @@ const RESULTS: [(Export, &str, &str); 8] = [
     ),
     (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
     (Export::All, "Everything (JSON)", "Scenario, record, estimates, verdicts and causes, for a program"),
-    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on"),
 ];
 
 /// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
@@ -221,34 +215,51 @@ impl Task for Everything {
     }
 }
 
-/// Every export with its name and a hint, in the menu's order: figures first.
-pub(crate) fn entries() -> impl Iterator<Item = (Export, String, &'static str)> {
-    let hint = "The views on screen as outlines and text, for a document";
-    let figures = FigureFormat::ALL.into_iter();
-    let figures = figures.map(move |format| (Export::Figure(format), format!("{} (SVG)", format.name()), hint));
-    figures.chain(RESULTS.into_iter().map(|(export, name, hint)| (export, name.to_owned(), hint)))
+const FIGURE: (&str, &str) = ("Figure…", "The views on screen as outlines and text, for a document");
+
+const REPORT: (Export, &str, &str) = (
+    Export::Report,
+    "Report (HTML)",
+    "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
+);
+
+const SESSION: (Export, &str, &str) =
+    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on");
+
+/// Every export with its name and a hint, in the menu's order.
+pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static str)> {
+    let all = std::iter::once(REPORT).chain(DATA).chain([SESSION]);
+    let all = all.map(|(export, name, hint)| (Request::Export(export), name, hint));
+    std::iter::once((Request::ShowFigure, FIGURE.0, FIGURE.1)).chain(all)
 }
 
-pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &Layout, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
-        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
-            requests.push(Request::CopyLink);
-            ui.close();
-        }
-        ui.separator();
-        ui.label(RichText::new("The views as a figure").weak());
-        for (place, (export, name, hint)) in entries().enumerate() {
-            if place == FigureFormat::ALL.len() {
-                ui.separator();
-                ui.label(RichText::new("Results").weak());
-            }
-            let button = ui.button(&name).on_hover_text(hint);
-            probe::remember(ui.ctx(), &name, button.rect);
+        let mut entry = |ui: &mut Ui, (request, name, hint): (Request, &str, &str)| {
+            let button = ui.button(name).on_hover_text(hint);
+            probe::remember(ui.ctx(), name, button.rect);
             if button.clicked() {
-                requests.push(Request::Export(export));
+                requests.push(request);
                 ui.close();
             }
-        }
+        };
+        entry(ui, (Request::CopyLink, "Copy link", "To this picture: settings, views and time (C)"));
+        let as_request = |(export, name, hint)| (Request::Export(export), name, hint);
+        entry(ui, (Request::ShowFigure, FIGURE.0, FIGURE.1));
+        entry(ui, as_request(REPORT));
+        let data = ui.menu_button("Data…", |ui| {
+            // Nothing is computed for a view that is not there.
+            let is_there = |export: Export| match export {
+                Export::Map => layout.shown().contains(&ViewKind::Map),
+                Export::MonteCarlo => layout.shown().contains(&ViewKind::MonteCarlo),
+                _ => true,
+            };
+            for one in DATA.into_iter().filter(|(export, ..)| is_there(*export)) {
+                entry(ui, as_request(one));
+            }
+        });
+        probe::remember(ui.ctx(), "Data…", data.response.rect);
+        entry(ui, as_request(SESSION));
     });
     let button = named(button, "Export");
     probe::remember(ui.ctx(), "Export", button.rect);

@@ -4,6 +4,7 @@
 //! shapes become SVG, which needs neither a screen nor a graphics card.
 
 mod canvas;
+mod dialog;
 mod svg;
 
 use canvas::{Canvas, Geometry, Part, Pen, TYPE, extent};
@@ -17,6 +18,8 @@ use crate::request::{FigureFormat, Proportions, ViewKind};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 use crate::views::view;
+
+pub(crate) use dialog::FigureDialog;
 
 pub struct Figure {
     parts: Vec<Part>,
@@ -154,7 +157,6 @@ impl Sheet<'_> {
     fn text_size(&self, kind: ViewKind, width: f32) -> Option<Vec2> {
         let room = match kind {
             ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters => AMPLE,
-            ViewKind::Diagnosis => width,
             _ => return None,
         };
         let shapes = self.canvas.draw(vec2(room, AMPLE), |ui| self.view_ui(ui, kind));
@@ -201,7 +203,7 @@ impl Sheet<'_> {
 }
 
 fn can_grow(kind: ViewKind) -> bool {
-    let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters | ViewKind::Diagnosis);
+    let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters);
     !is_text && kind.proportions() != Proportions::Flat
 }
 

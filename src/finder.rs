@@ -5,7 +5,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{self, Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::request::{Arrangement, Request, ViewKind};
+use crate::request::{Arrangement, Request, Tabs, VIEWS};
 use crate::session::Session;
 use crate::text::{parse, sentence, significant, unit_in};
 use crate::tutor::Catalogue;
@@ -212,9 +212,12 @@ fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme
         let title = filter.map_or_else(|| words.clone(), |filter| format!("{words}, {}", filter.name));
         Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
     });
-    let views = ViewKind::ALL.into_iter().map(|kind| {
-        let [about, ..] = view(kind).help;
-        Entry::new(view(kind).name, "view", about, Request::ShowView(kind))
+    let views = VIEWS.iter().flat_map(|(_, views)| *views).flat_map(|Tabs { name, tabs }| {
+        tabs.iter().map(move |kind| {
+            let [about, ..] = view(*kind).help;
+            let entry = Entry::new(view(*kind).name, "view", about, Request::ShowView(*kind));
+            Entry { words: format!("{} {}", entry.words, name.to_lowercase()), ..entry }
+        })
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));
@@ -225,8 +228,7 @@ fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme
         .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
     let arrangements = Arrangement::ALL.into_iter();
     let arrangements = arrangements.map(|one| Entry::new(one.name(), "arrangement", "", Request::Arrange(one)));
-    let exports =
-        export::entries().map(|(export, name, hint)| Entry::new(name, "export", hint, Request::Export(export)));
+    let exports = export::entries().map(|(request, name, hint)| Entry::new(name, "export", hint, request));
     let theme = Entry { choice: Choice::Theme(theme), ..Entry::new(name, "command", "", Request::Find) };
     let own = views.chain(arrangements).chain(scenarios).chain(lessons).chain(exports).chain(commands).chain([theme]);
     let mut all: Vec<Entry> = settings.chain(choices).chain(own).collect();

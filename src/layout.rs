@@ -116,11 +116,26 @@ impl Layout {
         self.enlarged = Some(view);
     }
 
+    /// Shows a view, in place of another tab of it where one is shown.
     pub(crate) fn show(&mut self, view: ViewKind) {
-        if !self.shown().contains(&view) {
-            self.toggle(view);
+        let shown = self.shown();
+        match view.tabs().iter().find(|tab| shown.contains(tab)) {
+            _ if shown.contains(&view) => {}
+            Some(tab) => self.choose_tab(*tab, view),
+            None => self.toggle(view),
         }
         self.enlarged = self.enlarged.filter(|enlarged| *enlarged == view);
+    }
+
+    /// Shows `wanted` in the place of `shown`, and this in the place of `wanted` if both are on screen.
+    pub(crate) fn choose_tab(&mut self, shown: ViewKind, wanted: ViewKind) {
+        let places = [shown, wanted].map(|view| self.tree.tiles.find_pane(&view));
+        for (place, view) in places.into_iter().zip([wanted, shown]) {
+            if let Some(Tile::Pane(pane)) = place.and_then(|place| self.tree.tiles.get_mut(place)) {
+                *pane = view;
+            }
+        }
+        self.enlarged = self.enlarged.map(|view| if view == shown { wanted } else { view });
     }
 
     pub(crate) fn in_sight(&self) -> Vec<ViewKind> {

@@ -1,11 +1,13 @@
 //! The views on screen: tiles that can be dragged, resized, closed and enlarged.
 
-use egui::{Button, Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetText, vec2};
+use egui::{
+    Button, Color32, Label, Rect, Response, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetText, vec2,
+};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
-use crate::view::{View, ViewContext};
+use crate::view::ViewContext;
 use crate::views::view;
 
 /// Limits the height below which views are in one column \[points\].
@@ -118,10 +120,10 @@ fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }
 
-pub(crate) fn help_ui(ui: &mut Ui, view: &View) {
+pub(crate) fn help_ui(ui: &mut Ui, name: &str, help: [&str; 3]) {
     let lines = |ui: &mut Ui| {
         ui.set_max_width(380.0);
-        for line in view.help {
+        for line in help {
             ui.label(line);
         }
     };
@@ -130,7 +132,7 @@ pub(crate) fn help_ui(ui: &mut Ui, view: &View) {
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
     let help = if is_open { help } else { help.on_hover_ui(lines) };
-    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name)));
+    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {name}")));
 }
 
 struct Panes<'a> {
@@ -184,11 +186,10 @@ impl Panes<'_> {
         let view = view(kind);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let name = RichText::new(view.name).small().weak();
             let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
-            let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
+            let title = self.title_ui(ui, kind, sense);
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
-            help_ui(ui, view);
+            help_ui(ui, view.name, view.help);
             let side = bar_height(ui);
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -208,6 +209,29 @@ impl Panes<'_> {
             title.drag_started()
         })
         .inner
+    }
+}
+
+impl Panes<'_> {
+    /// The name of a view, or the row of its tabs.
+    fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind, sense: Sense) -> Response {
+        let name = |kind: ViewKind| RichText::new(view(kind).name).small();
+        let tabs = kind.tabs();
+        if tabs.len() < 2 {
+            return ui.add(Label::new(name(kind).weak()).selectable(false).sense(sense));
+        }
+        ui.horizontal(|ui| {
+            let tab_ui = |tab: &ViewKind| {
+                let button = ui.add(Button::selectable(*tab == kind, name(*tab)).sense(sense));
+                if button.clicked() && *tab != kind {
+                    self.requests.push(Request::ChooseTab(kind, *tab));
+                }
+                button
+            };
+            tabs.iter().map(tab_ui).reduce(|a, b| a.union(b))
+        })
+        .inner
+        .unwrap_or_else(|| ui.label(""))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::ruler::End;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
 
-pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, ViewKind};
+pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
@@ -66,6 +66,8 @@ pub enum Request {
     CloseDiagnosis,
     ToggleView(ViewKind),
     ShowView(ViewKind),
+    /// Show the second tab in place of the first.
+    ChooseTab(ViewKind, ViewKind),
     Arrange(Arrangement),
     Rearrange(Box<Tree<ViewKind>>),
     TurnView(bool),
@@ -81,6 +83,7 @@ pub enum Request {
     ToggleMark(End),
     ClearMarks,
     Export(Export),
+    ShowFigure,
     ToggleExports,
     ChooseMap(Box<Choice>),
     ComputeMap(bool),

@@ -7,9 +7,8 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::plot::chart::{Chart, charts_ui};
+use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
-use crate::plot::series::{Band, Series};
 use crate::plot::time_axis::{PlotInput, TimeAxis};
 use crate::request::Request;
 use crate::ruler::Ruler;
@@ -87,17 +86,20 @@ impl<'a> ViewContext<'a> {
         self.palette.shade(of.color())
     }
 
-    pub(crate) fn line(&self, of: &Estimates, series: Series<'a>, width: f32) -> Layer<'a> {
-        Layer::line(series, self.color(of), width).of(of.id())
-    }
-
-    pub(crate) fn band(&self, of: &Estimates, band: Band<'a>, under: f32) -> Layer<'a> {
-        Layer::Band { band, color: self.color(of), under, filter: Some(of.id()) }
-    }
-
-    /// The words of a filter, at the samples that it has.
-    pub(crate) fn column(&self, of: &'a Estimates, text: impl Fn(usize) -> Option<String> + 'a) -> Column<'a> {
-        Column::new(of.name(), self.color(of), move |k| (k < of.len()).then(|| text(k))?)
+    /// Adds a filter to a chart: its band below everything else, its line, and its words in the readout, at the samples that it
+    /// has.
+    pub(crate) fn add(
+        &self,
+        chart: &mut Chart<'a>,
+        of: &'a Estimates,
+        Curve { line, band, width }: Curve<'a>,
+        words: impl Fn(usize) -> Option<String> + 'a,
+    ) {
+        let (color, filter) = (self.color(of), Some(of.id()));
+        let band = band.filter(|_| self.visible.bands);
+        chart.bands.extend(band.map(|series| Layer::Band { series, color, filter }));
+        chart.layers.push(Layer::Line { series: line, color, width, dashed: false, bounds: false, filter });
+        chart.columns.push(Column::new(of.name(), color, move |k| (k < of.len()).then(|| words(k))?));
     }
 
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {

@@ -45,7 +45,6 @@ pub fn view(kind: ViewKind) -> &'static View {
         ViewKind::Matrices => &matrices::VIEW,
         ViewKind::Scores => &scores::VIEW,
         ViewKind::Filters => &filters::VIEW,
-        ViewKind::Diagnosis => &diagnosis::VIEW,
         ViewKind::Map => &map::VIEW,
         ViewKind::MonteCarlo => &monte_carlo::VIEW,
         ViewKind::Tune => &tune::VIEW,

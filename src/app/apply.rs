@@ -9,6 +9,7 @@ use crate::controls::number;
 use crate::equation::Editor;
 use crate::export;
 use crate::export::Exporting;
+use crate::figure::FigureDialog;
 use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -82,7 +83,7 @@ impl App {
             Request::LeaveLesson => self.leave_lesson(),
             Request::TurnLesson(forward) => {
                 let asked = self.tutor.as_ref().map_or(vec![], |tutor| tutor.turn(forward));
-                asked.into_iter().for_each(|request| self.apply(request, shown, ctx));
+                asked.into_iter().for_each(|request| self.apply(request, ctx));
             }
             Request::ToggleEntry(entry) => visible.toggle(entry),
             Request::ShowAllChannels => visible.only.clear(),
@@ -106,6 +107,7 @@ impl App {
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
                     || self.exporting.take().is_some()
+                    || self.figure_dialog.take().is_some()
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds.set_stopped(true)
@@ -121,6 +123,7 @@ impl App {
             Request::Diagnose(id) => self.diagnosed = Some(id),
             Request::CloseDiagnosis => self.diagnosed = None,
             Request::ToggleView(view) => layout.toggle(view),
+            Request::ChooseTab(shown, wanted) => layout.choose_tab(shown, wanted),
             Request::ShowView(view) => {
                 layout.show(view);
                 if self.width < NARROW {
@@ -144,6 +147,7 @@ impl App {
                 (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
                 ctx.request_repaint();
             }
+            Request::ShowFigure => self.figure_dialog = Some(FigureDialog::default()),
             Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => _ = laboratory.set_stopped(!wanted),

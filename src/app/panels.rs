@@ -8,10 +8,10 @@ use crate::bar;
 use crate::controls::{Edits, PanelRequest, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
-use crate::request::{Request, ViewKind};
+use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::ViewContext;
-use crate::views::{diagnosis, view};
+use crate::views::diagnosis;
 
 #[derive(Default)]
 pub(super) struct Drawers {
@@ -100,7 +100,7 @@ impl App {
         let mut asked = Vec::new();
         let heading = |ui: &mut Ui| {
             ui.label(RichText::new("Diagnosis").family(theme::strong()).size(15.0));
-            help_ui(ui, view(ViewKind::Diagnosis));
+            help_ui(ui, diagnosis::HELP.0, diagnosis::HELP.1);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if close_ui(ui, "Close the diagnosis") {
                     asked.push(Request::CloseDiagnosis);

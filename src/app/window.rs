@@ -104,6 +104,12 @@ impl App {
         if self.keys_open {
             keys::window_ui(ui.ctx(), &mut self.keys_open);
         }
+        if let Some(mut dialog) = self.figure_dialog.take() {
+            let mut requests = Vec::new();
+            let is_open = dialog.ui(ui.ctx(), |format| self.figure(format), &mut requests);
+            self.requests.append(&mut requests);
+            self.figure_dialog = Some(dialog).filter(|_| is_open);
+        }
         let Self { finder, editor, session, catalogue, requests, .. } = self;
         finder.take_if(|finder| !finder.ui(ui.ctx(), (session, catalogue), requests));
         widgets::ring_ui(ui.ctx(), &palette);

@@ -1,14 +1,10 @@
-//! Round numbers along axes, and a frame with two scales, each linear or logarithmic, for one quantity over another.
+//! Round numbers along axes, linear or logarithmic.
 
 use std::ops::RangeInclusive;
 
-use egui::epaint::TextShape;
-use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, TextStyle, Ui, Vec2, pos2, vec2};
 use egui_plot::GridMark;
 
-use super::medium::Medium;
 use crate::text::{fixed, significant};
-use crate::theme::Palette;
 
 /// Multiples of 1, 2 or 5 times a power of ten: about `count`, and at least two if they fit, because one tick shows no
 /// scale.
@@ -75,7 +71,7 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     }
     // The condition is two labels within 0.3 decades, the distance from 1 to 2.
     let labelled = |digit: i32| digit == 1 || (decade >= 1.8 && matches!(digit, 2 | 5));
-    let every = if decade < 0.5 { (0.5 / decade).ceil() as i32 } else { 1 };
+    let every = if decade < 0.6 { (0.6 / decade).ceil() as i32 } else { 1 };
     // A plot may be zoomed out without end, but there are no more powers than these.
     let powers = low.max(-MOST_DECADES).floor() as i32..=high.min(MOST_DECADES).ceil() as i32;
     let powers = powers.filter(|power| power % every == 0);
@@ -105,22 +101,11 @@ pub(crate) fn log_tick(mark: GridMark) -> String {
     if mark.step_size >= LABELLED { significant(10_f64.powf(mark.value), 3) } else { String::new() }
 }
 
-/// Room for the numbers and the name of the vertical axis at the left, and of the horizontal one below \[points\].
-const LEFT: f32 = 58.0;
-const BELOW: f32 = 34.0;
-/// Room below a frame above another one \[points\].
-const ABOVE: f32 = 6.0;
-/// Room at the right and above, for half a number \[points\].
-const MARGIN: Vec2 = vec2(12.0, 7.0);
-
-/// The length of a tick \[points\].
-const TICK: f32 = 3.0;
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     /// The ends; logarithms to the base of ten where the scale is logarithmic.
-    ends: (f64, f64),
-    is_logarithmic: bool,
+    pub(crate) ends: (f64, f64),
+    pub(crate) is_logarithmic: bool,
 }
 
 impl Scale {
@@ -159,81 +144,6 @@ impl Scale {
         };
         marks.into_iter().map(|(value, text)| ((value - from) / (to - from), text)).collect()
     }
-}
-
-pub(crate) struct Graph {
-    pub(crate) rect: Rect,
-    pub(crate) x: Scale,
-    pub(crate) y: Scale,
-    has_x: bool,
-}
-
-impl Graph {
-    pub(crate) fn new(room: Rect, x: Scale, y: Scale) -> Self {
-        let min = pos2(room.left() + LEFT, room.top() + MARGIN.y);
-        let max = pos2(room.right() - MARGIN.x, room.bottom() - BELOW).max(min + Vec2::splat(1.0));
-        Self { rect: Rect::from_min_max(min, max), x, y, has_x: true }
-    }
-
-    /// The frame above another one with the same horizontal axis, which has the numbers.
-    pub(crate) fn above(room: Rect, x: Scale, y: Scale) -> Self {
-        let below = room.with_max_y(room.bottom() + BELOW - ABOVE);
-        Self { has_x: false, ..Self::new(below, x, y) }
-    }
-
-    pub(crate) fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
-        self.at_shares([self.x.share(x), self.y.share(y)])
-    }
-
-    pub(crate) fn at_shares(&self, [x, y]: [f64; 2]) -> Pos2 {
-        let Self { rect, .. } = self;
-        pos2(rect.left() + x as f32 * rect.width(), rect.bottom() - y as f32 * rect.height())
-    }
-
-    pub(crate) fn shares(&self, at: Pos2) -> [f64; 2] {
-        let Self { rect, .. } = self;
-        let (x, y) = ((at.x - rect.left()) / rect.width(), (rect.bottom() - at.y) / rect.height());
-        [f64::from(x), f64::from(y)]
-    }
-
-    pub(crate) fn axes_ui(&self, ui: &Ui, [x_name, y_name]: [&str; 2], palette: &Palette, has_lines: bool) {
-        let Self { rect, x, y, has_x } = self;
-        let painter = ui.painter();
-        let [across, up] = Medium::of(ui.ctx()).between_ticks();
-        let line = Stroke::new(1.0, palette.grid);
-        let faint = Stroke::new(0.5, palette.grid.gamma_multiply(0.5));
-        let font = TextStyle::Small.resolve(ui.style());
-        for (share, text) in x.ticks(rect.width(), across) {
-            let at = self.at_shares([share, 0.0]);
-            if has_lines {
-                painter.line_segment([at, pos2(at.x, rect.top())], faint);
-            }
-            painter.line_segment([at, at + vec2(0.0, TICK)], line);
-            if *has_x {
-                painter.text(at + vec2(0.0, TICK + 1.0), Align2::CENTER_TOP, text, font.clone(), palette.weak);
-            }
-        }
-        for (share, text) in y.ticks(rect.height(), up) {
-            let at = self.at_shares([0.0, share]);
-            if has_lines {
-                painter.line_segment([at, pos2(rect.right(), at.y)], faint);
-            }
-            painter.line_segment([at, at - vec2(TICK, 0.0)], line);
-            painter.text(at - vec2(TICK + 2.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), palette.weak);
-        }
-        painter.add(Shape::line(vec![rect.left_top(), rect.left_bottom(), rect.right_bottom()], line));
-        let below = pos2(rect.center().x, rect.bottom() + BELOW);
-        if *has_x {
-            painter.text(below, Align2::CENTER_BOTTOM, x_name, font.clone(), palette.text);
-        }
-        upright(painter, pos2(rect.left() - LEFT, rect.center().y), y_name, font, palette);
-    }
-}
-
-fn upright(painter: &Painter, at: Pos2, text: &str, font: FontId, palette: &Palette) {
-    let galley = painter.layout_no_wrap(text.to_owned(), font, palette.text);
-    let start = pos2(at.x, at.y + 0.5 * galley.size().x);
-    painter.add(TextShape::new(start, galley, palette.text).with_angle(-std::f32::consts::FRAC_PI_2));
 }
 
 #[cfg(test)]
@@ -295,16 +205,5 @@ mod tests {
             assert!((scale.share(1.0) - 0.125).abs() < 1e-12 && (scale.share(16.0) - 0.875).abs() < 1e-12);
         }
         assert!((Scale::of_cells(5.0, 5.0, 1, false).share(5.0) - 0.5).abs() < 1e-12);
-    }
-
-    #[test]
-    fn positions_and_shares_are_inverse() {
-        let room = Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 300.0));
-        let graph = Graph::new(room, Scale::new(30.0, 2.0, false), Scale::new(0.01, 100.0, true));
-        let [x, y] = graph.shares(graph.at([9.0, 1.0]));
-        assert!((x - 0.75).abs() < 1e-4 && (y - 0.5).abs() < 1e-4);
-        assert!(room.contains_rect(graph.rect));
-        let texts: Vec<String> = graph.y.ticks(200.0, 34.0).into_iter().map(|(_, text)| text).collect();
-        assert!(texts.contains(&"0.01".to_owned()) && texts.contains(&"100".to_owned()), "{texts:?}");
     }
 }

@@ -4,24 +4,20 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
-use egui_plot::{AxisHints, Plot};
 
-use super::axes::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
 use super::decoration::{Decoration, Gaps, Labels, Strips};
 use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
-use super::item::{Drawing, Grid};
-use super::layers::{Layer, Window};
-use super::medium::{Medium, Y_AXIS, cells_ui, sense};
+use super::layers::{Drawing, Layer, Window};
+use super::medium::{Medium, cells_ui};
+use super::plane::{Plane, frame_ui, is_turned};
+use super::series::Series;
 use super::time_axis::PlotInput;
 use crate::request::Request;
 use crate::sheet::{Column, Sheet, readouts};
 use crate::trouble::Gap;
-
-/// Labels of ticks are opaque from this distance on \[points\].
-const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 #[derive(Default)]
 pub(crate) struct Chart<'a> {
@@ -33,10 +29,20 @@ pub(crate) struct Chart<'a> {
     pub(crate) columns: Vec<Column<'a>>,
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
+    /// Below all layers.
+    pub(crate) bands: Vec<Layer<'a>>,
     pub(crate) handles: Vec<Handle<'a>>,
     pub(crate) least: Option<(f64, f64)>,
     /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
     pub(crate) logarithmic: bool,
+}
+
+/// A line over time, and the band around it.
+pub(crate) struct Curve<'a> {
+    pub(crate) line: Series<'a>,
+    pub(crate) band: Option<Series<'a>>,
+    /// \[points\]
+    pub(crate) width: f32,
 }
 
 pub(crate) struct ChartResponse {
@@ -46,17 +52,17 @@ pub(crate) struct ChartResponse {
 }
 
 impl<'a> Chart<'a> {
+    /// The values of the column that was added last in another unit.
+    pub(crate) fn aside(&mut self, aside: impl Fn(usize) -> Option<String> + 'a) {
+        let last = self.columns.pop();
+        self.columns.extend(last.map(|column| column.with_aside(aside)));
+    }
+
     pub(crate) fn into_sheet(self) -> Sheet<'a> {
         Sheet { title: self.title, unit: self.unit, columns: self.columns }
     }
 
-    pub(crate) fn show(
-        self,
-        ui: &mut Ui,
-        input: &PlotInput<'_>,
-        last_row: bool,
-        requests: &mut Vec<Request>,
-    ) -> ChartResponse {
+    fn show(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
         let shown = time_text(input, input.axis.shown_time(input.session));
         let time = Readout::new(format!("t\u{a0}{shown}"), Color32::TRANSPARENT, "time [s]".to_owned());
         let medium = Medium::of(ui.ctx());
@@ -74,62 +80,31 @@ impl<'a> Chart<'a> {
         let strips = Strips::of(session, visible, palette);
         let gaps = Gap::all(session);
         let size = ui.available_size().max(Vec2::splat(1.0));
+        let layers: Vec<Layer<'_>> = self.bands.into_iter().chain(self.layers).collect();
         let followed = axis.followed(session);
         let group = Id::unique("time");
         let has_room = size.y >= 150.0 || medium == Medium::Figure;
         let time_label = if last_row && has_room { "time [s]" } else { "" };
-        let logarithmic = self.logarithmic;
-        let values = AxisHints::new_y().min_thickness(Y_AXIS);
-        let values = if logarithmic {
-            values.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE)
-        } else {
-            let inside = move |mark, range: &_| tick_inside(mark, range, size.y, Side::Left);
-            values.formatter(inside).label_spacing(TICKS_FADE)
-        };
-        let [across, up] = medium.between_ticks();
-        let grid = Grid {
-            counts: (size.x / across, size.y / up),
-            logarithmic: logarithmic.then_some(size.y),
-            color: palette.grid,
-        };
-        let plot = Plot::new(&self.key)
-            .width(size.x)
-            .height(size.y)
-            .show_x(false)
-            .show_y(false)
-            .show_axes([last_row, true])
-            .show_background(false)
-            .sense(sense(ui))
+        let plane =
+            Plane { key: &self.key, labels: [time_label, ""], logarithmic: [false, self.logarithmic], has_x: last_row };
+        let plot = plane
+            .plot(ui, palette)
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
-            .custom_x_axes(vec![
-                AxisHints::new_x()
-                    .formatter(move |mark, range| tick_inside(mark, range, size.x - Y_AXIS, Side::Bottom))
-                    .label(time_label)
-                    .label_spacing(TICKS_FADE),
-            ])
-            .custom_y_axes(vec![values])
-            .x_grid_spacer(move |axis| grid.times(axis.bounds))
-            .y_grid_spacer(move |axis| grid.values(axis.bounds))
-            .show_grid(false)
             .boxed_zoom_pointer_button(egui::PointerButton::Primary)
-            .pan_pointer_button(egui::PointerButton::Secondary)
-            .allow_scroll(false)
-            .allow_double_click_reset(false)
-            .label_formatter(|_| None);
+            .pan_pointer_button(egui::PointerButton::Secondary);
         let drawn: OnceCell<Arc<Drawing>> = OnceCell::new();
         let response = plot.show(ui, |plot| {
             let bounds = plot.plot_bounds();
             let [times, values] = [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]));
-            let pens = medium.density() * size;
             let window = if axis.follows {
-                Window { times: followed, values: None, size: pens }
+                Window { times: followed, values: None, size }
             } else {
-                Window { times, values: Some(values), size: pens }
+                Window { times, values: Some(values), size }
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
-            let draw = || Drawing::new(&self.layers, record, &window, self.least);
+            let draw = || Drawing::new(&layers, record, &window, self.least);
             let make = || in_turn(plot.ctx(), id, session.budget(), draw);
             let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
@@ -140,12 +115,13 @@ impl<'a> Chart<'a> {
             }
             plot.add(Decoration::new("gaps", Gaps::of(&gaps, last_row, palette)));
             plot.add(Decoration::new("bad parts", strips));
-            drawn.show(grid, plot);
-            plot.add(Decoration::new("labels", Labels::of(&self.layers)));
+            plot.add(Decoration::new("drawing", &**drawn));
+            plot.add(Decoration::new("labels", Labels::new(layers.iter().filter_map(Layer::label).collect())));
             plot.add(Decoration::new("cursors", Cursors::of(input, last_row, medium)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
         let (pointed, transform) = (response.inner, response.transform);
+        frame_ui(ui, &transform, palette);
         let response = response.response;
         if medium == Medium::Figure {
             return ChartResponse { pointed: None, alone: false };
@@ -164,7 +140,7 @@ impl<'a> Chart<'a> {
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {
             requests.push(Request::Follow);
-        } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
+        } else if is_turned(&response) {
             requests.push(Request::Unfollow);
         }
         ChartResponse { pointed, alone }

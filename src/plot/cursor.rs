@@ -4,12 +4,11 @@ use egui::{
     Align2, Color32, CursorIcon, Id, LayerId, Order, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke,
     TextStyle, Ui, pos2, vec2,
 };
-use egui_plot::PlotTransform;
+use egui_plot::{PlotPoint, PlotTransform};
 
 use super::decoration::Paint;
 use super::heading::Readout;
-use super::item::{DASH, Projection};
-use super::marks::{Mark, Rung};
+use super::layers::Mark;
 use super::medium::Medium;
 use super::time_axis::PlotInput;
 use crate::request::Request;
@@ -79,7 +78,7 @@ impl Paint for Cursors {
             let [top, bottom] = [pos2(x, frame.top()), pos2(x, frame.bottom())];
             let stroke = Stroke::new(1.2, line.color);
             if line.dashed {
-                shapes.extend(Shape::dashed_line(&[top, bottom], stroke, DASH.0, DASH.1));
+                shapes.extend(Shape::dashed_line(&[top, bottom], stroke, 5.0, 3.0));
             } else {
                 shapes.push(Shape::line_segment([top, bottom], stroke));
             }
@@ -152,49 +151,24 @@ const REACH: f32 = 5.0;
 pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos2) -> Option<u32> {
     // Only points around the pointer can be near: a line goes from left to right.
     let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
-    let pointer = Pointer {
-        position,
-        times: (time(position.x - REACH), time(position.x + REACH)),
-        projection: Projection::new(transform),
+    let (from, to) = (time(position.x - REACH), time(position.x + REACH));
+    let distance_of = |count: usize, point: &dyn Fn(usize) -> PlotPoint| {
+        let place = |at: usize| transform.position_from_point(&point(at));
+        let near = (1..count).filter(|at| from <= point(*at).x && point(at - 1).x <= to);
+        near.map(|at| distance(position, place(at - 1), place(at))).fold(f32::INFINITY, f32::min)
     };
-    let (filter, _) = marks
-        .iter()
-        .filter_map(|mark| match mark {
-            Mark::Line { points, filter, dashed: false, .. } => {
-                Some((*filter, pointer.distance(points, |point| (point.x, point.y))))
-            }
-            Mark::Band { parts, filter, .. } => {
-                let edge =
-                    |part: &Vec<Rung>, of: fn(&Rung) -> f64| pointer.distance(part, |rung| (rung.time, of(rung)));
-                let edges = parts.iter().map(|part| edge(part, |rung| rung.low).min(edge(part, |rung| rung.high)));
-                Some((*filter, edges.fold(f32::INFINITY, f32::min)))
-            }
-            _ => None,
-        })
-        .filter(|(_, distance)| *distance <= REACH)
-        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let near = marks.iter().filter_map(|mark| match mark {
+        Mark::Line { points, filter, dashed: false, .. } => {
+            Some((*filter, distance_of(points.len(), &|at| points[at])))
+        }
+        Mark::Band { times, edges, filter, .. } => {
+            let edges = edges.iter().map(|edge| distance_of(times.len(), &|at| PlotPoint::new(times[at], edge[at])));
+            Some((*filter, edges.fold(f32::INFINITY, f32::min)))
+        }
+        _ => None,
+    });
+    let (filter, _) = near.filter(|(_, distance)| *distance <= REACH).min_by(|a, b| a.1.total_cmp(&b.1))?;
     filter
-}
-
-struct Pointer {
-    position: Pos2,
-    times: (f64, f64),
-    projection: Projection,
-}
-
-impl Pointer {
-    fn distance<P>(&self, points: &[P], of: impl Fn(&P) -> (f64, f64)) -> f32 {
-        let Self { position, times: (from, to), projection } = self;
-        let first = points.partition_point(|point| of(point).0 < *from).saturating_sub(1);
-        let last = (points.partition_point(|point| of(point).0 <= *to) + 1).min(points.len());
-        let near = points.get(first..last).unwrap_or_default().iter().map(|point| {
-            let (time, value) = of(point);
-            projection.at(time, value)
-        });
-        let places: Vec<Pos2> = near.collect();
-        let distances = places.windows(2).map(|ends| distance(*position, ends[0], ends[1]));
-        distances.fold(f32::INFINITY, f32::min)
-    }
 }
 
 fn distance(position: Pos2, from: Pos2, to: Pos2) -> f32 {

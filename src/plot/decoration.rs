@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 use egui::{Align2, Color32, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
 
-use super::layers::Layer;
 use crate::session::Session;
 use crate::theme::Palette;
 use crate::trouble::Gap;
@@ -181,12 +180,7 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    pub(super) fn of(layers: &[Layer<'_>]) -> Self {
-        let label = |layer: &Layer<'_>| match *layer {
-            Layer::Level { value, color, label } if !label.is_empty() => Some((value, label, color)),
-            _ => None,
-        };
-        let labels: Vec<(f64, &'static str, Color32)> = layers.iter().filter_map(label).collect();
+    pub(super) fn new(labels: Vec<(f64, &'static str, Color32)>) -> Self {
         let middle = labels.iter().map(|(value, ..)| value).sum::<f64>() / labels.len().max(1) as f64;
         Self { labels, middle }
     }

@@ -46,14 +46,6 @@ impl Medium {
             Self::Figure => [62.0, 25.0],
         }
     }
-
-    /// Columns per point of the screen, into which series are reduced. Lines of figures are thinner than those of a screen.
-    pub(crate) fn density(self) -> f32 {
-        match self {
-            Self::Screen => 1.0,
-            Self::Figure => 2.0,
-        }
-    }
 }
 
 fn plots() -> Id {

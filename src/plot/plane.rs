@@ -1,104 +1,108 @@
-//! The frame of plots of one quantity over another.
+//! The frame of every plot, and paths in it.
 
-use egui::{Color32, Id, Shape, Stroke, Ui, Vec2};
-use egui_plot::{AxisHints, GridInput, Line, Plot, PlotUi};
+use egui::{Color32, Id, Rangef, Response, Shape, Stroke, Ui, Vec2};
+use egui_plot::{AxisHints, GridInput, Line, Plot, PlotResponse, PlotTransform, PlotUi};
 
 use super::axes::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
-use super::medium::{Y_AXIS, sense};
+use super::medium::{Medium, Y_AXIS, sense};
 use crate::theme::Palette;
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum AxisScale {
-    Linear,
-    Logarithmic,
+/// The frame of a plot: its axes and its grid.
+#[derive(Clone, Copy)]
+pub(crate) struct Plane<'a> {
+    pub(crate) key: &'a str,
+    /// Of the horizontal and of the vertical axis; empty for none.
+    pub(crate) labels: [&'a str; 2],
+    /// Whether the values of an axis are logarithms to the base of ten; it is labelled with the numbers themselves.
+    pub(crate) logarithmic: [bool; 2],
+    /// Whether there are numbers below the plot.
+    pub(crate) has_x: bool,
 }
 
-/// Draws a plot into all of `ui`. It shows `range`, `[x, y]`, each low and high, unless the user has zoomed; a double
-/// click restores it.
-pub(crate) fn plane_ui(
-    ui: &mut Ui,
-    key: &str,
-    labels: [&str; 2],
-    palette: &Palette,
-    range: Option<[(f64, f64); 2]>,
-    draw: impl FnOnce(&mut PlotUi<'_>),
-) {
-    scaled_plane_ui(ui, key, labels, (palette, AxisScale::Linear), range, draw);
+/// Labels of ticks are opaque from this distance on \[points\].
+const TICKS_FADE: Rangef = Rangef { min: 14.0, max: 18.0 };
+
+impl<'a> Plane<'a> {
+    pub(crate) const fn linear(key: &'a str, labels: [&'a str; 2]) -> Self {
+        Self { key, labels, logarithmic: [false; 2], has_x: true }
+    }
+
+    /// A plot of all the room in `ui`.
+    pub(crate) fn plot<'p>(&self, ui: &Ui, palette: &Palette) -> Plot<'p> {
+        let Self { key, labels, logarithmic, has_x } = *self;
+        let size = ui.available_size().max(Vec2::splat(1.0));
+        let lengths = [size.x - Y_AXIS, size.y];
+        let between = Medium::of(ui.ctx()).between_ticks();
+        let axis = |axis: AxisHints<'p>, at: usize, side: Side| {
+            let axis = if labels[at].is_empty() { axis } else { axis.label(labels[at].to_owned()) };
+            if logarithmic[at] {
+                axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE)
+            } else {
+                axis.formatter(move |mark, range| tick_inside(mark, range, lengths[at], side)).label_spacing(TICKS_FADE)
+            }
+        };
+        let spacer = |at: usize| {
+            move |input: GridInput| {
+                if logarithmic[at] {
+                    log_ticks(input.bounds, size[at], between[at])
+                } else {
+                    ticks(input.bounds, size[at] / between[at])
+                }
+            }
+        };
+        Plot::new(key)
+            .width(size.x)
+            .height(size.y)
+            .show_x(false)
+            .show_y(false)
+            .show_axes([has_x, true])
+            .show_background(false)
+            .sense(sense(ui))
+            .custom_x_axes(vec![axis(AxisHints::new_x(), 0, Side::Bottom)])
+            .custom_y_axes(vec![axis(AxisHints::new_y().min_thickness(Y_AXIS), 1, Side::Left)])
+            .x_grid_spacer(spacer(0))
+            .y_grid_spacer(spacer(1))
+            .grid_color(palette.grid)
+            .allow_scroll(false)
+            .allow_double_click_reset(false)
+            .label_formatter(|_| None)
+    }
+
+    /// Draws into a plot that shows `range`, `[x, y]`, each low and high, unless the user has zoomed; a double click restores it.
+    pub(crate) fn show<R>(
+        &self,
+        ui: &mut Ui,
+        palette: &Palette,
+        range: Option<[(f64, f64); 2]>,
+        draw: impl FnOnce(&mut PlotUi<'_>) -> R,
+    ) -> PlotResponse<R> {
+        let id = Id::unique(("zoomed", self.key));
+        let zoomed = ui.data(|data| data.get_temp(id)).unwrap_or(false);
+        let plot = self.plot(ui, palette).show(ui, |plot| {
+            if let Some([x, y]) = range.filter(|_| !zoomed) {
+                plot.set_plot_bounds_x(x.0..=x.1);
+                plot.set_plot_bounds_y(y.0..=y.1);
+            }
+            draw(plot)
+        });
+        frame_ui(ui, &plot.transform, palette);
+        let response = &plot.response;
+        let zoomed = !response.double_clicked() && (zoomed || is_turned(response));
+        ui.data_mut(|data| data.insert_temp(id, zoomed));
+        response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.key)));
+        plot
+    }
 }
 
-/// [`plane_ui`] of logarithms to the base of ten, also in `range`; the axes are labelled with the numbers themselves.
-/// Returns the result of `draw`.
-pub(crate) fn log_plane_ui<R>(
-    ui: &mut Ui,
-    key: &str,
-    labels: [&str; 2],
-    palette: &Palette,
-    range: Option<[(f64, f64); 2]>,
-    draw: impl FnOnce(&mut PlotUi<'_>) -> R,
-) -> R {
-    scaled_plane_ui(ui, key, labels, (palette, AxisScale::Logarithmic), range, draw)
+/// Whether the user begins to drag or zooms.
+pub(super) fn is_turned(response: &Response) -> bool {
+    response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0))
 }
 
-fn scaled_plane_ui<R>(
-    ui: &mut Ui,
-    key: &str,
-    [x_label, y_label]: [&str; 2],
-    (palette, scale): (&Palette, AxisScale),
-    range: Option<[(f64, f64); 2]>,
-    draw: impl FnOnce(&mut PlotUi<'_>) -> R,
-) -> R {
-    let size = ui.available_size().max(Vec2::splat(1.0));
-    let axis = |axis: AxisHints<'static>, length: f32, side: Side| match scale {
-        AxisScale::Linear => axis.formatter(move |mark, range| tick_inside(mark, range, length, side)),
-        AxisScale::Logarithmic => axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE),
-    };
-    let spacer = move |length: f32, apart: f32| {
-        move |input: GridInput| match scale {
-            AxisScale::Linear => ticks(input.bounds, length / apart),
-            AxisScale::Logarithmic => log_ticks(input.bounds, length, apart),
-        }
-    };
-    let plot = Plot::new(key)
-        .width(size.x)
-        .height(size.y)
-        .show_x(false)
-        .show_y(false)
-        .show_background(false)
-        .sense(sense(ui))
-        .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()), size.x - Y_AXIS, Side::Bottom)])
-        .custom_y_axes(vec![axis(
-            AxisHints::new_y().label(y_label.to_owned()).min_thickness(Y_AXIS),
-            size.y,
-            Side::Left,
-        )])
-        .x_grid_spacer(spacer(size.x, 75.0))
-        .y_grid_spacer(spacer(size.y, 34.0))
-        .grid_color(palette.grid)
-        .allow_scroll(false)
-        .allow_double_click_reset(false)
-        .label_formatter(|_| None);
-    let id = Id::unique(("zoomed", key));
-    let mut zoomed = ui.data(|data| data.get_temp(id)).unwrap_or(false);
-    let response = plot.show(ui, |plot| {
-        if let Some([x, y]) = range.filter(|_| !zoomed) {
-            plot.set_plot_bounds_x(x.0..=x.1);
-            plot.set_plot_bounds_y(y.0..=y.1);
-        }
-        draw(plot)
-    });
-    let inner = response.inner;
-    let frame = response.transform.frame();
+pub(super) fn frame_ui(ui: &Ui, transform: &PlotTransform, palette: &Palette) {
+    let frame = transform.frame();
     let corners = [frame.left_top(), frame.left_bottom(), frame.right_bottom()];
     ui.painter().add(Shape::line(corners.to_vec(), Stroke::new(1.0, palette.grid)));
-    let response = response.response;
-    if response.double_clicked() {
-        zoomed = false;
-    } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
-        zoomed = true;
-    }
-    ui.data_mut(|data| data.insert_temp(id, zoomed));
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {key}")));
-    inner
 }
 
 /// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are in

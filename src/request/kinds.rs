@@ -20,6 +20,7 @@ pub enum Answer {
     Skipped,
 }
 
+/// The contents of a view: all of it, or one of its tabs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ViewKind {
     Oscillator,
@@ -39,14 +40,13 @@ pub enum ViewKind {
     Matrices,
     Scores,
     Filters,
-    Diagnosis,
     Map,
     MonteCarlo,
     Tune,
 }
 
 impl ViewKind {
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 20] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -64,11 +64,16 @@ impl ViewKind {
         Self::Matrices,
         Self::Scores,
         Self::Filters,
-        Self::Diagnosis,
         Self::Map,
         Self::MonteCarlo,
         Self::Tune,
     ];
+
+    /// The tabs of the view that this one belongs to.
+    pub(crate) fn tabs(self) -> &'static [Self] {
+        let mut views = VIEWS.iter().flat_map(|(_, views)| *views);
+        views.find(|view| view.tabs.contains(&self)).map_or(&[], |view| view.tabs)
+    }
 
     pub(crate) const fn proportions(self) -> Proportions {
         match self {
@@ -79,6 +84,48 @@ impl ViewKind {
         }
     }
 }
+
+/// A view of the menu.
+pub struct Tabs {
+    pub name: &'static str,
+    pub tabs: &'static [ViewKind],
+}
+
+const fn tabs(name: &'static str, tabs: &'static [ViewKind]) -> Tabs {
+    Tabs { name, tabs }
+}
+
+/// The views of the menu in groups, each by the question that it answers.
+pub const VIEWS: [(&str, &[Tabs]); 3] = [
+    (
+        "What happens",
+        &[
+            tabs("Oscillator", &[ViewKind::Oscillator]),
+            tabs("Parameters", &[ViewKind::Parameters]),
+            tabs("States", &[ViewKind::States]),
+            tabs("Measured and predicted", &[ViewKind::Measured]),
+            tabs("Planes", &[ViewKind::Phase, ViewKind::ParameterPlane]),
+            tabs("Frequency", &[ViewKind::FrequencyResponse, ViewKind::Spectrogram]),
+        ],
+    ),
+    (
+        "Can I believe it",
+        &[
+            tabs("Errors", &[ViewKind::Errors]),
+            tabs("Innovations", &[ViewKind::Innovations, ViewKind::Consistency, ViewKind::Autocorrelation]),
+            tabs("Scores", &[ViewKind::Scores, ViewKind::Filters]),
+            tabs("Which model", &[ViewKind::Classes]),
+        ],
+    ),
+    (
+        "What if",
+        &[
+            tabs("Laboratory", &[ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune]),
+            tabs("Kalman gain", &[ViewKind::Gain]),
+            tabs("Predict and update", &[ViewKind::Matrices]),
+        ],
+    ),
+];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proportions {
@@ -104,7 +151,7 @@ impl Arrangement {
             Self::Teach => "Teach",
             Self::Tune => "Tune",
             Self::Compare => "Compare",
-            Self::Laboratory => "Laboratory",
+            Self::Laboratory => "Experiment",
         }
     }
 }

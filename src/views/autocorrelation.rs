@@ -6,7 +6,7 @@ use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
 
 use crate::plot::medium::{Medium, cells_ui};
-use crate::plot::plane::plane_ui;
+use crate::plot::plane::Plane;
 use crate::request::Request;
 use crate::ruler::End;
 use crate::session::Wanted;
@@ -72,7 +72,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
         let key = format!("autocorrelation of the {} innovations", sensors[sensor].key());
         let label = format!("r of e({})", sensors[sensor].symbol());
         let lag = if last_row { "lag [samples]" } else { "" };
-        plane_ui(ui, &key, [lag, &label], palette, range, |plot| {
+        Plane::linear(&key, [lag, &label]).show(ui, palette, range, |plot| {
             for chart in charts {
                 plot.bar_chart(chart);
             }

@@ -2,9 +2,9 @@
 
 use kalmanscope_core::{Channel, Quantity};
 
-use crate::plot::chart::Chart;
+use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
-use crate::plot::series::{Band, Series};
+use crate::plot::series::Series;
 use crate::session::{Bound, Wanted};
 use crate::sheet::{Column, plus_minus};
 use crate::text::{decimals, error_in_hertz, fixed, in_hertz};
@@ -12,7 +12,7 @@ use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
 
 /// The width of the first filter's line \[points\].
-const ESTIMATE: f32 = 2.4;
+const ESTIMATE: f32 = 2.8;
 
 pub(super) static STATES: View = View {
     name: "States",
@@ -47,68 +47,46 @@ fn channel_charts<'a>(are_parameters: bool, context: &ViewContext<'a>) -> Vec<Ch
     channels(are_parameters, context).into_iter().map(|channel| chart(channel, context)).collect()
 }
 
+fn of_channel<'a>(channel: Channel, [title, symbol]: [String; 2], context: &ViewContext<'a>) -> Chart<'a> {
+    let name = channel.name().to_owned();
+    Chart { key: title.clone(), title, symbol, name, unit: context.unit(channel.unit()), ..Chart::default() }
+}
+
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let record = run.record();
     let decimals = decimals(channel);
-    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(place, of, at)| {
-        let band = Band::around(of.canonical_means(at), of.variances(at));
-        context.band(of, band, line_width(place, ESTIMATE))
-    });
-    let mut layers: Vec<Layer<'a>> = bands.collect();
+    let mut chart = of_channel(channel, [channel.name().to_owned(), channel.symbol().to_owned()], context);
+    chart.handles =
+        handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect();
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
-        layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
-        layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
+        chart.layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
+        chart.layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
     }
-    let truth = record.truth(channel);
-    if let Some(truth) = truth.filter(|_| visible.truth) {
-        layers.push(Layer::Line {
-            series: Series::of(&truth[..run.len()]),
-            color: palette.truth,
-            width: 4.0,
-            dashed: false,
-            bounds: true,
-            filter: None,
-        });
-    }
-    let truth_before = session.before().and_then(|before| before.truth(channel));
-    if let Some(truth) = truth_before.filter(|_| visible.truth) {
-        layers.push(Layer::dashed(Series::of(truth), palette.weak, 1.2));
-    }
-    for before in context.before() {
-        let now = context.estimating(channel).position(|(_, of, _)| of.id() == before.id());
-        if let (Some(at), Some(now)) = (before.place(channel), now) {
-            layers.push(Layer::Before { series: Series::of(before.canonical_means(at)), color: palette.weak, now });
-        }
-    }
-    let words = truth.map(|truth| {
+    if let Some(truth) = record.truth(channel) {
+        let series = Series::of(&truth[..run.len()]);
+        chart.layers.extend(visible.truth.then(|| Layer::truth(series, palette.truth)));
         let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
-        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
-    });
-    let mut columns: Vec<Column<'a>> = words.into_iter().collect();
+        chart.columns.push(column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit())));
+    }
+    let truth_before = session.before().and_then(|before| before.truth(channel)).filter(|_| visible.truth);
+    chart.layers.extend(truth_before.map(|truth| Layer::dashed(Series::of(truth), palette.weak, 1.2)));
+    let before = context.before().filter_map(|before| Some(before.canonical_means(before.place(channel)?)));
+    chart.layers.extend(before.map(|means| Layer::line(Series::of(means), palette.weak, 1.2)));
     for (place, of, at) in context.estimating(channel) {
-        layers.push(context.line(of, Series::of(of.canonical_means(at)), line_width(place, ESTIMATE)));
-        let text = move |k| Some(plus_minus(of.canonical_mean(k, at), of.std(k, at), decimals));
-        let aside = move |k| in_hertz(of.canonical_mean(k, at), channel.unit());
-        columns.push(context.column(of, text).with_aside(aside));
+        let (means, variances) = (of.canonical_means(at), of.variances(at));
+        let band = Some(Series::around(means, variances));
+        let curve = Curve { line: Series::of(means), band, width: line_width(place, ESTIMATE) };
+        context.add(&mut chart, of, curve, move |k| Some(plus_minus(means[k], of.std(k, at), decimals)));
+        chart.aside(move |k| in_hertz(means[k], channel.unit()));
     }
     for of in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
         let Some(at) = of.place(channel) else { continue };
-        layers.push(Layer::dashed(Series::of(of.canonical_means(at)), context.color(of), 1.4));
+        chart.layers.push(Layer::dashed(Series::of(of.canonical_means(at)), context.color(of), 1.4));
     }
-    Chart {
-        key: channel.key().to_owned(),
-        title: channel.name().to_owned(),
-        symbol: channel.symbol().to_owned(),
-        name: channel.name().to_owned(),
-        unit: context.unit(channel.unit()),
-        columns,
-        layers,
-        handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
-        ..Chart::default()
-    }
+    chart
 }
 
 pub(super) static ERRORS: View = View {
@@ -143,38 +121,24 @@ fn error_chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let truth = session.run().record().truth(channel).unwrap_or_default();
     let decimals = decimals(channel);
-    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(_, of, at)| {
-        let variances = of.variances(at);
-        context.band(of, Band::around_zero(variances.len(), |samples| variances[samples].iter().copied()), 0.0)
-    });
-    let mut layers: Vec<Layer<'a>> = bands.chain([Layer::zero(palette.truth)]).collect();
-    let mut columns = Vec::new();
+    let names = [format!("error of the {}", channel.name()), format!("{} error", channel.symbol())];
+    let mut chart = of_channel(channel, names, context);
+    chart.layers.push(Layer::zero(palette.truth));
     for (place, of, at) in context.estimating(channel) {
-        let means = of.canonical_means(at);
-        let errors = Series::new(means.len(), move |samples| {
-            means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
-        });
-        layers.push(context.line(of, errors, line_width(place, 2.0)));
-        let error = move |k: usize| of.canonical_mean(k, at) - truth[k];
-        let text = move |k| Some(plus_minus(error(k), of.std(k, at), decimals));
-        columns.push(context.column(of, text).with_aside(move |k| error_in_hertz(error(k), channel.unit(), decimals)));
+        let (means, variances) = (of.canonical_means(at), of.variances(at));
+        let error = move |k: usize| means[k] - truth[k];
+        let line = Series::each(means.len(), error);
+        let curve = Curve { line, band: Some(Series::of(variances).around_zero()), width: line_width(place, 2.0) };
+        context.add(&mut chart, of, curve, move |k| Some(plus_minus(error(k), of.std(k, at), decimals)));
+        chart.aside(move |k| error_in_hertz(error(k), channel.unit(), decimals));
     }
     for Bound { bound, filters } in session.bounds().iter().filter(|_| visible.bands) {
         let Some((_, of)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
-            let series = Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at)));
-            layers.push(Layer::dashed(series, context.color(of), 1.0));
+            let series = Series::each(bound.len(), move |k| sign * bound.std(k, at));
+            chart.layers.push(Layer::dashed(series, context.color(of), 1.0));
         }
     }
-    Chart {
-        key: format!("error of {}", channel.key()),
-        title: format!("error of the {}", channel.name()),
-        symbol: format!("{} error", channel.symbol()),
-        name: channel.name().to_owned(),
-        unit: context.unit(channel.unit()),
-        columns,
-        layers,
-        ..Chart::default()
-    }
+    chart
 }

@@ -4,11 +4,10 @@ use std::ops::Range;
 
 use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
-use crate::plot::chart::Chart;
+use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::Series;
 use crate::session::Wanted;
-use crate::sheet::Column;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
@@ -57,7 +56,16 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
     let Square { symbol, name, within, moving } = *square;
     let window = (WINDOW / context.session.run().record().dt()).ceil().max(1.0) as usize;
     let remark = format!("over expectation, mean of {WINDOW} s");
-    let mut layers: Vec<Layer<'a>> = vec![Layer::zero(palette.truth)];
+    let mut chart = Chart {
+        key: symbol.to_owned(),
+        title: format!("{symbol}, {name}, {remark}"),
+        symbol: symbol.to_owned(),
+        name: remark,
+        layers: vec![Layer::zero(palette.truth)],
+        least: Some((-0.5, 0.5)),
+        logarithmic: true,
+        ..Chart::default()
+    };
     // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
         .diagnostics()
@@ -67,27 +75,15 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
         let degrees = if symbol == "NIS" { total.degrees } else { total.degrees / total.samples.max(1) };
         if let Some(interval) = chi_squared::quick_interval(degrees, degrees) {
             for (edge, label) in [(interval.start(), "χ² 2.5 %"), (interval.end(), "χ² 97.5 %")] {
-                layers.push(Layer::Level { value: edge.log10(), color: palette.weak, label });
+                chart.layers.push(Layer::Level { value: edge.log10(), color: palette.weak, label });
             }
         }
     }
-    let mut columns = Vec::new();
     for (place, of, diagnostics) in context.diagnostics() {
-        let series = Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples));
-        layers.push(context.line(of, series.through(f64::log10), line_width(place, 2.0)));
+        let line = Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples));
+        let curve = Curve { line: line.through(f64::log10), band: None, width: line_width(place, 2.0) };
         let ratio = move |k: usize| within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree();
-        let text = move |k: usize| (k < diagnostics.len()).then(|| significant(ratio(k), 3));
-        columns.push(Column::new(of.name(), context.color(of), text));
+        context.add(&mut chart, of, curve, move |k| (k < diagnostics.len()).then(|| significant(ratio(k), 3)));
     }
-    Chart {
-        key: symbol.to_owned(),
-        title: format!("{symbol}, {name}, {remark}"),
-        symbol: symbol.to_owned(),
-        name: remark,
-        columns,
-        layers,
-        least: Some((-0.5, 0.5)),
-        logarithmic: true,
-        ..Chart::default()
-    }
+    chart
 }

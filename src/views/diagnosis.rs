@@ -1,44 +1,26 @@
-//! The diagnosis of each filter: verdict, evidence, causes, and the edits that repair them.
+//! The diagnosis of a filter, in a drawer: verdict, evidence, causes, and the edits that repair them.
 
 mod causes;
 mod evidence;
 
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
 use kalmanscope_core::Estimates;
-use kalmanscope_core::diagnostics::Depth;
 
 use crate::request::Request;
-use crate::session::Wanted;
 use crate::text::sentence;
 use crate::theme;
 use crate::verdict::{symbol, text_color};
-use crate::view::{View, ViewContext};
+use crate::view::ViewContext;
 use crate::widgets::{is_held, steady_ui};
 
-pub(super) static VIEW: View = View {
-    name: "Diagnosis",
-    help: [
+pub(crate) const HELP: (&str, [&str; 3]) = (
+    "Diagnosis",
+    [
         "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
         "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
         "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
     ],
-    wanted: Wanted::diagnostics(Depth::All),
-    ui: Some(view_ui),
-    ..View::NONE
-};
-
-fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-    // After a press, another button may move to the same place.
-    let is_held = is_held(ui, "hand on the diagnosis");
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
-        for (place, estimates) in context.filters() {
-            ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held, false), estimates, requests));
-            ui.add_space(10.0);
-        }
-    });
-    None
-}
+);
 
 pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
     let is_held = is_held(ui, "hand on the diagnosis");
@@ -69,7 +51,7 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
         let verdict_ui = |ui: &mut Ui, requests: &mut Vec<Request>| {
-            ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held, true), &all[place], requests));
+            ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
             ui.add_space(4.0);
         };
         if is_low {
@@ -92,7 +74,7 @@ const LINES: f32 = 3.0;
 fn filter_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    (place, is_held, is_drawer): (usize, bool, bool),
+    (place, is_held): (usize, bool),
     estimates: &Estimates,
     requests: &mut Vec<Request>,
 ) {
@@ -128,10 +110,10 @@ fn filter_ui(
         if is_good {
             causes::models_ui(ui, context, estimates, requests);
         } else {
-            causes::causes_ui(ui, context, estimates, (is_held, is_drawer), requests);
+            causes::causes_ui(ui, context, estimates, is_held, requests);
         }
     });
-    evidence::evidence_ui(ui, &diagnosis.evidence, !is_drawer, color, palette);
+    evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);
 }
 
 fn is_mirrored(estimates: &Estimates) -> bool {

@@ -10,7 +10,7 @@ use kalmanscope_core::Estimates;
 use kalmanscope_core::frequency_response::Believed;
 
 use crate::plot::heading::{Readout, heading_ui};
-use crate::plot::plane::log_plane_ui;
+use crate::plot::plane::Plane;
 use crate::request::Request;
 use crate::text::{in_hertz, significant};
 use crate::view::{View, ViewContext};
@@ -44,14 +44,15 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     let drawn = Drawn::new(&curves, context);
     let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
     let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
-    let pointed = log_plane_ui(ui, "frequency response", labels, palette, Some(drawn.range()), |plot| {
+    let plane = Plane { logarithmic: [true; 2], ..Plane::linear("frequency response", labels) };
+    let plot = plane.show(ui, palette, Some(drawn.range()), |plot| {
         let pointed = plot.pointer_coordinate().filter(|_| plot.response().hovered());
         let pointed = pointed.map(|point| curves.nearest(point.x));
         drawn.draw(plot, context, pointed);
         pointed
     });
     let mut heading = ui.new_child(UiBuilder::new().max_rect(heading));
-    if let Some(i) = pointed.or_else(|| drawn.peak()) {
+    if let Some(i) = plot.inner.or_else(|| drawn.peak()) {
         heading_ui(&mut heading, "|H|", "displacement over force per mass", "s²", &readouts(&curves, i, context));
     }
     None

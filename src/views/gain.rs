@@ -3,7 +3,7 @@
 use egui::{Id, Ui};
 use kalmanscope_core::{Channel, Estimates, Quantity};
 
-use crate::plot::chart::{Chart, charts_ui};
+use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
 use crate::plot::series::Series;
 use crate::request::Request;
@@ -69,22 +69,20 @@ fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Chart<'a> {
     let sensor_of = context.session.sensors().get(sensor).copied();
     let is_measured = sensor_of.and_then(Quantity::channel) == Some(channel);
-    let mut layers: Vec<Layer<'a>> = vec![Layer::zero(context.palette.weak)];
-    let mut columns = Vec::new();
-    for (_, of, at) in context.estimating(channel) {
-        let value = move |k: usize| change(of, (sensor, at), is_measured, k);
-        layers.push(context.line(of, Series::new(of.len(), move |samples| samples.map(value)), 1.2));
-        columns.push(context.column(of, move |k| Some(significant(value(k), 3))));
-    }
     let by = sensor_of.map_or_else(String::new, |quantity| format!(" by the {} sensor", quantity.key()));
-    Chart {
+    let mut chart = Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
         title: format!("gain of the {}{by}", channel.name()),
         symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
         name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
         unit: if is_measured { "" } else { context.unit(channel.unit()) },
-        columns,
-        layers,
+        layers: vec![Layer::zero(context.palette.weak)],
         ..Chart::default()
+    };
+    for (_, of, at) in context.estimating(channel) {
+        let value = move |k: usize| change(of, (sensor, at), is_measured, k);
+        let curve = Curve { line: Series::each(of.len(), value), band: None, width: 1.2 };
+        context.add(&mut chart, of, curve, move |k| Some(significant(value(k), 3)));
     }
+    chart
 }

@@ -4,11 +4,11 @@ use std::f64::consts::LN_10;
 
 use kalmanscope_core::{Estimates, FilterSettings, Quantity};
 
-use crate::plot::chart::Chart;
+use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
-use crate::plot::series::{Band, Series};
-use crate::sheet::{Column, Sheet};
+use crate::plot::series::Series;
+use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::handles;
@@ -65,45 +65,39 @@ fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
 }
 
 fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Chart<'a> {
-    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let ViewContext { session, palette, axis, .. } = *context;
     let now = axis.readout(session);
-    let bands = filters.iter().filter(|_| visible.bands).map(|&of| {
-        let variances = Band::around_zero(of.len(), move |samples| samples.map(move |k| variance(of, sensor, k)));
-        context.band(of, variances, 0.0)
-    });
-    let mut layers: Vec<Layer<'a>> = bands.chain([Layer::zero(palette.weak)]).collect();
-    let (mut columns, mut readouts) = (Vec::new(), Vec::new());
-    for &of in filters {
-        let color = context.color(of);
-        let innovation = move |k: usize| of.innovation(k)[sensor];
-        let series = Series::new(of.len(), move |samples| samples.map(innovation));
-        layers.push(Layer::line(series, color.gamma_multiply(0.8), 0.8).of(of.id()));
-        let std = move |k: usize| variance(of, sensor, k).sqrt();
-        columns.push(context.column(of, move |k| {
-            let [text, band] = [innovation(k), 2.0 * std(k)].map(|x| significant(x, 3));
-            innovation(k).is_finite().then(|| format!("{text} ±{band}"))
-        }));
-        if now < of.len() {
-            let [innovation, std] = [innovation(now), std(now)].map(|x| significant(x, 2));
-            readouts.push(Readout::new(format!("{innovation} (√S {std})"), color, of.name().to_owned()));
-        }
-    }
     let of = match filters {
         [one] if context.filters().nth(1).is_some() => format!(", {}", one.name()),
         _ => String::new(),
     };
-    Chart {
+    let mut chart = Chart {
         key: format!("innovation of {}{of}", quantity.key()),
         title: format!("innovations of the {} sensor{of}", quantity.key()),
         symbol: format!("e({})", quantity.symbol()),
         name: format!("innovation of {}{of}", quantity.key()),
         unit: context.unit(quantity.unit()),
-        columns,
-        readouts: Some(readouts),
-        layers,
+        layers: vec![Layer::zero(palette.weak)],
         handles: handles::of_sensor(sensor, quantity, filters, context),
         ..Chart::default()
+    };
+    let mut readouts = Vec::new();
+    for &of in filters {
+        let innovation = move |k: usize| of.innovation(k)[sensor];
+        let std = move |k: usize| variance(of, sensor, k).sqrt();
+        let band = Series::each(of.len(), move |k| variance(of, sensor, k)).around_zero();
+        let curve = Curve { line: Series::each(of.len(), innovation), band: Some(band), width: 0.8 };
+        context.add(&mut chart, of, curve, move |k| {
+            let [text, band] = [innovation(k), 2.0 * std(k)].map(|x| significant(x, 3));
+            innovation(k).is_finite().then(|| format!("{text} ±{band}"))
+        });
+        if now < of.len() {
+            let [innovation, std] = [innovation(now), std(now)].map(|x| significant(x, 2));
+            let text = format!("{innovation} (√S {std})");
+            readouts.push(Readout::new(text, context.color(of), of.name().to_owned()));
+        }
     }
+    Chart { readouts: Some(readouts), ..chart }
 }
 
 fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates> + use<'a> {
@@ -189,20 +183,14 @@ fn drawn<'a>(
     ),
     truth: Option<f64>,
 ) -> Chart<'a> {
-    let ViewContext { palette, visible, .. } = *context;
     let at = move |estimates: &Estimates, k: usize| band(estimates, k).unwrap_or([f64::NAN; 3]);
-    let bands = filters.iter().filter(|_| visible.bands).map(|&of| {
-        let edges = move |k: usize| (at(of, k)[0], at(of, k)[2]);
-        context.band(of, Band::made(of.len(), move |samples| samples.map(edges).collect()), 0.0)
-    });
-    let truth = truth.filter(|_| visible.truth);
-    let truth = truth.map(|value| Layer::Level { value, color: palette.truth, label: "truth" });
-    let mut layers: Vec<Layer<'a>> = bands.chain(truth).collect();
-    let mut columns = Vec::new();
+    let truth = truth.filter(|_| context.visible.truth);
+    let truth = truth.map(|value| Layer::Level { value, color: context.palette.truth, label: "truth" });
+    let mut chart = Chart { layers: truth.into_iter().collect(), ..chart };
     for &of in filters {
-        let series = Series::new(of.len(), move |samples| samples.map(move |k| at(of, k)[1]));
-        layers.push(context.line(of, series, 1.2));
-        columns.push(Column::new(of.name(), context.color(of), move |k| words(of, k)));
+        let band = Series::each(of.len(), move |k| (at(of, k)[0], at(of, k)[2]));
+        let curve = Curve { line: Series::each(of.len(), move |k| at(of, k)[1]), band: Some(band), width: 1.2 };
+        context.add(&mut chart, of, curve, move |k| words(of, k));
     }
-    Chart { columns, layers, ..chart }
+    chart
 }

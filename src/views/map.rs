@@ -1,23 +1,23 @@
 //! A score over two settings: each cell is a whole run of the filter.
 
 mod head;
-mod legend;
 mod marks;
 mod panel;
 mod picture;
 mod scale;
 
-use egui::{Label, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Label, Rect, Sense, Stroke, TextStyle, Ui, Vec2, pos2, vec2};
+use kalmanscope_core::ValueKind;
 
 use crate::laboratory::{Choice, Laboratory, Survey};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::view::{View, ViewContext};
 use head::head_ui;
-use legend::Legend;
 use marks::Path;
 use panel::PanelView;
 use picture::{Place, arrange};
+use scale::End;
 
 /// Room for the line of the progress \[points\].
 const PROGRESS: f32 = 3.0;
@@ -50,9 +50,22 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     let has_truth = !marks::truths(survey.axes(), context).is_empty();
     let path = laboratory.tuning.path_in(survey).map(|(filter, points)| Path { filter, points });
     let path = path.filter(|path| path.points.len() > 1);
-    let marks = (has_truth, path.is_some(), choice.measure);
-    let legend = Legend::new(ui, &panels, marks, room.width(), context.palette);
-    let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
+    let is_never = choice.measure.info().kind == ValueKind::Time;
+    let any = |end: End| panels.iter().any(|panel| panel.has(end));
+    let marks = [
+        (true, "dot: setting on screen"),
+        (panels.iter().any(|panel| !panel.contour.is_empty()), "line: around it the mean NIS leaves its 99 % interval"),
+        (has_truth, "dashed: truth"),
+        (path.is_some(), "white path: Tune for me"),
+        (any(End::Lost), "pale: lost the truth"),
+        (any(End::Stopped), "grey: stopped"),
+        (is_never, "grey: never settled"),
+    ];
+    let words = marks.into_iter().filter(|(is_there, _)| *is_there).map(|(_, text)| text);
+    let words = words.collect::<Vec<_>>().join("  ·  ");
+    let font = TextStyle::Small.resolve(ui.style());
+    let legend = ui.painter().layout(words, font, context.palette.weak, room.width() - 8.0);
+    let bottom = (room.bottom() - legend.size().y).max(room.top() + PROGRESS);
     let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
     for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
         let is_old = laboratory.is_shown_old();
@@ -60,7 +73,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
             PanelView { panel: &panels[at], survey, measure: choice.measure, path: path.as_ref(), is_old, has_bar };
         view.ui(ui, room, context, requests);
     }
-    legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
+    ui.painter().galley(pos2(room.left() + 4.0, bottom), legend, context.palette.weak);
     None
 }
 

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Estimates, Quantity, Record};
 
-use crate::plot::chart::Chart;
+use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::Series;
@@ -68,43 +68,37 @@ fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
 fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let all = measured(sensor, context);
-    let mut layers: Vec<Layer<'a>> = Vec::new();
-    if visible.measured {
-        layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
-        layers.extend(weights::layers(quantity, all, context));
-    }
     let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
-    let mut columns = vec![Column::new("measured", palette.measured, move |k| number(*all.get(k)?))];
-    for (place, of) in context.filters() {
-        let Some(values) = predicted(of, session.run().record(), quantity) else { continue };
-        let len = of.len().min(all.len());
-        let series = Series::new(len, move |samples| samples.map(values));
-        let color = context.color(of).gamma_multiply(0.7);
-        layers.push(Layer::line(series, color, line_width(place, PREDICTED)).of(of.id()));
-        let text = move |k: usize| number((k < len).then(|| values(k))?);
-        columns.push(Column::new(of.name(), context.color(of), text));
-    }
-    for (place, of) in context.filters() {
-        if let Some(free) = session.free_run(place) {
-            layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), context.color(of), 1.4));
-        }
-    }
-    let k = axis.readout(session);
-    let now = columns[0].text(k);
-    let readouts = now.map(|text| Readout::new(text, palette.measured, "measured".to_owned()));
-    let said = weights::at(quantity, k, context);
-    let said = if said.is_empty() { weights::shares(quantity, all, context) } else { said };
-    Chart {
+    let mut chart = Chart {
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        columns,
-        readouts: Some(readouts.into_iter().chain(said).collect()),
-        layers,
+        columns: vec![Column::new("measured", palette.measured, move |k| number(*all.get(k)?))],
         ..Chart::default()
+    };
+    if visible.measured {
+        chart.layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
+        chart.layers.extend(weights::layers(quantity, all, context));
     }
+    for (place, of) in context.filters() {
+        let Some(values) = predicted(of, session.run().record(), quantity) else { continue };
+        let len = of.len().min(all.len());
+        let curve = Curve { line: Series::each(len, values), band: None, width: line_width(place, PREDICTED) };
+        context.add(&mut chart, of, curve, move |k| number((k < len).then(|| values(k))?));
+    }
+    for (place, of) in context.filters() {
+        if let Some(free) = session.free_run(place) {
+            chart.layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), context.color(of), 1.4));
+        }
+    }
+    let k = axis.readout(session);
+    let now = chart.columns[0].text(k);
+    let readouts = now.map(|text| Readout::new(text, palette.measured, "measured".to_owned()));
+    let said = weights::at(quantity, k, context);
+    let said = if said.is_empty() { weights::shares(quantity, all, context) } else { said };
+    Chart { readouts: Some(readouts.into_iter().chain(said).collect()), ..chart }
 }
 
 fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
@@ -114,10 +108,10 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> C
     let mut readouts = Vec::new();
     for (place, estimates) in context.filters() {
         let Some(free) = session.free_run(place) else { continue };
-        let values = move |k: usize| all[k] - free.predicted[sensor][k];
         let color = context.color(estimates);
         let len = free.predicted[sensor].len().min(all.len());
-        layers.push(context.line(estimates, Series::new(len, move |samples| samples.map(values)), 1.0));
+        let error = Series::each(len, move |k| all[k] - free.predicted[sensor][k]);
+        layers.push(Layer::line(error, color, 1.0).of(estimates.id()));
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout::new(text, color, format!("free run of {}", estimates.name())));

@@ -8,7 +8,7 @@ use kalmanscope_core::{Channel, Estimates, Evidence, ModelClasses};
 
 use crate::plot::chart::Chart;
 use crate::plot::layers::Layer;
-use crate::plot::series::{Band, Series};
+use crate::plot::series::Series;
 use crate::session::Wanted;
 use crate::sheet::{Column, plus_minus};
 use crate::text::{decimals, fixed};
@@ -92,7 +92,14 @@ fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
 }
 
 fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a> {
-    let (mut layers, mut columns) = (Vec::new(), Vec::new());
+    let mut chart = Chart {
+        key: "model classes".to_owned(),
+        title: "probabilities of the model classes".to_owned(),
+        symbol: "P".to_owned(),
+        name: "of each class".to_owned(),
+        least: Some((0.0, 1.0)),
+        ..Chart::default()
+    };
     for (class, &(estimates, _)) in classes.all.iter().enumerate() {
         let below = |count: usize| {
             let classes = Rc::clone(classes);
@@ -100,30 +107,30 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
         };
         let (low, high) = (below(class), below(class + 1));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(context.band(estimates, Band::made(classes.len, edges), 0.0));
+        let (color, filter, len) = (context.color(estimates), Some(estimates.id()), classes.len);
+        chart.bands.push(Layer::Band { series: Series::made::<(f64, f64)>(len, edges), color, filter });
         if class > 0 {
-            layers.push(Layer::line(Series::made(classes.len, below(class)), context.palette.weak, 1.0));
+            chart.layers.push(Layer::line(Series::made(len, below(class)), context.palette.weak, 1.0));
         }
         let own = Rc::clone(classes);
         let percent = move |k: usize| ModelClasses::in_percent(own.at(k).probabilities()[class]);
-        let len = classes.len;
-        columns.push(Column::new(estimates.name(), context.color(estimates), move |k| (k < len).then(|| percent(k))));
+        chart.columns.push(Column::new(estimates.name(), color, move |k| (k < len).then(|| percent(k))));
     }
-    Chart {
-        key: "model classes".to_owned(),
-        title: "probabilities of the model classes".to_owned(),
-        symbol: "P".to_owned(),
-        name: "of each class".to_owned(),
-        columns,
-        layers,
-        least: Some((0.0, 1.0)),
-        ..Chart::default()
-    }
+    chart
 }
 
 fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
+    let title = format!("average {}", channel.name());
+    let mut chart = Chart {
+        key: format!("average {}", channel.key()),
+        name: title.clone(),
+        title,
+        symbol: channel.symbol().to_owned(),
+        unit: context.unit(channel.unit()),
+        ..Chart::default()
+    };
     let of = |sigmas: f64| {
         let classes = Rc::clone(classes);
         move |samples| {
@@ -132,40 +139,24 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
             })
         }
     };
-    let mut layers = Vec::new();
     if visible.bands {
         let (low, high) = (of(-2.0), of(2.0));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(Layer::Band {
-            band: Band::made(classes.len, edges),
-            color: palette.weak,
-            under: 2.0,
-            filter: None,
-        });
+        let series = Series::made::<(f64, f64)>(classes.len, edges);
+        chart.bands.push(Layer::Band { series, color: palette.weak, filter: None });
     }
-    let mut columns = Vec::new();
     let decimals = decimals(channel);
     if let Some(truth) = run.record().truth(channel) {
         if visible.truth {
-            layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
+            chart.layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
         }
-        columns.push(Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
+        chart.columns.push(Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
     }
-    layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.weak, 2.0));
+    chart.layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.weak, 2.0));
     let own = Rc::clone(classes);
-    columns.push(Column::new("average", palette.weak, move |k| {
+    chart.columns.push(Column::new("average", palette.weak, move |k| {
         let (mean, std) = (k < own.len).then(|| own.average(channel, k, &own.at(k)))??;
         Some(plus_minus(mean, std, decimals))
     }));
-    let title = format!("average {}", channel.name());
-    Chart {
-        key: format!("average {}", channel.key()),
-        name: title.clone(),
-        title,
-        symbol: channel.symbol().to_owned(),
-        unit: context.unit(channel.unit()),
-        columns,
-        layers,
-        ..Chart::default()
-    }
+    chart
 }

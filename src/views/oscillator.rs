@@ -5,10 +5,10 @@ mod peaks;
 mod scene;
 mod stage;
 
-use egui::{Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
-use self::peaks::{Peaks, masses};
+use self::peaks::{Peak, masses};
 use self::scene::Scene;
 use self::stage::Stage;
 use crate::request::Request;
@@ -28,8 +28,7 @@ pub(super) static VIEW: View = View {
 
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
     let (width, available) = (ui.available_width().max(1.0), ui.available_height());
-    let highest = 0.3 * width;
-    let height = if available > highest + LEAST_TRAIL { available } else { available.min(highest) };
+    let height = available.min(0.3 * width);
     if height > 40.0 {
         ui.add_space(0.5 * (available - height));
         oscillator_ui(ui, context, height, requests);
@@ -39,9 +38,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
 
 /// The time in which the scale changes \[s\].
 const EASE: f32 = 0.8;
-
-/// The least height of the trails below the masses; with less, none are drawn \[points\].
-const LEAST_TRAIL: f32 = 60.0;
 
 /// The span before anything has moved: half of the smallest initial standard deviation of any filter \[m\].
 fn first_span(run: &Run, k: usize) -> f64 {
@@ -84,21 +80,17 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
         Mode::Whole => (run.len().saturating_sub(1), 0.0),
         Mode::Live => (k, first_span(run, k)),
     };
-    let peak = ui.data_mut(|data| data.get_temp_mut_or_default::<Peaks>(response.id).up_to(run.record(), masses, last));
+    let peak = Peak::up_to(run.record(), masses, last);
     let needed = stage::needed(masses, peak, first);
     let time = if ui.style().animation_time > 0.0 { EASE } else { 0.0 };
     let eased = ui.ctx().animate_value_with_time(response.id, stage::rounded(needed) as f32, time);
     let zoom = f64::from(eased).max(needed);
 
-    let trail = rect.height() > 0.3 * rect.width() + 1.0;
-    let height = if trail { (0.22 * rect.width()).clamp(96.0, 280.0) } else { rect.height() };
-    let floor = pos2(rect.right(), rect.top() + height);
-    let picture = Rect::from_min_max(rect.min, floor);
     let stage = |rect| Stage::new(rect, masses, 2_f64.powf(zoom));
-    let whole = stage(picture);
+    let whole = stage(rect);
     let strip = Scene { stage: &whole, painter: &painter, context, k }.strip();
-    let strip = strip.map(|height| picture.with_max_y(picture.top() + height));
-    let stage = strip.map_or(whole, |strip| stage(picture.with_min_y(strip.bottom())));
+    let strip = strip.map(|height| rect.with_max_y(rect.top() + height));
+    let stage = strip.map_or(whole, |strip| stage(rect.with_min_y(strip.bottom())));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
     scene.masses(peak.force);
     let equation = session.run().scenario().plant.kind.equation();
@@ -118,8 +110,5 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let hidden = if place.is_some() { String::new() } else { format!("{equation}\n") };
     if edit.on_hover_text(format!("{hidden}Click to edit the equation")).clicked() {
         requests.push(Request::EditEquation);
-    }
-    if trail {
-        scene.trail(Rect::from_min_max(pos2(rect.left(), floor.y + 2.0), rect.max));
     }
 }

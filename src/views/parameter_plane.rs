@@ -5,7 +5,7 @@ use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
 use crate::laboratory::{Posteriors, Shown};
-use crate::plot::plane::{aged_path, around, drawable, plane_ui};
+use crate::plot::plane::{Plane, aged_path, around, drawable};
 use crate::request::Request;
 use crate::text::{decimals, fixed, significant};
 use crate::view::{View, ViewContext};
@@ -66,7 +66,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
         unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
     };
     let mut labelled = false;
-    plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
+    Plane::linear("parameter plane", [&label(x), &label(y)]).show(ui, palette, range, |plot| {
         // Behind points a path is only a hint.
         let strength = if cloud.is_some() { 0.4 } else { 1.0 };
         for (path, _, color) in &paths {
@@ -259,7 +259,7 @@ fn phase_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opt
     let range = reach(Channel::DISPLACEMENT).zip(reach(Channel::VELOCITY)).map(|(x, y)| [x, y]);
     let names = [("displacement x", "m"), ("velocity v", "m/s")];
     let names = names.map(|(name, unit)| format!("{name} [{}]", context.unit(unit)));
-    plane_ui(ui, "phase portrait", names.each_ref().map(String::as_str), palette, range, |plot| {
+    Plane::linear("phase portrait", names.each_ref().map(String::as_str)).show(ui, palette, range, |plot| {
         for (path, color, width) in paths {
             let now = path.first().map(|now| drawable(plot, *now));
             aged_path(plot, &path, color, width);

@@ -1,10 +1,11 @@
 //! Power over time and frequency, with the frequencies that filters estimate.
 
 use egui::{Color32, ColorImage, Id, TextureHandle, TextureOptions, Ui, Vec2b};
-use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints};
+use egui_plot::{Line, PlotImage, PlotPoint, PlotPoints};
 use kalmanscope_core::{Channel, Spectrogram};
 
-use crate::plot::medium::sense;
+use crate::plot::cache::cached;
+use crate::plot::plane::Plane;
 use crate::request::Request;
 use crate::theme::sequential;
 use crate::view::{View, ViewContext};
@@ -12,12 +13,6 @@ use crate::view::{View, ViewContext};
 /// The range of colours \[dB\].
 const RANGE: f32 = 60.0;
 const POINTS: usize = 600;
-
-#[derive(Clone)]
-struct Drawn {
-    of: ((u64, usize), Id),
-    picture: (TextureHandle, [f64; 4]),
-}
 
 pub(super) static VIEW: View = View {
     name: "Spectrogram",
@@ -43,26 +38,17 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>)
         ui.weak(if is_behind { "The spectrogram is being computed." } else { "There are too few samples yet." });
         return None;
     };
-    let of = (of, Id::unique(quantity.key()));
-    let id = Id::unique("spectrogram");
-    let before: Option<Drawn> = ui.data(|data| data.get_temp(id));
-    let drawn = before.filter(|drawn| drawn.of == of).unwrap_or_else(|| {
-        let drawn = Drawn { of, picture: picture(ui, spectrogram) };
-        ui.data_mut(|data| data.insert_temp(id, drawn.clone()));
-        drawn
-    });
-    let (texture, [from, to, _, top]) = drawn.picture;
+    let drawn =
+        cached(ui.ctx(), Id::unique("spectrogram"), (of, quantity.key()), || Some(Some(picture(ui, spectrogram))));
+    let (texture, [from, to, _, top]) = drawn.as_ref().as_ref()?;
+    let (from, to, top) = (*from, *to, *top);
     let followed = axis.followed(session);
-    let plot = Plot::new("spectrogram")
+    let label = format!("{} [Hz]", quantity.symbol());
+    let plot = Plane::linear("spectrogram", ["time [s]", &label])
+        .plot(ui, context.palette)
         .link_axis(Id::unique("time"), Vec2b::new(true, false))
         .link_cursor(Id::unique("time"), Vec2b::new(true, false))
-        .x_axis_label("time [s]")
-        .y_axis_label(format!("{} [Hz]", quantity.symbol()))
-        .sense(sense(ui))
-        .show_grid(false)
-        .allow_scroll(false)
-        .allow_double_click_reset(false)
-        .label_formatter(|_| None);
+        .show_grid(false);
     let response = plot.show(ui, |plot| {
         if axis.follows {
             plot.set_plot_bounds_x(followed.0..=followed.1);

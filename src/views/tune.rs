@@ -1,16 +1,15 @@
 //! Tuning: the settings that may be turned, the search, and its result.
 
-use egui::{
-    ComboBox, Grid, Pos2, ProgressBar, Role, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder, WidgetInfo, vec2,
-};
+use egui::{ComboBox, Grid, ProgressBar, ScrollArea, Ui, UiBuilder, vec2};
+use egui_plot::{Line, Points};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::{Goal, Remark};
 
 use crate::controls::number::field;
 use crate::laboratory::{TuneChoice, TuneResult, Tuning, of_filters, part_of, setting_label, setting_name};
-use crate::plot::axes::{Graph, Scale};
 use crate::plot::medium::Medium;
+use crate::plot::plane::Plane;
 use crate::request::Request;
 use crate::text::{significant, unit_in};
 use crate::verdict;
@@ -88,15 +87,16 @@ pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {
     let gains = || scores().enumerate().filter(|(_, score)| is_score(score)).map(|(at, score)| (at, score - start));
     let high = gains().map(|(_, gain)| gain).fold(0.0, f64::max);
     let margin = 0.06 * high.max(1e-3);
-    let (room, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
-    let x = Scale::new(-0.3, tuning.path().len().max(2) as f64 - 0.7, false);
-    let graph = Graph::new(room, x, Scale::new(-margin, high + margin, false));
-    graph.axes_ui(ui, ["better tries, one after the other", "gain over the start"], context.palette, true);
-    let points: Vec<Pos2> = gains().map(|(at, gain)| graph.at([at as f64, gain])).collect();
-    let painter = ui.painter_at(graph.rect.expand(4.0));
-    painter.extend(points.iter().map(|point| Shape::circle_filled(*point, 2.5, context.palette.accent)));
-    painter.add(Shape::line(points, Stroke::new(1.6, context.palette.accent)));
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Path of the search"));
+    let range = [(-0.3, tuning.path().len().max(2) as f64 - 0.7), (-margin, high + margin)];
+    let points: Vec<[f64; 2]> = gains().map(|(at, gain)| [at as f64, gain]).collect();
+    let labels = ["better tries, one after the other", "gain over the start"];
+    ui.allocate_ui(vec2(ui.available_width(), HEIGHT), |ui| {
+        Plane::linear("path of the search", labels).show(ui, context.palette, Some(range), |plot| {
+            let color = context.palette.accent;
+            plot.line(Line::new("path", points.clone()).color(color).width(1.6).allow_hover(false));
+            plot.points(Points::new("tries", points).color(color).radius(2.5).allow_hover(false));
+        });
+    });
 }
 
 pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {

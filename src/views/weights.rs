@@ -38,7 +38,7 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
                 let weight = weight(estimates, sensor, k);
                 if weight < below && weight >= least { measured[k] } else { f64::NAN }
             };
-            let series = Series::new(estimates.len().min(measured.len()), move |samples| samples.map(value));
+            let series = Series::each(estimates.len().min(measured.len()), value);
             Layer::Dots { series, color: context.color(estimates).gamma_multiply(opacity) }
         })
     };

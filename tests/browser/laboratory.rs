@@ -20,7 +20,7 @@ use crate::starts;
 const PATIENCE: Duration = Duration::from_secs(90);
 
 async fn show_the_map(page: &Page) {
-    for name in ["Views", "Map", "Views"] {
+    for name in ["Views", "Laboratory", "Views"] {
         page.click(name, 0.5).await;
     }
 }

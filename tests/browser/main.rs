@@ -224,7 +224,7 @@ fn frames_while_a_slider_is_dragged() {
         println!("{:<50} {:>6} {:>9} {:>9}  processor [ms]", "", "1/s", "page [ms]", "most [ms]");
         frames_of_each_slider(page, driver.process(), "default views").await;
         page.click("Views", 0.5).await;
-        for view in ["Errors", "Innovations", "NIS and NEES"] {
+        for view in ["Errors", "Innovations", "Scores"] {
             page.click(view, 0.5).await;
         }
         page.click("Views", 0.5).await;

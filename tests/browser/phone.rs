@@ -60,7 +60,7 @@ pub(crate) async fn a_lesson_leaves_the_plots_their_room(page: &Page) {
 pub(crate) async fn the_menu_of_views_scrolls(page: &Page) {
     page.tap("Views").await;
     let button = page.rect("Views").await;
-    let last = "Tune for me";
+    let last = "Predict and update";
     for _ in 0..6 {
         page.touch((button.x + 40.0, 700.0), (button.x + 40.0, 350.0)).await;
     }

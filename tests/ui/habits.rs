@@ -297,8 +297,15 @@ fn a_finger_on_a_plot_scrolls_and_does_not_zoom() {
 fn the_views_menu_stays_open_while_views_are_chosen() {
     let mut screen = screen(DESKTOP, Theme::Light);
     click(&mut screen, "Views");
-    for kind in [ViewKind::Gain, ViewKind::Phase] {
-        click(&mut screen, view(kind).name);
-        assert!(screen.state_mut().layout_mut().shown().contains(&kind), "{kind:?}");
+    for (name, tab) in [("Kalman gain", ViewKind::Gain), ("Planes", ViewKind::Phase)] {
+        click(&mut screen, name);
+        assert!(screen.state_mut().layout_mut().shown().contains(&tab), "{name}");
     }
+    show(&mut screen, &[ViewKind::Phase]);
+    click(&mut screen, view(ViewKind::ParameterPlane).name);
+    let shown = screen.state_mut().layout_mut().shown();
+    assert!(shown.contains(&ViewKind::ParameterPlane) && !shown.contains(&ViewKind::Phase), "{shown:?}");
+    click(&mut screen, "Views");
+    click(&mut screen, "Planes");
+    assert!(!screen.state_mut().layout_mut().shown().contains(&ViewKind::ParameterPlane), "no tab is left");
 }

@@ -45,11 +45,11 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
         assert_eq!(shown.finals(nth, 2), expected.finals(nth, 2));
         assert_eq!(shown.diverged(nth), expected.diverged(nth));
     }
-    for label in ["Mean NEES over time", "Mean NIS over time"] {
+    for label in ["Plot of the mean NEES", "Plot of the mean NIS"] {
         assert!(screen.query_by_label(label).is_some(), "{label}");
     }
-    assert!(screen.query_by_label_contains("Errors over time, error of ωₙ").is_some());
-    assert!(screen.query_by_label_contains("Histogram, last estimate of ωₙ").is_some());
+    assert!(screen.query_by_label_contains("Plot of the error of ωₙ").is_some());
+    assert!(screen.query_by_label_contains("Plot of the last estimate of ωₙ").is_some());
     assert!(screen.query_by_label_contains("30 seeds").is_some());
 }
 
@@ -59,8 +59,8 @@ fn seeds_and_parameter_are_chosen_and_the_pointer_shows_numbers() {
     set(&mut screen, "Seeds", 20.0);
     assert_eq!(screen.state().laboratory.seeds.shown().expect("there are some").statistics.done(), 20);
     choose(&mut screen, "Parameter of the errors", "ζ, damping ratio");
-    assert!(screen.query_by_label_contains("Errors over time, error of ζ").is_some());
-    let chart = screen.get_by_label("Mean NIS over time").rect();
+    assert!(screen.query_by_label_contains("Plot of the error of ζ").is_some());
+    let chart = screen.get_by_label("Plot of the mean NIS").rect();
     screen.hover_at(chart.center());
     screen.run_steps(40);
     assert!(screen.query_by_label_contains("s, 20 seeds").is_some());
@@ -106,7 +106,7 @@ fn a_population_is_drawn_in_the_view() {
     drawn.draw.insert("plant.natural_frequency".to_owned(), Law::Lognormal([6.0, 0.2]));
     let mut screen = monte_carlo(drawn, 30);
     assert!(screen.query_by_label_contains("drawn: true ωₙ lognormal (6, 0.2)").is_some());
-    assert!(screen.query_by_label_contains("Histogram, last error of ωₙ").is_some());
+    assert!(screen.query_by_label_contains("Plot of the last error of ωₙ").is_some());
     assert_eq!(screen.query_all_by_label_contains("ωₙ within 1 %: ").count(), 2);
     let statistics = screen.state().laboratory.seeds.shown().expect("there are some").statistics.clone();
     let truths: Vec<f64> = statistics.last_errors(0, 2).iter().map(|last| last.truth).collect();

@@ -56,7 +56,7 @@ fn a_wrong_filter_is_asked_why_and_cured() {
 fn a_map_is_opened_and_a_cell_of_it_taken() {
     let mut screen = mistuned();
     tap(&mut screen, "Views");
-    tap(&mut screen, "Laboratory");
+    tap(&mut screen, "Experiment");
     screen.run_steps(400);
     let before = scenario(&screen).filters[0].initial_mean[Channel::NATURAL_FREQUENCY];
     let map = screen.get_by_label_contains("Map of EKF").rect();

@@ -30,7 +30,7 @@ fn tuning_improves_the_likelihood_and_is_taken_and_undone_in_one_step() {
     let mut screen = tune();
     let before = scenario(&screen).clone();
     click(&mut screen, "Tune");
-    assert!(screen.query_by_label("Path of the search").is_some());
+    assert!(screen.query_by_label("Plot of the path of the search").is_some());
     screen.get_by_label("Use these values").click();
     screen.run_steps(90);
     let after = scenario(&screen).clone();

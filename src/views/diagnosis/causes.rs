@@ -13,8 +13,8 @@ use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
 
-/// The causes that are shown at once, in a view and in a drawer, which is read in ten seconds.
-const LIKELIEST: [usize; 2] = [3, 1];
+/// The causes that are shown at once: the drawer is read in ten seconds.
+const LIKELIEST: usize = 1;
 
 const SHOWN: usize = 2;
 
@@ -24,7 +24,7 @@ pub(super) fn causes_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     estimates: &Estimates,
-    (is_held, is_drawer): (bool, bool),
+    is_held: bool,
     requests: &mut Vec<Request>,
 ) {
     ui.add_space(4.0);
@@ -46,7 +46,7 @@ pub(super) fn causes_ui(
         let is_same = |other: &Remedy| other.first.cause.key == row.first.cause.key;
         attempt.remedies.iter().position(is_same).map(|place| said[place])
     };
-    let (first, rest) = rows.split_at(rows.len().min(LIKELIEST[usize::from(is_drawer)]));
+    let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
     for remedy in first {
         finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates.name(), requests);
     }

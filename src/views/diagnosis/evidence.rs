@@ -16,9 +16,9 @@ use crate::view::ViewContext;
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
 /// Below a heading, which is open at first if `is_open`.
-pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], is_open: bool, color: Color32, palette: &Palette) {
+pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let title = RichText::new("Evidence").small().weak();
-    egui::CollapsingHeader::new(title).default_open(is_open).show_unindented(ui, |ui| {
+    egui::CollapsingHeader::new(title).show_unindented(ui, |ui| {
         all_ui(ui, evidence, color, palette);
     });
 }

@@ -1,15 +1,13 @@
 //! Marks on a panel: the truth, the consistent region, and the dot of the present setting, which is dragged.
 
 use egui::{
-    Color32, CursorIcon, EventFilter, Id, InputState, Key, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
-    pos2, vec2,
+    Color32, CursorIcon, EventFilter, Id, InputState, Key, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2,
 };
 use kalmanscope_core::setting::{Address, INITIAL_MEAN};
 use kalmanscope_core::{Axis, Measure, Scenario, Signal};
 
-use super::scale::{CONSISTENT, spread};
+use super::scale::{CONSISTENT, Graph, spread};
 use crate::laboratory::Survey;
-use crate::plot::axes::Graph;
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::text::{parse, significant, unit_in};
@@ -28,30 +26,11 @@ fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
     ]
 }
 
-/// The length of the ticks on the inner side of an edge, and the least distance between them \[points\].
-const TICK: f32 = 5.0;
-const APART: f32 = 13.0;
-
-pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Piece]) {
-    let counts = axes.map(|axis| axis.count as f64);
+pub(super) fn contour_ui(ui: &Ui, graph: &Graph, counts: [usize; 2], contour: &[Piece]) {
+    let counts = counts.map(|count| count as f64);
     let at = |[x, y]: [f64; 2]| graph.at_shares([(x + 0.5) / counts[0], (y + 0.5) / counts[1]]);
-    let size = [graph.rect.width(), graph.rect.height()].map(f64::from);
-    let every = [0, 1].map(|way| (f64::from(APART) * counts[way] / size[way]).ceil().max(1.0) as usize);
-    let mut lines = Vec::new();
-    for Piece { ends: [from, to], inwards } in contour {
-        let (from, to) = (at(*from), at(*to));
-        lines.push(line(ui, vec![from, to], 1.4));
-        // Converted to the screen, where a cell is not square.
-        let inwards = vec2((inwards[0] * counts[0] / size[0]) as f32, -(inwards[1] * counts[1] / size[1]) as f32);
-        let middle = from + 0.5 * (to - from);
-        let shares = graph.shares(middle);
-        let way = usize::from((to - from).x.abs() < (to - from).y.abs());
-        let is_ticked = ((shares[way] * counts[way] - 0.5).max(0.0) as usize).is_multiple_of(every[way]);
-        if is_ticked && inwards.length() > 0.0 {
-            lines.push(line(ui, vec![middle, middle + TICK * inwards.normalized()], 1.0));
-        }
-    }
-    let (under, over): (Vec<Shape>, Vec<Shape>) = lines.into_iter().map(|[under, over]| (under, over)).unzip();
+    let lines = contour.iter().map(|[from, to]| line(ui, vec![at(*from), at(*to)], 1.4));
+    let (under, over): (Vec<Shape>, Vec<Shape>) = lines.map(|[under, over]| (under, over)).unzip();
     let painter = ui.painter_at(graph.rect);
     painter.extend(under);
     painter.extend(over);
@@ -176,16 +155,6 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     axis.value((place.max(0.0) as usize).min(last))
 }
 
-pub(super) fn hatching_ui(ui: &Ui, graph: &Graph, lines: &[[egui::Pos2; 2]]) {
-    let stroke = Stroke::new(0.8, Color32::from_black_alpha(150));
-    let light = Stroke::new(0.8, Color32::from_white_alpha(150));
-    let painter = ui.painter_at(graph.rect);
-    for line in lines {
-        painter.line_segment(line.map(|at| at + vec2(1.0, 0.0)), light);
-        painter.line_segment(*line, stroke);
-    }
-}
-
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 
@@ -204,34 +173,13 @@ pub(super) fn path_ui(ui: &Ui, graph: &Graph, path: &Path) {
     for point in &points {
         painter.circle_filled(*point, POINT, Color32::WHITE);
     }
-    start(&painter, first, END);
-    end(&painter, last, END);
-}
-
-fn start(painter: &egui::Painter, at: Pos2, size: f32) {
-    painter.circle(at, size, Color32::BLACK, Stroke::new(1.6, Color32::WHITE));
-}
-
-fn end(painter: &egui::Painter, at: Pos2, size: f32) {
-    let square = Rect::from_center_size(at, Vec2::splat(1.8 * size));
+    painter.circle(first, END, Color32::BLACK, Stroke::new(1.6, Color32::WHITE));
+    let square = Rect::from_center_size(last, Vec2::splat(1.8 * END));
     painter.rect(square, 0.0, Color32::WHITE, Stroke::new(1.4, Color32::BLACK), StrokeKind::Middle);
 }
 
-pub(super) fn sample(painter: &egui::Painter, rect: Rect) {
-    const SMALL: f32 = 2.6;
-    let ends = [rect.left_center() + Vec2::new(SMALL, 0.0), rect.right_center() - Vec2::new(SMALL, 0.0)];
-    painter.line_segment(ends, Stroke::new(1.4, Color32::GRAY));
-    start(painter, ends[0], SMALL);
-    end(painter, ends[1], SMALL);
-}
-
-/// A piece of the edge of a region, in cells from the middle of the first one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
-    pub(super) ends: [[f64; 2]; 2],
-    /// The direction into the region, of any length.
-    pub(super) inwards: [f64; 2],
-}
+/// A line between two places, in cells from the middle of the first.
+pub(super) type Piece = [[f64; 2]; 2];
 
 /// The lines on which the mean NIS leaves its 99 % interval, at either end of it.
 pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
@@ -243,7 +191,7 @@ pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
 }
 
 /// The lines on which numbers at the middles of cells, the second axis fastest, have a level: marching squares, after
-/// Lorensen and Cline (1987). The region is on the side of zero. A square with a NaN at a corner has no line.
+/// Lorensen and Cline (1987). A square with a NaN at a corner has no line.
 fn edge(values: &[f64], across: usize, up: usize, level: f64) -> Vec<Piece> {
     let at = |x: usize, y: usize| values[x * up + y] - level;
     let mut pieces = Vec::new();
@@ -264,10 +212,7 @@ fn edge(values: &[f64], across: usize, up: usize, level: f64) -> Vec<Piece> {
                     crossings.push([mix(x0, x1), mix(y0, y1)]);
                 }
             }
-            let [a, b, c, d] = heights;
-            let uphill = [b + c - a - d, c + d - a - b];
-            let inwards = uphill.map(|way| -level.signum() * way);
-            pieces.extend(crossings.chunks_exact(2).map(|pair| Piece { ends: [pair[0], pair[1]], inwards }));
+            pieces.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
         }
     }
     pieces
@@ -284,13 +229,10 @@ mod tests {
         let values: Vec<f64> = (0..n * n).map(|cell| radius((cell / n) as f64, (cell % n) as f64)).collect();
         let pieces = edge(&values, n, n, 12.3);
         assert!(pieces.len() > 60, "{}", pieces.len());
-        for [x, y] in pieces.iter().flat_map(|piece| piece.ends) {
-            assert!((radius(x, y) - 12.3).abs() < 0.05, "{x} {y}");
+        for [x, y] in pieces.iter().flatten() {
+            assert!((radius(*x, *y) - 12.3).abs() < 0.05, "{x} {y}");
         }
-        let length: f64 = pieces.iter().map(|Piece { ends: [[a, b], [c, d]], .. }| (a - c).hypot(b - d)).sum();
-        for Piece { ends: [[x, y], _], inwards } in &pieces {
-            assert!(inwards[0] * (20.0 - x) + inwards[1] * (20.0 - y) > 0.0, "the region is inside");
-        }
+        let length: f64 = pieces.iter().map(|[[a, b], [c, d]]| (a - c).hypot(b - d)).sum();
         assert!((length / (std::f64::consts::TAU * 12.3) - 1.0).abs() < 0.02, "{length}");
     }
 
@@ -298,7 +240,6 @@ mod tests {
     fn there_is_no_line_at_cells_without_a_number() {
         let values = [0.0, 1.0, f64::NAN, 1.0];
         assert!(edge(&values, 2, 2, 0.5).is_empty());
-        let piece = Piece { ends: [[1.0, 0.5], [0.0, 0.5]], inwards: [0.0, -2.0] };
-        assert_eq!(edge(&[0.0, 1.0, 0.0, 1.0], 2, 2, 0.5), [piece]);
+        assert_eq!(edge(&[0.0, 1.0, 0.0, 1.0], 2, 2, 0.5), [[[1.0, 0.5], [0.0, 0.5]]]);
     }
 }

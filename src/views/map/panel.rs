@@ -1,18 +1,20 @@
 //! One panel: its title, the cells, the axes, the bar of colours, and its gestures.
 
-use egui::{Align2, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
-use kalmanscope_core::{Axis, Measure, Spacing};
+use egui::{Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
+use kalmanscope_core::diagnosis::CAUSES;
+use kalmanscope_core::{Axis, Measure, Scenario, Spacing, ValueKind, VerdictKind};
 
-use super::marks::{Path, contour_ui, dot_ui, hatching_ui, path_ui, said, truth_ui, truths};
+use super::marks::{Path, contour_ui, dot_ui, path_ui, said, truth_ui, truths};
 use super::picture::{Contents, Panel};
-use super::scale::{CONSISTENT, bar_room, bar_ui};
+use super::scale::{CONSISTENT, Graph, bar_room, bar_ui};
 use crate::controls::filter::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
-use crate::plot::axes::{Graph, Scale};
-use crate::plot::medium::Medium;
+use crate::plot::axes::Scale;
+use crate::plot::medium::{Medium, Y_AXIS};
+use crate::plot::plane::Plane;
 use crate::request::Request;
-use crate::text::significant;
-use crate::theme;
+use crate::text::{significant, unit_in};
+use crate::theme::{self, Palette};
 use crate::view::ViewContext;
 
 /// The height of a panel's title \[points\].
@@ -40,15 +42,9 @@ impl PanelView<'_> {
         let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
         let strip = profile_room(below.size(), self.measure);
         let below = Rect::from_min_max(below.min + vec2(0.0, strip), below.max - vec2(strip, 0.0));
-        let [x, y] =
-            axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
-        let graph = Graph::new(below, x, y);
-        let scenario = survey.ensemble.scenario();
-        let names = axes.map(|axis| setting_label(&axis.key, scenario));
+        let graph = self.axes_ui(ui, below, context.palette);
         ui.painter().extend(panel.shapes(&graph, if is_old { OLD } else { 1.0 }));
-        hatching_ui(ui, &graph, &panel.hatching(&graph));
-        graph.axes_ui(ui, names.each_ref().map(String::as_str), context.palette, false);
-        contour_ui(ui, &graph, axes, &panel.contour);
+        contour_ui(ui, &graph, panel.counts, &panel.contour);
         truth_ui(ui, &graph, &truths(axes, context));
         if let Some(path) = path.filter(|path| panel.contents == Contents::Filter(path.filter)) {
             path_ui(ui, &graph, path);
@@ -64,6 +60,27 @@ impl PanelView<'_> {
             self.gestures(ui, &graph, context, requests);
         }
         dot_ui(ui, &self.key(), &graph, survey, context, requests);
+    }
+
+    /// The frame with the numbers of both axes.
+    fn axes_ui(&self, ui: &mut Ui, room: Rect, palette: &Palette) -> Graph {
+        let axes = self.survey.axes();
+        let scales =
+            axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
+        let names = axes.map(|axis| setting_label(&axis.key, self.survey.ensemble.scenario()));
+        let [[left, right], [low, high]] = scales.map(|scale| [scale.ends.0, scale.ends.1]);
+        let plane = Plane {
+            logarithmic: scales.map(|scale| scale.is_logarithmic),
+            ..Plane::linear("map", names.each_ref().map(String::as_str))
+        };
+        let mut child = ui.new_child(UiBuilder::new().id_salt("axes").max_rect(room));
+        let plot = plane.plot(&child, palette).show_grid(false).sense(Sense::hover()).allow_drag(false);
+        let plot = plot.allow_zoom(false).allow_boxed_zoom(false).invert_x(left > right).invert_y(low > high);
+        let plot = plot.show(&mut child, |plot| {
+            plot.set_plot_bounds_x(left.min(right)..=left.max(right));
+            plot.set_plot_bounds_y(low.min(high)..=low.max(high));
+        });
+        Graph { rect: *plot.transform.frame(), scales }
     }
 
     fn key(&self) -> String {
@@ -83,7 +100,7 @@ impl PanelView<'_> {
             (Contents::Filter(at), _) if filters.len() > 1 => format!("{}: {label}", filters[at].name),
             _ => label,
         };
-        let left = pos2(room.left() + 58.0, room.top() + 0.5 * TITLE);
+        let left = pos2(room.left() + Y_AXIS, room.top() + 0.5 * TITLE);
         let mut start = left;
         if let (Contents::Filter(at), true) = (panel.contents, filters.len() > 1) {
             let own = context.session.scenario().filters.iter().find(|filter| filter.id == survey.filters[at]);
@@ -138,7 +155,7 @@ impl PanelView<'_> {
         for (at, filter) in survey.ensemble.scenario().filters.iter().enumerate() {
             let value = |measure: Measure| survey.value(cell, at, measure).unwrap_or(f64::NAN);
             ui.label(RichText::new(&filter.name).family(theme::strong()));
-            let score = super::legend::score_text(*measure, value(*measure), survey.ensemble.scenario());
+            let score = score_text(*measure, value(*measure), survey.ensemble.scenario());
             ui.label(format!("{}: {score}", measure.name()));
             let is_inside = value(Measure::CONSISTENCY).abs() < CONSISTENT;
             let end = if value(Measure::STOPPED) == 1.0 {
@@ -158,9 +175,6 @@ impl PanelView<'_> {
 /// The height of a curve, and its distance from the cells \[points\].
 const HEIGHT: f32 = 40.0;
 const APART: f32 = 6.0;
-
-/// The least distance between numbers beside a curve, and below one \[points\].
-const BETWEEN: [f64; 2] = [13.0, 24.0];
 
 /// The least size of a panel that gives profile_room to the curves \[points\].
 const LEAST: Vec2 = Vec2::new(380.0, 190.0);
@@ -188,7 +202,6 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
     let above = Rect::from_x_y_ranges(cells.x_range(), cells.top() - APART - HEIGHT..=cells.top() - APART);
     let beside = Rect::from_x_y_ranges(cells.right() + APART..=cells.right() + APART + HEIGHT, cells.y_range());
     let [across, up] = [0, 1].map(|at| nearest(axes[at], present[at]));
-    let font = TextStyle::Small.resolve(ui.style());
     for (at, rect) in [above, beside].into_iter().enumerate() {
         let place = |along: f64, score: f64| match at {
             0 => pos2(graph.at_shares([along, 0.0]).x, rect.bottom() - score as f32 * HEIGHT),
@@ -196,24 +209,6 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
         };
         let painter = ui.painter();
         painter.line_segment([place(0.0, 0.0), place(1.0, 0.0)], Stroke::new(1.0, palette.grid));
-        let mut numbers: Vec<f64> = Vec::new();
-        for (share, text) in panel.colors.ticks(HEIGHT) {
-            // The bar of colours has profile_room for more, and the axis of the cells ends in a number.
-            let is_beside_the_axis = at == 1 && share * f64::from(HEIGHT) < BETWEEN[at];
-            if is_beside_the_axis || numbers.iter().any(|other| (share - other).abs() * f64::from(HEIGHT) < BETWEEN[at])
-            {
-                continue;
-            }
-            numbers.push(share);
-            let end = place(0.0, share);
-            let (end, align) = if at == 0 {
-                (end - Vec2::new(5.0, 0.0), Align2::RIGHT_CENTER)
-            } else {
-                (end + Vec2::new(0.0, 4.0), Align2::CENTER_TOP)
-            };
-            painter.line_segment([place(0.0, share), place(1.0, share)], Stroke::new(0.5, palette.grid));
-            painter.text(end, align, text, font.clone(), palette.weak);
-        }
         let count = panel.counts[at];
         let point = |step: usize| {
             let cell = if at == 0 { step * panel.counts[1] + up } else { across * panel.counts[1] + step };
@@ -241,4 +236,20 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
 fn nearest(axis: &Axis, value: f64) -> usize {
     let last = axis.count.saturating_sub(1);
     ((axis.share_of(value).clamp(0.0, 1.0) * last as f64).round() as usize).min(last)
+}
+
+fn score_text(measure: Measure, value: f64, scenario: &Scenario) -> String {
+    match measure.info().kind {
+        ValueKind::Flag if !value.is_nan() => if value == 0.0 { "no" } else { "yes" }.to_owned(),
+        ValueKind::Verdict => {
+            let kind = (value >= 0.0).then(|| VerdictKind::ALL.get(value as usize)).flatten();
+            kind.map_or("not known", |kind| kind.name()).to_owned()
+        }
+        ValueKind::Cause => {
+            let cause = (value >= 0.0).then(|| CAUSES.get(value as usize)).flatten();
+            cause.map_or("none", |cause| cause.name).to_owned()
+        }
+        ValueKind::Time if value == f64::INFINITY => "never".to_owned(),
+        _ => format!("{} {}", significant(value, 4), unit_in(scenario, measure.unit())).trim_end().to_owned(),
+    }
 }

@@ -3,16 +3,14 @@
 use std::sync::Arc;
 
 use egui::{
-    Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Theme, Ui, UiBuilder, Vec2,
-    pos2, vec2,
+    Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, pos2, vec2,
 };
 use kalmanscope_core::Measure;
-use web_time::{Duration, Instant};
 
 use super::marks::{Piece, consistent};
-use super::scale::{Cell, Colors, End, bar_room, compared, of_filter};
+use super::scale::{Cell, Colors, End, Graph, bar_room, compared, of_filter};
 use crate::laboratory::{Laboratory, Survey};
-use crate::plot::axes::Graph;
+use crate::plot::cache::cached;
 use crate::plot::medium::Medium;
 use crate::theme::Palette;
 
@@ -33,18 +31,6 @@ pub(super) struct Panel {
     shades: Vec<Option<Color32>>,
 }
 
-#[derive(Clone)]
-struct Kept {
-    of: (u64, Measure, Theme),
-    version: u64,
-    panels: Arc<Vec<Panel>>,
-    made: Instant,
-    cost: Duration,
-}
-
-/// While rows come, making the panels takes at most one in `SHARE` + 1 parts of the time.
-const SHARE: u32 = 5;
-
 pub(super) fn panels(
     ctx: &Context,
     laboratory: &Laboratory,
@@ -52,24 +38,8 @@ pub(super) fn panels(
     measure: Measure,
     palette: &Palette,
 ) -> Arc<Vec<Panel>> {
-    let of = (laboratory.edition, measure, ctx.theme());
-    let version = laboratory.state.version;
-    let id = Id::unique("panels of the map");
-    if let Some(kept) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.of == of) {
-        let rest = (SHARE * kept.cost).saturating_sub(kept.made.elapsed());
-        if kept.version == version {
-            return kept.panels;
-        }
-        if !rest.is_zero() {
-            ctx.request_repaint_after(rest);
-            return kept.panels;
-        }
-    }
-    let begin = Instant::now();
-    let panels = Arc::new(made(ctx, survey, measure, palette));
-    let kept = Kept { of, version, panels: Arc::clone(&panels), made: Instant::now(), cost: begin.elapsed() };
-    ctx.data_mut(|data| data.insert_temp(id, kept));
-    panels
+    let of = (laboratory.edition, laboratory.state.version, ctx.theme(), measure.name());
+    cached(ctx, Id::unique("panels of the map"), of, || Some(made(ctx, survey, measure, palette)))
 }
 
 fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<Panel> {
@@ -140,44 +110,6 @@ impl Panel {
             }
         }
         meshes.into_iter().map(|(_, mesh)| Shape::mesh(mesh)).collect()
-    }
-
-    pub(super) fn hatching(&self, graph: &Graph) -> Vec<[egui::Pos2; 2]> {
-        const APART: f32 = 7.0;
-        let (rect, [across, up]) = (graph.rect, self.counts);
-        let is_lost = |at: egui::Pos2| {
-            let [x, y] = graph.shares(at);
-            let place = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
-            self.cells[place(x, across) * up + place(y, up)].end == End::Lost
-        };
-        let step = (rect.width() / across as f32).min(rect.height() / up as f32).clamp(1.0, 4.0);
-        let mut lines = Vec::new();
-        if !self.cells.iter().any(|cell| cell.end == End::Lost) {
-            return lines;
-        }
-        let mut start = rect.left() - rect.height();
-        while start < rect.right() {
-            let mut from = None;
-            let mut t = 0.0;
-            while t <= rect.height() {
-                let at = pos2(start + t, rect.bottom() - t);
-                let is_in = rect.x_range().contains(at.x) && is_lost(at);
-                match (is_in, from) {
-                    (true, None) => from = Some(at),
-                    (false, Some(begin)) => {
-                        lines.push([begin, at]);
-                        from = None;
-                    }
-                    _ => {}
-                }
-                t += step;
-            }
-            if let Some(begin) = from {
-                lines.push([begin, pos2(start + t - step, rect.bottom() - t + step)]);
-            }
-            start += APART * std::f32::consts::SQRT_2;
-        }
-        lines
     }
 
     pub(super) fn has(&self, end: End) -> bool {

@@ -1,6 +1,6 @@
 //! From scores to cells, to colours, and to the bar of colours beside a panel.
 
-use egui::{Align2, Color32, Rect, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Measure, ValueKind, VerdictKind};
@@ -13,12 +13,38 @@ use crate::theme::{Palette, diverging, kind, sequential};
 /// The limit of a consistent filter's mean NIS: its distance from 1, in standard deviations, with 99 % probability.
 pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
 
+/// The share of the ground in the colour of a cell that lost the truth.
+const PALE: f32 = 0.5;
+
 /// The ratio of the largest to the smallest score beyond which colours are logarithmic.
 const DECADES: f64 = 10.0;
 
 /// The range of colours follows from at most this many scores, and leaves out this share of them at either end.
 const MOST: usize = 4096;
 const BEYOND: f64 = 0.02;
+
+/// The cells on screen, and the scales of both axes.
+pub(super) struct Graph {
+    pub(super) rect: Rect,
+    pub(super) scales: [Scale; 2],
+}
+
+impl Graph {
+    pub(super) fn at(&self, values: [f64; 2]) -> Pos2 {
+        self.at_shares([0, 1].map(|at| self.scales[at].share(values[at])))
+    }
+
+    pub(super) fn at_shares(&self, [x, y]: [f64; 2]) -> Pos2 {
+        let Self { rect, .. } = self;
+        pos2(rect.left() + x as f32 * rect.width(), rect.bottom() - y as f32 * rect.height())
+    }
+
+    pub(super) fn shares(&self, at: Pos2) -> [f64; 2] {
+        let Self { rect, .. } = self;
+        let (x, y) = ((at.x - rect.left()) / rect.width(), (rect.bottom() - at.y) / rect.height());
+        [f64::from(x), f64::from(y)]
+    }
+}
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Colors {
@@ -110,13 +136,14 @@ impl Colors {
 
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
-        match (self, end) {
+        let color = match (self, end) {
             (_, End::Unknown) => None,
             (Self::Kinds(_), _) if !value.is_nan() => Some(self.kind(value as usize)),
             (_, End::Stopped) => Some(palette.grid),
             _ if value.is_nan() || value == f64::INFINITY => Some(palette.grid),
             _ => Some(self.at(self.share(value), palette)),
-        }
+        };
+        if end == End::Lost { color.map(|color| color.lerp_to_gamma(palette.ground, PALE)) } else { color }
     }
 }
 

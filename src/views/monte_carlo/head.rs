@@ -71,8 +71,9 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
     }
 }
 
-pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, is_old: bool, is_column: bool) {
-    let lines = |ui: &mut Ui| {
+pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, is_old: bool) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 12.0;
         let of = if is_old { ", of the settings before" } else { "" };
         ui.small(format!("{} seeds{of}", curves.seeds));
         if curves.impossible > 0 {
@@ -97,15 +98,7 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
         for (_, text) in all.into_iter().filter(|(is_there, _)| *is_there) {
             ui.label(RichText::new(text).small().weak());
         }
-    };
-    if is_column {
-        lines(ui);
-    } else {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = 12.0;
-            lines(ui);
-        });
-    }
+    });
 }
 
 fn near(filter: &FilterCurves, parameter: Option<Channel>) -> Option<String> {

@@ -2,13 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{
-    Color32, Mesh, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Tooltip, Ui, WidgetInfo, pos2,
-};
+use egui::{Color32, RichText, Tooltip, Ui};
+use egui_plot::{Bar, BarChart, FilledArea, HLine, Line, LineStyle, PlotUi, VLine};
 use kalmanscope_core::Channel;
 
 use super::curves::{Curves, FilterCurves};
-use crate::plot::axes::{Graph, Scale};
+use crate::plot::plane::Plane;
 use crate::session::Bound;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;
@@ -22,6 +21,7 @@ pub(super) enum Chart {
 
 const FILL: f32 = 0.16;
 const GREY: f32 = 0.32;
+const BARS: f32 = 0.35;
 
 /// Limits the axis of NEES and NIS.
 const RATIOS: RangeInclusive<f64> = 1e-3..=1e6;
@@ -38,25 +38,30 @@ impl Chart {
         }
     }
 
-    pub(super) fn ui(self, ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>, is_last: bool) {
-        let x = Scale::new(0.0, curves.duration.max(f64::MIN_POSITIVE), false);
-        let y = self.scale(curves);
-        let graph = if is_last { Graph::new(room, x, y) } else { Graph::above(room, x, y) };
+    pub(super) fn ui(self, ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>) {
         let name = self.name(curves, context);
-        graph.axes_ui(ui, ["time [s]", &name], context.palette, true);
-        let painter = ui.painter_at(graph.rect.expand(1.0));
-        match self {
-            Self::Nees | Self::Nis => self.paint_ratios(&painter, &graph, curves, context),
-            Self::Error => paint_errors(&painter, &graph, curves, context),
-        }
-        let response = ui.interact(graph.rect, ui.scope_id().with("chart"), Sense::hover());
-        let label = match self {
-            Self::Nees => "Mean NEES over time".to_owned(),
-            Self::Nis => "Mean NIS over time".to_owned(),
-            Self::Error => format!("Errors over time, {name}"),
-        };
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, label.clone()));
-        self.point_ui(&response, &graph, curves, context);
+        let plane = Plane { logarithmic: [false, self != Self::Error], ..Plane::linear(&name, ["time [s]", &name]) };
+        let times = (0.0, curves.duration.max(f64::MIN_POSITIVE));
+        let plot = plane.show(ui, context.palette, Some([times, self.range(curves)]), |plot| {
+            match self {
+                Self::Nees | Self::Nis => self.draw_ratios(plot, curves, context),
+                Self::Error => draw_errors(plot, curves, context),
+            }
+            let time = plot.pointer_coordinate().filter(|_| plot.response().hovered())?.x;
+            let distance = |at: &usize| (curves.times[*at] - time).abs();
+            let at = (0..curves.times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            plot.vline(
+                VLine::new("pointed", curves.times[at]).color(context.palette.weak).width(1.0).allow_hover(false),
+            );
+            Some(at)
+        });
+        let Some(at) = plot.inner else { return };
+        Tooltip::for_widget(&plot.response).at_pointer().gap(12.0).show(|ui| {
+            ui.weak(format!("{} s, {} seeds", significant(curves.times[at], 4), curves.seeds));
+            for filter in &curves.filters {
+                ui.label(RichText::new(self.said(filter, at, curves)).color(color(context, filter.id)));
+            }
+        });
     }
 
     fn name(self, curves: &Curves, context: &ViewContext<'_>) -> String {
@@ -75,10 +80,11 @@ impl Chart {
         }
     }
 
-    fn scale(self, curves: &Curves) -> Scale {
+    /// The range of the vertical axis; of logarithms for ratios.
+    fn range(self, curves: &Curves) -> (f64, f64) {
         if self == Self::Error {
             let reach = reach(curves);
-            return Scale::new(-reach, reach, false);
+            return (-reach, reach);
         }
         let (mut low, mut high) = (0.5_f64, 2.0_f64);
         for filter in &curves.filters {
@@ -88,10 +94,10 @@ impl Chart {
                 (low, high) = (low.min(value / 1.15), high.max(value * 1.15));
             }
         }
-        Scale::new(low.max(*RATIOS.start()), high.min(*RATIOS.end()), true)
+        (low.max(*RATIOS.start()).log10(), high.min(*RATIOS.end()).log10())
     }
 
-    fn paint_ratios(self, painter: &Painter, graph: &Graph, curves: &Curves, context: &ViewContext<'_>) {
+    fn draw_ratios(self, plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>) {
         let palette = context.palette;
         let mut drawn: Vec<&[Option<RangeInclusive<f64>>]> = Vec::new();
         for filter in &curves.filters {
@@ -102,35 +108,16 @@ impl Chart {
             }
             drawn.push(bands);
             let ends = |band: &Option<RangeInclusive<f64>>| {
-                band.as_ref().map_or([f64::NAN; 2], |band| [*band.start(), *band.end()])
+                band.as_ref().map_or([f64::NAN; 2], |band| [band.start().log10(), band.end().log10()])
             };
-            let rungs = curves.times.iter().copied().zip(bands.iter().map(ends));
-            band(painter, graph, rungs, palette.grid.gamma_multiply(GREY));
+            band(plot, &curves.times, bands.iter().map(ends), palette.grid.gamma_multiply(GREY));
         }
-        let ends = [[0.0, 1.0], [curves.duration, 1.0]];
-        line(painter, graph, ends.into_iter(), Stroke::new(1.0, palette.truth), false);
+        plot.hline(HLine::new("one", 0.0).color(palette.truth).width(1.0).allow_hover(false));
         for (at, filter) in curves.filters.iter().enumerate() {
             let (values, _) = self.ratios(filter);
-            let points = curves.times.iter().zip(values).map(|(time, value)| [*time, *value]);
-            line(painter, graph, points, Stroke::new(width(at), color(context, filter.id)), false);
+            let values = values.iter().map(|value| value.log10());
+            plot.line(line(&curves.times, values, width(at), color(context, filter.id)));
         }
-    }
-
-    fn point_ui(self, response: &Response, graph: &Graph, curves: &Curves, context: &ViewContext<'_>) {
-        let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) else { return };
-        let time = graph.shares(pointer)[0] * curves.duration;
-        let nearest =
-            curves.times.iter().enumerate().min_by(|(_, a), (_, b)| (*a - time).abs().total_cmp(&(*b - time).abs()));
-        let Some((at, time)) = nearest else { return };
-        let x = graph.at([*time, f64::NAN]).x;
-        let ends = [pos2(x, graph.rect.top()), pos2(x, graph.rect.bottom())];
-        response.ctx.layer_painter(response.layer_id).line_segment(ends, Stroke::new(1.0, context.palette.weak));
-        Tooltip::for_widget(response).at_pointer().gap(12.0).show(|ui| {
-            ui.weak(format!("{} s, {} seeds", significant(*time, 4), curves.seeds));
-            for filter in &curves.filters {
-                ui.label(RichText::new(self.said(filter, at, curves)).color(color(context, filter.id)));
-            }
-        });
     }
 
     fn said(self, filter: &FilterCurves, at: usize, curves: &Curves) -> String {
@@ -180,24 +167,23 @@ fn reach(curves: &Curves) -> f64 {
     if reach > 0.0 { 1.15 * reach } else { 1.0 }
 }
 
-fn paint_errors(painter: &Painter, graph: &Graph, curves: &Curves, context: &ViewContext<'_>) {
-    let times = || curves.times.iter().copied();
+fn draw_errors(plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>) {
+    let times = &curves.times[..];
     for filter in &curves.filters {
-        let rungs = times().zip(filter.std.iter().map(|std| [-2.0 * std, 2.0 * std]));
-        band(painter, graph, rungs, color(context, filter.id).gamma_multiply(FILL));
+        let edges = filter.std.iter().map(|std| [-2.0 * std, 2.0 * std]);
+        band(plot, times, edges, color(context, filter.id).gamma_multiply(FILL));
     }
-    let zero = [[0.0, 0.0], [curves.duration, 0.0]];
-    line(painter, graph, zero.into_iter(), Stroke::new(1.0, context.palette.truth), false);
+    plot.hline(HLine::new("zero", 0.0).color(context.palette.truth).width(1.0).allow_hover(false));
     for (at, filter) in curves.filters.iter().enumerate() {
         for (quantile, width) in [(0, 1.0), (1, width(at)), (2, 1.0)] {
-            let points = times().zip(&filter.quantiles).map(|(time, all)| [time, all[quantile]]);
-            line(painter, graph, points, Stroke::new(width, color(context, filter.id)), false);
+            let values = filter.quantiles.iter().map(|all| all[quantile]);
+            plot.line(line(times, values, width, color(context, filter.id)));
         }
     }
     for (id, reach) in bounds(curves, context) {
         for sign in [-2.0, 2.0] {
-            let points = times().zip(&reach).map(|(time, std)| [time, sign * std]);
-            line(painter, graph, points, Stroke::new(1.2, color(context, id)), true);
+            let bound = line(times, reach.iter().map(|std| sign * std), 1.2, color(context, id));
+            plot.line(bound.style(LineStyle::dashed_loose()));
         }
     }
 }
@@ -216,88 +202,47 @@ fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
 }
 
 /// Fills the area between pairs of values; it has a gap where one of them is NaN.
-pub(super) fn band(painter: &Painter, graph: &Graph, rungs: impl Iterator<Item = (f64, [f64; 2])>, color: Color32) {
-    let mut mesh = Mesh::default();
-    let mut before: Option<u32> = None;
-    for (x, [low, high]) in rungs {
-        if !(low.is_finite() && high.is_finite()) {
-            before = None;
-            continue;
-        }
-        let at = mesh.vertices.len() as u32;
-        for y in [low, high] {
-            mesh.colored_vertex(within(graph, graph.at([x, y])), color);
-        }
-        if let Some(last) = before {
-            mesh.add_triangle(last, last + 1, at);
-            mesh.add_triangle(last + 1, at, at + 1);
-        }
-        before = Some(at);
-    }
-    painter.add(Shape::mesh(mesh));
-}
-
-pub(super) fn line(
-    painter: &Painter,
-    graph: &Graph,
-    points: impl Iterator<Item = [f64; 2]>,
-    stroke: Stroke,
-    dashed: bool,
-) {
-    let points: Vec<Pos2> = points.map(|point| within(graph, graph.at(point))).collect();
-    for part in points.split(|point| !point.y.is_finite()).filter(|part| part.len() > 1) {
-        if dashed {
-            painter.extend(Shape::dashed_line(part, stroke, 5.0, 3.0));
-        } else {
-            painter.add(Shape::line(part.to_vec(), stroke));
-        }
+fn band(plot: &mut PlotUi<'_>, times: &[f64], edges: impl Iterator<Item = [f64; 2]>, color: Color32) {
+    let rungs: Vec<(f64, [f64; 2])> = times.iter().copied().zip(edges).collect();
+    for part in rungs.split(|(_, edges)| !edges.iter().all(|edge| edge.is_finite())).filter(|part| part.len() > 1) {
+        let times: Vec<f64> = part.iter().map(|(time, _)| *time).collect();
+        let [low, high] = [0, 1].map(|edge| part.iter().map(|(_, edges)| edges[edge]).collect::<Vec<f64>>());
+        plot.add(FilledArea::new("band", &times, &low, &high).fill_color(color).allow_hover(false));
     }
 }
 
-/// A point no further beyond the frame than half its height: edges far away would cost time and blur.
-fn within(graph: &Graph, at: Pos2) -> Pos2 {
-    let beyond = 0.5 * graph.rect.height();
-    if at.y.is_nan() {
-        return at;
-    }
-    egui::pos2(at.x, at.y.clamp(graph.rect.top() - beyond, graph.rect.bottom() + beyond))
+fn line<'a>(times: &[f64], values: impl Iterator<Item = f64>, width: f32, color: Color32) -> Line<'a> {
+    let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(time, value)| [*time, value]).collect();
+    Line::new("line", points).color(color).width(width).allow_hover(false).allow_band(false)
 }
 
-pub(super) fn last_estimates_ui(ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>) {
+pub(super) fn last_estimates_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>) {
     let Some(channel) = curves.parameter else { return };
     let histogram = &curves.histogram;
-    let palette = context.palette;
     let highest = histogram.counts.iter().flatten().copied().max().unwrap_or_default().max(1);
-    let graph = Graph::new(
-        room,
-        Scale::new(histogram.from, histogram.to, false),
-        Scale::new(0.0, 1.08 * highest as f64, false),
-    );
     let what = if curves.is_of_errors { "last error of " } else { "last estimate of " };
     let name = named(what, channel, context);
-    graph.axes_ui(ui, [&name, "seeds"], palette, true);
-    let painter = ui.painter_at(graph.rect.expand(1.0));
-    for (filter, counts) in curves.filters.iter().zip(&histogram.counts) {
-        let color = color(context, filter.id);
-        let steps: Vec<[f64; 2]> = counts
-            .iter()
-            .enumerate()
-            .flat_map(|(bar, count)| histogram.ends(bar).map(|edge| [edge, *count as f64]))
-            .collect();
-        band(&painter, &graph, steps.iter().map(|[x, y]| (*x, [0.0, *y])), color.gamma_multiply(0.16));
-        line(&painter, &graph, steps.into_iter(), Stroke::new(1.6, color), false);
-    }
-    if let Some(truth) = curves.truth.or(curves.is_of_errors.then_some(0.0)) {
-        let x = graph.at([truth, f64::NAN]).x;
-        painter
-            .line_segment([pos2(x, graph.rect.top()), pos2(x, graph.rect.bottom())], Stroke::new(1.6, palette.truth));
-    }
-    let response = ui.interact(graph.rect, ui.scope_id().with("bars"), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Histogram, {name}")));
-    let Some(pointer) = response.hover_pos().filter(|_| response.hovered() && histogram.bars() > 0) else { return };
-    let bar = ((graph.shares(pointer)[0] * histogram.bars() as f64).max(0.0) as usize).min(histogram.bars() - 1);
+    let range = [(histogram.from, histogram.to), (0.0, 1.08 * highest as f64)];
+    let plot = Plane::linear(&name, [&name, "seeds"]).show(ui, context.palette, Some(range), |plot| {
+        for (filter, counts) in curves.filters.iter().zip(&histogram.counts) {
+            let color = color(context, filter.id);
+            let bar = |(bar, count): (usize, &usize)| {
+                let [from, to] = histogram.ends(bar);
+                Bar::new(0.5 * (from + to), *count as f64).width(to - from).fill(color.gamma_multiply(BARS))
+            };
+            let bars: Vec<Bar> = counts.iter().enumerate().map(bar).collect();
+            plot.bar_chart(BarChart::new("seeds", bars).color(color).allow_hover(false));
+        }
+        if let Some(truth) = curves.truth.or(curves.is_of_errors.then_some(0.0)) {
+            plot.vline(VLine::new("truth", truth).color(context.palette.truth).width(1.6).allow_hover(false));
+        }
+        plot.pointer_coordinate().filter(|_| plot.response().hovered() && histogram.bars() > 0).map(|at| at.x)
+    });
+    let Some(value) = plot.inner else { return };
+    let share = (value - histogram.from) / (histogram.to - histogram.from);
+    let bar = ((share * histogram.bars() as f64).max(0.0) as usize).min(histogram.bars() - 1);
     let [from, to] = histogram.ends(bar);
-    Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| {
+    Tooltip::for_widget(&plot.response).at_pointer().gap(12.0).show(|ui| {
         ui.weak(format!("{} to {} {}", significant(from, 5), significant(to, 5), context.unit(channel.unit())));
         for ((filter, counts), beyond) in curves.filters.iter().zip(&histogram.counts).zip(&histogram.beyond) {
             let aside = if *beyond > 0 { format!(", and {beyond} beyond the ends") } else { String::new() };

@@ -8,7 +8,6 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKi
 use super::peaks::MAX_MASSES;
 use super::stage::Stage;
 use crate::plot::axes::{tick, ticks};
-use crate::plot::strokes::Strokes;
 use crate::theme::Palette;
 
 pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palette) {
@@ -257,16 +256,14 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let (behind, before) = (half(-FRAC_PI_2), half(FRAC_PI_2));
     let back = Stroke::new(width, ink.back);
     let front = Stroke::new(1.15 * width, ink.line);
-    let mut strokes = Strokes::new(painter.ctx());
     for turn in 0..=coils {
-        strokes.line(&behind(turn), back);
+        painter.line(behind(turn), back);
     }
     for turn in 0..coils {
-        strokes.line(&before(turn), front);
+        painter.line(before(turn), front);
     }
-    strokes.line(&[pos2(from, y), pos2(first, y)], front);
-    strokes.line(&[pos2(first + length, y), pos2(to, y)], front);
-    painter.add(strokes.into_shape());
+    painter.line_segment([pos2(from, y), pos2(first, y)], front);
+    painter.line_segment([pos2(first + length, y), pos2(to, y)], front);
 }
 
 fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, stretch: f64, ink: Ink) {

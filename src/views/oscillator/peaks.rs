@@ -1,4 +1,4 @@
-//! The largest motion and force so far, updated at constant cost.
+//! The largest motion and force so far.
 
 pub(super) use kalmanscope_core::channel::MAX_MASSES;
 
@@ -14,74 +14,29 @@ pub(super) struct Peak {
     pub(super) force: f64,
 }
 
-const BLOCK: usize = 512;
-
-#[derive(Clone, Debug, Default)]
-pub(super) struct Peaks {
-    blocks: Vec<Block>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    peak: Peak,
-    mark: Mark,
-}
-
-type Mark = (u64, u64, usize);
-
-impl Peaks {
-    /// The largest values up to sample `k` of the true motion of `masses`. Reads each block only once while the record
-    /// grows.
-    pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
-        let Self { blocks } = self;
-        let window = window(record);
-        let size = window * BLOCK.div_ceil(window);
-        let mark = |end: usize| -> Mark {
-            let last = |values: Option<&[f64]>| values.and_then(|x| x.get(end - 1)).map_or(0, |x| x.to_bits());
-            (last(record.truth(displacement(masses - 1))), last(Some(record.input())), size)
-        };
-        blocks.truncate(record.len() / size);
-        if blocks.last().is_some_and(|block| block.mark != mark(blocks.len() * size)) {
-            blocks.clear();
-        }
-        let whole = (k + 1).min(record.len()) / size;
-        while blocks.len() < whole {
-            let from = blocks.len() * size;
-            let before = blocks.last().map_or(Peak::default(), |block| block.peak);
-            let peak = before.or(peak(record, masses, from, from + size, window));
-            blocks.push(Block { peak, mark: mark(from + size) });
-        }
-        let before = whole.checked_sub(1).map_or(Peak::default(), |last| blocks[last].peak);
-        before.or(peak(record, masses, whole * size, (k + 1).min(record.len()), window))
-    }
-}
-
 impl Peak {
-    fn or(self, other: Self) -> Self {
-        Self {
-            reach: self.reach.max(other.reach),
-            drift: self.drift.max(other.drift),
-            force: self.force.max(other.force),
+    /// The largest values up to sample `k` of the true motion of `masses`.
+    pub(super) fn up_to(record: &Record, masses: usize, k: usize) -> Self {
+        let to = (k + 1).min(record.len());
+        let mut peak = Self::default();
+        let mut before: Option<&[f64]> = None;
+        for mass in 0..masses {
+            let Some(x) = record.truth(displacement(mass)).and_then(|x| x.get(..to)) else { break };
+            // `max` ignores NaN.
+            peak.reach = x.iter().fold(peak.reach, |reach, x| reach.max(x.abs()));
+            peak.drift = match before {
+                Some(before) => {
+                    x.iter().zip(before).fold(peak.drift, |drift, (x, before)| drift.max((x - before).abs()))
+                }
+                None => peak.reach,
+            };
+            before = Some(x);
         }
+        let window = window(record);
+        let force = record.input().get(..to).unwrap_or_default().chunks_exact(window);
+        peak.force = force.map(|f| f.iter().sum::<f64>().abs() / window as f64).fold(0.0, f64::max);
+        peak
     }
-}
-
-fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -> Peak {
-    let mut peak = Peak::default();
-    let mut before: Option<&[f64]> = None;
-    for mass in 0..masses {
-        let Some(x) = record.truth(displacement(mass)).and_then(|x| x.get(from..to)) else { break };
-        // `max` ignores NaN.
-        peak.reach = x.iter().fold(peak.reach, |reach, x| reach.max(x.abs()));
-        peak.drift = match before {
-            Some(before) => x.iter().zip(before).fold(peak.drift, |drift, (x, before)| drift.max((x - before).abs())),
-            None => peak.reach,
-        };
-        before = Some(x);
-    }
-    let force = record.input().get(from..to).unwrap_or_default().chunks_exact(window);
-    peak.force = force.map(|f| f.iter().sum::<f64>().abs() / window as f64).fold(0.0, f64::max);
-    peak
 }
 
 pub(super) fn displacement(mass: usize) -> Channel {
@@ -140,11 +95,10 @@ mod tests {
     #[test]
     fn they_are_those_of_all_samples_wherever_playback_goes() {
         for masses in [1, 3] {
-            let mut peaks = Peaks::default();
             for seed in [1, 2] {
                 let record = record(masses, seed);
                 for k in [0, 3, 511, 512, 2900, 700, 0, 1900, 3000] {
-                    let peak = peaks.up_to(&record, masses, k);
+                    let peak = Peak::up_to(&record, masses, k);
                     assert_eq!((peak.reach, peak.drift), whole(&record, masses, k), "{masses} {seed} {k}");
                 }
             }

@@ -116,7 +116,7 @@ impl Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::oscillator::peaks::{MAX_MASSES, Peaks, displacement, masses};
+    use crate::views::oscillator::peaks::{MAX_MASSES, displacement, masses};
     use kalmanscope_core::{PlantKind, Run, Scenario};
 
     const SIZES: [Vec2; 6] = [
@@ -173,7 +173,7 @@ mod tests {
             let mut run = Run::new(&scenario).unwrap();
             run.finish();
             let (record, masses) = (run.record(), masses(&run));
-            let peak = Peaks::default().up_to(record, masses, run.len() - 1);
+            let peak = Peak::up_to(record, masses, run.len() - 1);
             for size in SIZES {
                 let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak));
                 for k in 0..run.len() {
