@@ -353,7 +353,6 @@ mod tests {
             change.edit(Edit::of_filter(3, "fading", 1.5));
         };
         assert_eq!(said(more), "without C");
-        // What is as it was is not said.
         assert_eq!(said(|of, change| change.set(of, "seed", 1.0)), "");
     }
 
