@@ -101,7 +101,8 @@ pub(crate) fn built_in(plant: PlantKind, quantities: &[Quantity], augment: &[Cha
     scenario.filters[0].augment = augment.to_vec();
     scenario.set_plant(plant);
     scenario.set_sensors(quantities);
-    for &channel in augment {
+    // A white force is noise of the truth, and no parameter of it.
+    for &channel in augment.iter().filter(|channel| **channel != Channel::WHITE_FORCE) {
         scenario.plant.set(channel, Signal::Constant(channel.usual().mean + 0.2 * channel.usual().std));
     }
     scenario
