@@ -132,12 +132,12 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
         },
         ..FilterSettings::default()
     };
-    more(&mut filter, scenario.plant.kind, dice);
+    more(&mut filter, &scenario.plant.kind, dice);
     filter
 }
 
 /// What not every filter may have.
-fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
+fn more(filter: &mut FilterSettings, truth: &PlantKind, dice: &mut Dice) {
     if filter.can(&option::WEIGHED) && dice.one_in(3) {
         filter.robust = dice.pick(&Robust::ALL);
     }

@@ -81,7 +81,7 @@ pub(crate) fn measured(
     let suggested = findings.stage("start values", || {
         let mut plain = scenario_for(&record);
         plain.record = Some(read.mapping.clone());
-        plain.plant.kind = own.plant.kind;
+        plain.plant.kind = own.plant.kind.clone();
         let own = Scenario { filters: own.filters.iter().take(2).cloned().collect(), ..own.clone() };
         [suggest(&plain, &record).scenario, suggest(&own, &record).scenario]
     });

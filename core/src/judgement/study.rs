@@ -36,7 +36,7 @@ impl Study {
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible, or the source does not fit it.
-    pub fn new(scenario: &Scenario, source: Source, window: usize) -> Result<Self, RunError> {
+    pub fn new(scenario: impl Into<Arc<Scenario>>, source: Source, window: usize) -> Result<Self, RunError> {
         let run = Run::from_source(scenario, source)?;
         Ok(Self { run, analysis: Analysis::default(), spare: Spare::default(), window: window.max(LEAST_WINDOW) })
     }

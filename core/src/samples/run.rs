@@ -60,17 +60,17 @@ impl Run {
     ///
     /// # Errors
     /// As [`Self::on_record`].
-    pub fn from_source(scenario: &Scenario, source: Source) -> Result<Self, RunError> {
-        Self::over(scenario, source, &mut Spare::default())
+    pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
+        Self::over(scenario.into(), source, &mut Spare::default())
     }
 
-    fn over(scenario: &Scenario, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+    fn over(scenario: Arc<Scenario>, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
         scenario.validate()?;
-        let recording = Recording::new(scenario, source, spare.record.take());
-        let samples = recording.samples(scenario);
+        let recording = Recording::new(&scenario, source, spare.record.take());
+        let (samples, count) = (recording.samples(&scenario), scenario.filters.len());
         let record = recording.record();
-        let mut bank = Bank::new(scenario.into(), record)?;
-        for _ in &scenario.filters {
+        let mut bank = Bank::new(scenario, record)?;
+        for _ in 0..count {
             bank.add(record, samples, spare.estimates.pop());
         }
         Ok(Self { recording, samples, done: 0, bank })
@@ -88,7 +88,7 @@ impl Run {
         }
         let mut spare = Spare::default();
         spare.take(self.take_apart());
-        *self = Self::over(scenario, source, &mut spare)?;
+        *self = Self::over(scenario.into(), source, &mut spare)?;
         Ok(())
     }
 
