@@ -4,6 +4,7 @@ use egui::emath::TSTransform;
 use egui::{Align2, Button, Color32, Context, Rect, Sense, Shape, Ui, Vec2, Window, vec2};
 
 use super::Figure;
+use crate::probe;
 use crate::request::{Export, FigureFormat, Request};
 
 /// The largest size of the preview, and the distance of the dialog from the window's edges \[points\].
@@ -36,7 +37,8 @@ impl FigureDialog {
             ui.set_width(room.x);
             ui.horizontal_wrapped(|ui| {
                 for format in FigureFormat::ALL {
-                    ui.selectable_value(&mut self.format, format, format.name());
+                    let size = ui.selectable_value(&mut self.format, format, format.name());
+                    probe::remember(ui.ctx(), format.name(), size.rect);
                 }
             });
             let format = self.format;
@@ -50,7 +52,9 @@ impl FigureDialog {
             });
             ui.horizontal(|ui| {
                 let button = Button::new("Save as SVG").fill(ui.visuals().selection.bg_fill);
-                is_written = ui.add(button).clicked();
+                let button = ui.add(button);
+                probe::remember(ui.ctx(), "Save as SVG", button.rect);
+                is_written = button.clicked();
                 ui.weak(format!("{width:.0} × {height:.0} mm, the views on screen as outlines and text"));
             });
         });

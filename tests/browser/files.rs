@@ -158,18 +158,21 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
 
 pub(crate) async fn a_figure_is_downloaded(page: &Page, folder: &Path) {
     page.allow_downloads(folder).await;
-    let svg = downloaded(page, folder, "Paper, 84 mm (SVG)", "kalmanscope-84mm.svg").await;
+    let svg = downloaded(page, folder, &["Figure…", "Paper, 84 mm", "Save as SVG"], "kalmanscope-84mm.svg").await;
     let svg = String::from_utf8(svg).unwrap();
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>") && svg.contains("width=\"84mm\""), "{svg}");
     assert!(svg.contains("natural frequency") && !svg.contains("NaN"), "the views on screen are in it");
-    let estimates = downloaded(page, folder, "Estimates (CSV)", "estimates.csv").await;
+    let estimates = downloaded(page, folder, &["Data…", "Estimates (CSV)"], "estimates.csv").await;
     assert!(estimates.starts_with(b"filter,k,t,"), "{}", String::from_utf8_lossy(&estimates[..80]));
 }
 
-/// Chooses an entry of the menu, and waits until the file has its contents: the browser makes it empty first.
-pub(crate) async fn downloaded(page: &Page, folder: &Path, entry: &str, name: &str) -> Vec<u8> {
-    page.click("Export", 0.5).await;
-    page.click(entry, 0.5).await;
+/// Clicks from the menu of exports on, and waits until the file has its contents: the browser makes it empty first.
+pub(crate) async fn downloaded(page: &Page, folder: &Path, clicks: &[&str], name: &str) -> Vec<u8> {
+    for control in std::iter::once(&"Export").chain(clicks) {
+        page.click(control, 0.5).await;
+        // A menu or a window opens.
+        page.rest().await;
+    }
     let (path, begun) = (folder.join(name), Instant::now());
     while fs::metadata(&path).map_or(0, |file| file.len()) == 0 {
         assert!(begun.elapsed() < PATIENCE, "{name} has not come");

@@ -177,7 +177,7 @@ pub(crate) async fn a_map_is_computed_by_web_gpu(page: &Page, folder: &Path) {
     assert_eq!(said(page).await, format!("computed {}", computers[0].as_str().unwrap()));
     let ensemble = Ensemble::from_json(map["ensemble"].as_str().unwrap()).unwrap();
     assert!(ensemble.cells() >= 48 * 48);
-    let csv = String::from_utf8(downloaded(page, folder, "Map (CSV)", "map.csv").await).unwrap();
+    let csv = String::from_utf8(downloaded(page, folder, &["Data…", "Map (CSV)"], "map.csv").await).unwrap();
     agrees(&csv, ensemble);
 }
 
