@@ -50,10 +50,10 @@ fn all() -> Vec<Case> {
     add("typed Duffing", &both, typed_duffing(), &lanes);
     add("typed Duffing gain first-order", &both, with_gain(typed_duffing()), &lanes);
     for kind in [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4, PlantKind::SHEAR_5, PlantKind::SHEAR_10] {
-        add(kind.key(), &[EKF], built_in(kind), &alone);
+        add(kind.key(), &[EKF], built_in(kind.clone()), &alone);
     }
     for kind in [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4] {
-        add(kind.key(), &[EKF], built_in(kind), &lanes[1..]);
+        add(kind.key(), &[EKF], built_in(kind.clone()), &lanes[1..]);
     }
     cases
 }
@@ -70,7 +70,7 @@ fn built_in(kind: PlantKind) -> Scenario {
 fn with_gain(mut scenario: Scenario) -> Scenario {
     scenario.hold = Hold::First;
     scenario.filters[0].augment = vec![Channel::INPUT_GAIN];
-    let kind = scenario.plant.kind;
+    let kind = scenario.plant.kind.clone();
     scenario.set_plant(kind);
     scenario
 }
@@ -79,7 +79,7 @@ fn typed_duffing() -> Scenario {
     let text = "[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"\n";
     let typed = Scenario::from_toml(text).expect("the equation is valid").plant.kind;
     let mut scenario = built_in(PlantKind::DUFFING);
-    let [cubic, mu] = [PlantKind::DUFFING, typed].map(|kind| kind.channels()[4]);
+    let [cubic, mu] = [PlantKind::DUFFING, typed.clone()].map(|kind| kind.channels()[4]);
     let truth = scenario.plant.parameter(cubic).expect("the plant has a signal");
     let filter = &mut scenario.filters[0];
     for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
