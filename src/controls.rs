@@ -1,4 +1,4 @@
-//! The settings, each of which says what it changes.
+//! The controls of the settings: each says which setting it changes.
 
 pub(crate) mod filter;
 mod lit;

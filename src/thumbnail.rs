@@ -15,7 +15,7 @@ use crate::theme;
 /// The room above and below the courses, as a share of their range.
 const MARGIN: f64 = 0.08;
 
-/// The range of a picture follows from what comes after this part of it: a guess may be far off.
+/// A picture takes its range from the time after this share of it, because a first guess may be far off.
 const BEGINNING: usize = 20;
 
 const PIECE: usize = 32;
@@ -215,7 +215,7 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
     let sample = |time: f64| ((time / record.dt()).round() as usize).min(run.len());
     let (begin, end) = (picture.from.map_or(0, sample), picture.to.map_or(run.len(), sample));
     let len = end.saturating_sub(begin);
-    // A band may begin far wider than what it ends as.
+    // A band may begin far wider than it ends.
     let is_narrow = |mark: Mark| mark != Mark::Band || show == Course::Probability;
     let narrow = drawn.iter().filter(|(mark, ..)| is_narrow(*mark));
     let late = narrow.flat_map(|(_, _, of)| (begin + len / BEGINNING..end).flat_map(of)).collect::<Vec<f64>>();

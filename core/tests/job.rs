@@ -123,6 +123,13 @@ fn unaffected_parts_are_not_computed_again() {
 }
 
 #[test]
+fn a_scenario_that_is_handed_over_gets_unique_ids() {
+    let twice = Scenario { filters: vec![FilterSettings { id: 0, ..scenario().filters[1].clone() }; 2], ..scenario() };
+    let run = Run::from_source(twice, Source::Simulated).unwrap();
+    assert_eq!(run.scenario().filters.iter().map(|filter| filter.id).collect::<Vec<_>>(), [1, 2]);
+}
+
+#[test]
 fn an_abandoned_job_changes_nothing() {
     let before = scenario();
     let mut study = study(&before, Source::Simulated, WINDOW);

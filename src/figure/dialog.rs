@@ -1,4 +1,4 @@
-//! The dialog *Figure…*: the size, and what the figure will look like.
+//! The dialog *Figure…*: the size, and a preview.
 
 use egui::emath::TSTransform;
 use egui::{Align2, Button, Color32, Context, Rect, Sense, Shape, Ui, Vec2, Window, vec2};

@@ -79,7 +79,7 @@ pub(crate) fn line_width(place: usize, first: f32) -> f32 {
     (first - 0.8 * place as f32).max(1.2)
 }
 
-/// What a chart shows: times \[s\], values unless the axis follows them, and the size \[points\].
+/// The part of the data that a chart shows: times \[s\], values unless the axis follows them, and the size \[points\].
 #[derive(Clone, Copy)]
 pub(crate) struct Window {
     pub(crate) times: (f64, f64),

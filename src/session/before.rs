@@ -15,7 +15,7 @@ const ONE_CHANGE: f64 = 0.8;
 /// Limits the samples of a picture from before: twice the work must remain a short work.
 const MOST: usize = 20_000;
 
-/// The words for what was before where another scenario was opened meanwhile.
+/// These words stand for the settings before, where another scenario has been opened since.
 const ANOTHER: &str = "other settings";
 
 /// A scenario that a session has shown, and the opening since which only [`Session::edit`] has changed it.

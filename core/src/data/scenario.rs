@@ -30,7 +30,7 @@ pub use crate::mathematics::quantity::MAX_SENSORS;
 pub use document::ScenarioError;
 pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};
 pub use filter::{FilterColor, FilterSettings};
-pub(crate) use identity::SMOOTHED;
+pub(crate) use identity::{SMOOTHED, clash};
 pub use identity::{is_text, shown};
 pub use plant::{Motion, Plant};
 pub use population::{Law, LawInfo, is_drawable};
@@ -121,12 +121,9 @@ impl<'de> Deserialize<'de> for Scenario {
     }
 }
 
-/// A copy for a run: each filter has a unique id.
 impl From<&Scenario> for Arc<Scenario> {
     fn from(scenario: &Scenario) -> Self {
-        let mut scenario = scenario.clone();
-        scenario.number_filters();
-        Self::new(scenario)
+        Self::new(scenario.clone())
     }
 }
 

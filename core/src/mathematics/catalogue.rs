@@ -51,8 +51,8 @@ thread_local! {
     static PLANTS: RefCell<Vec<PlantKind>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Plants whose channels have a meaning in what this thread reads, until this is dropped: serde has no room for a context. Of one
-/// key the first of them counts, and before it those that were known last.
+/// Until this is dropped, this thread also reads the keys of these plants' channels: serde has no room for a context. Where two
+/// plants have a key, the plants that were added last count, and the first of those.
 pub(crate) struct KnownPlants {
     before: usize,
 }
@@ -66,7 +66,7 @@ impl KnownPlants {
         })
     }
 
-    /// The known plant that is sought.
+    /// The first known plant that passes a test.
     pub(crate) fn find(is_it: impl Fn(&PlantKind) -> bool) -> Option<PlantKind> {
         PLANTS.with_borrow(|known| known.iter().rev().find(|kind| is_it(kind)).cloned())
     }
@@ -75,7 +75,7 @@ impl KnownPlants {
         PLANTS.with_borrow(|known| all_and(known.iter().rev().flat_map(|kind| kind.channels().iter().copied())))
     }
 
-    /// The channel with a key in what is read.
+    /// The channel that a key means here.
     pub(crate) fn channel(key: &str) -> Option<Channel> {
         let own = || PLANTS.with_borrow(|known| channel_of(known.iter().rev(), key));
         Channel::from_key(key).or_else(own)

@@ -4,6 +4,7 @@ pub(crate) mod revision;
 
 use std::sync::Arc;
 
+use crate::data::scenario::clash;
 use crate::mathematics::catalogue::all_and;
 use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::pass::apart;
@@ -298,7 +299,12 @@ pub(crate) struct Bank {
 }
 
 impl Bank {
-    pub(crate) fn new(scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
+    pub(crate) fn new(mut scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
+        let mut filters = scenario.filters.iter().enumerate();
+        let clash = |one: &FilterSettings, other: &FilterSettings| one.id == other.id || clash(&one.name, &other.name);
+        if filters.any(|(at, one)| one.id == 0 || scenario.filters[..at].iter().any(|other| clash(one, other))) {
+            Arc::make_mut(&mut scenario).number_filters();
+        }
         let quantities = scenario.measured();
         let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
         let dt = record.dt();

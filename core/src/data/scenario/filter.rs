@@ -281,12 +281,12 @@ impl FilterSettings {
         channels.contains(&frequency) && !self.knows(frequency) && self.initial_mean[frequency] > 0.0
     }
 
-    /// Whether another filter differs at most in numbers that each lane of a batch has of its own.
-    pub(crate) fn has_options_of(&self, other: &Self) -> bool {
-        let Self { id, name, color, input_delay, sensor_delay, fading, sensor_std, .. } = other.clone();
-        let Self { initial_mean, initial_std, process_std, .. } = other.clone();
-        let with_its_numbers = Self { id, name, color, input_delay, sensor_delay, fading, sensor_std, ..self.clone() };
-        *other == Self { initial_mean, initial_std, process_std, ..with_its_numbers }
+    /// The settings without the numbers in which the lanes of a batch may differ.
+    pub(crate) fn of_batch(&self) -> Self {
+        let Self { id, name, color, input_delay, sensor_delay, fading, sensor_std, .. } = Self::default();
+        let (initial_mean, initial_std, process_std) = (Values::ZERO, Values::ZERO, Values::ZERO);
+        let plain = Self { id, name, color, input_delay, sensor_delay, fading, sensor_std, ..self.clone() };
+        Self { initial_mean, initial_std, process_std, ..plain }
     }
 
     /// Whether the estimates are the same: all but name and colour is.

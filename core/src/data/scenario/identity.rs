@@ -72,7 +72,7 @@ impl Scenario {
 }
 
 /// Whether two filters cannot both have their name: it is the same, or one is that of the other's smoother.
-fn clash(a: &str, b: &str) -> bool {
+pub(crate) fn clash(a: &str, b: &str) -> bool {
     let of_smoother = |a: &str, b: &str| a.strip_suffix(SMOOTHED).is_some_and(|of| of == b);
     a == b || of_smoother(a, b) || of_smoother(b, a)
 }

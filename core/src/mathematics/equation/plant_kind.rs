@@ -127,8 +127,8 @@ fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -
     Ok(Channel::new(info(name, is_parameter, settings.unwrap_or(&usual))?))
 }
 
-/// What equations say about their names, by its text: equal contents are kept once, as compilers keep symbols. It has no other meaning.
-/// It is not freed, since a [`Channel`] is copied in thousands of places; a content has a few hundred bytes.
+/// The data of the names in equations, by their text: equal data is kept once, as compilers keep symbols, and serves nothing else.
+/// It is never freed, because a [`Channel`] is copied in thousands of places. Each takes a few hundred bytes.
 static INFOS: Mutex<BTreeMap<String, &'static ChannelInfo>> = Mutex::new(BTreeMap::new());
 
 fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<&'static ChannelInfo, EquationError> {

@@ -29,7 +29,7 @@ impl Run<'_> {
         let knows = |record: &Record, channel| record.truth(channel).is_some();
         self.record.len() == other.record.len()
             && self.setup.design == other.setup.design
-            && self.setup.settings.has_options_of(&other.setup.settings)
+            && self.setup.of_batch == other.setup.of_batch
             && self.setup.is_timed == other.setup.is_timed
             && (!self.setup.is_timed || self.has_columns_of(other))
             && self.setup.channels == other.setup.channels

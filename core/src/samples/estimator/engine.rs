@@ -196,7 +196,7 @@ impl FollowedEngine {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
-            // A pluck in a step without times of its own counts in its first part.
+            // A step without times has its plucks in its first part.
             let times = parts.between(place).unwrap_or(whole);
             if part.share > 0.0 {
                 self.predict(level, Span { share: part.share, forces: part.forces, times })?;

@@ -46,6 +46,8 @@ pub struct Setup {
     /// The time of the first sample \[s\].
     pub start: f64,
     pub(crate) settings: FilterSettings,
+    /// The settings that all runs of a batch share.
+    pub(crate) of_batch: FilterSettings,
 }
 
 impl Setup {
@@ -129,6 +131,7 @@ impl Setup {
             is_timed: context.is_timed,
             start: context.start,
             settings: settings.clone(),
+            of_batch: settings.of_batch(),
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
 use crate::mathematics::engine::update::UpdateResult;
 
-/// A filter that does not estimate some components of its state, but counts what is not known of them.
+/// A filter that does not estimate some components of its state, but counts their uncertainty.
 ///
 /// ```text
 /// K = [Kₓ; 0],  P⁺ = [Pₓₓ - Kₓ S Kₓᵀ   Pₓc - Kₓ (H P)c]
