@@ -1,6 +1,6 @@
 //! The bar at the top: scenarios, views, lessons, exports, appearance and history.
 
-use egui::{Button, RichText, Ui};
+use egui::{Button, Color32, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export;
@@ -17,8 +17,7 @@ use crate::widgets::named;
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-const FORGET: &str =
-    "The record’s file is kept on this device, so that it is there at the next start: remove it from there";
+const FORGET: &str = "Remove the record’s file from this device: it will not be here next time";
 
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
@@ -35,6 +34,8 @@ impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, layout, catalogue, controls, presenting, narrow, history, measures } = *self;
         ui.horizontal_wrapped(|ui| {
+            // Text without a frame, as in other programs' bars of menus.
+            ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             let toggle = named(toggle, "Settings");
             probe::remember(ui.ctx(), "Settings", toggle.rect);
@@ -87,7 +88,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
             ui.close();
         }
         if measures {
-            let hint = "Something that swings or rings, by the sensors of this device";
+            let hint = "Record something that swings or rings with the sensors of this device";
             let button = ui.button("Measure with this device…").on_hover_text(hint);
             probe::remember(ui.ctx(), "Measure with this device…", button.rect);
             if button.clicked() {
@@ -99,9 +100,9 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
             ui.separator();
         }
         entries_ui(ui, BUILT_IN, requests);
-        ui.menu_button("Equations of one's own", |ui| entries_ui(ui, EQUATIONS, requests));
+        ui.menu_button("Your own equations", |ui| entries_ui(ui, EQUATIONS, requests));
         ui.separator();
-        if ui.button("Copy as TOML").on_hover_text("For the command line, or to keep").clicked() {
+        if ui.button("Copy as text").on_hover_text("The scenario as text, for a file or the command line").clicked() {
             match session.scenario().to_toml() {
                 Ok(toml) => ui.ctx().copy_text(toml),
                 Err(error) => requests.push(Request::Report(format!("The scenario cannot be copied: {error}."))),
@@ -168,7 +169,7 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
         }
         if !session.has_other_setting() {
             ui.separator();
-            ui.label(RichText::new("Two settings to compare").small().weak());
+            ui.label(RichText::new("Compare two settings").small().weak());
             let before = requests.len();
             ui.horizontal(|ui| settings_ui(ui, session, requests));
             if requests.len() > before {
@@ -195,9 +196,9 @@ fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for setting in Setting::BOTH {
         let is_on = session.setting() == setting;
         let hint = match (is_on, session.has_other_setting()) {
-            (true, _) => "All settings, kept as this one",
-            (false, false) => "Keep all settings as they are under A, and go on with a copy (X)",
-            (false, true) => "Go to the other settings, and keep these (X)",
+            (true, _) => "The settings on screen",
+            (false, false) => "Keep these settings as A, and continue with a copy (X)",
+            (false, true) => "Switch to the other settings (X)",
         };
         let button = ui.selectable_label(is_on, setting.name()).on_hover_text(hint);
         let name = format!("Setting {}", setting.name());

@@ -49,16 +49,19 @@ impl Edits<'_> {
     }
 }
 
-pub fn few_controls_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story) -> bool {
+/// The settings that the story names, and `below` them more. Returns whether all settings are wanted.
+pub fn few_controls_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story, below: impl FnOnce(&mut Ui)) -> bool {
     let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
         ui.add_space(6.0);
         if !named::named_ui(ui, edits, story) && !story.sentences.is_empty() {
-            ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
+            ui.label(RichText::new("The text above the plots names no number to change.").weak());
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
-        ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()
+        let wanted = ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked();
+        below(ui);
+        wanted
     });
     wanted.inner
 }
@@ -76,7 +79,7 @@ pub fn controls_ui(
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if ui
             .small_button("Fewer settings")
-            .on_hover_text("Only those that the sentence above the plots names")
+            .on_hover_text("Only the settings that the text above the plots names")
             .clicked()
         {
             asked.push(PanelRequest::Fewer);

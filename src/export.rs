@@ -40,14 +40,10 @@ pub type Deliver = Box<dyn Fn(File, Done)>;
 /// Files of data, each with its name and a hint.
 const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
-    (Export::Record, "Record (CSV)", "Force, measurements and truth, as the command line reads them"),
-    (Export::Map, "Map (CSV)", "Every score of every cell of the map in the laboratory"),
-    (
-        Export::MonteCarlo,
-        "Monte Carlo (CSV)",
-        "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
-    ),
-    (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
+    (Export::Record, "Record (CSV)", "Force, measurements and truth, for the command line"),
+    (Export::Map, "Map (CSV)", "Every score of every cell of the map"),
+    (Export::MonteCarlo, "Monte Carlo (CSV)", "Mean NEES and NIS, error quantiles and σ over time"),
+    (Export::Scenario, "Scenario (TOML)", "The settings, for this window or the command line"),
     (Export::All, "Everything (JSON)", "Scenario, record, estimates, verdicts and causes, for a program"),
 ];
 
@@ -224,7 +220,7 @@ const REPORT: (Export, &str, &str) = (
 );
 
 const SESSION: (Export, &str, &str) =
-    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on");
+    (Export::Session, "Session file", "Settings, views and time: open or drop it to continue");
 
 /// Every export with its name and a hint, in the menu's order.
 pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static str)> {

@@ -51,11 +51,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
         "Settings",
         &[
             plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
-            plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
+            plain("X", "switch between settings A and B", &[Key::X], |_| Request::SwapSettings),
             plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
                 .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
-            plain("Ctrl+Z", "take back the last change of a setting", &[Key::Z], |_| Request::Undo)
-                .with(Modifiers::COMMAND),
+            plain("Ctrl+Z", "undo the last change of a setting", &[Key::Z], |_| Request::Undo).with(Modifiers::COMMAND),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
                 Request::Edit(turn_hold(session.scenario()))
             }),
@@ -88,7 +87,7 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Times",
         &[
-            plain("A", "mark the time that is shown as A, or take A away", &[Key::A], |_| Request::ToggleMark(End::A)),
+            plain("A", "mark the time shown as A, or remove A", &[Key::A], |_| Request::ToggleMark(End::A)),
             plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(End::B)),
         ],
     ),

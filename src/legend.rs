@@ -8,7 +8,6 @@ use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
-use crate::tutor;
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 use crate::widgets::named;
@@ -40,7 +39,7 @@ pub(crate) struct Legend<'a> {
 }
 
 impl Legend<'_> {
-    pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, inviting: bool, requests: &mut Vec<Request>) {
+    pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
         match extent {
             Extent::OneRow => {
                 let hidden = ScrollBarVisibility::AlwaysHidden;
@@ -48,12 +47,12 @@ impl Legend<'_> {
                     ui.horizontal(|ui| self.one_row_ui(ui, requests));
                 });
             }
-            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.rows_ui(ui, inviting, requests)),
+            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.rows_ui(ui, requests)),
         }
         self.troubles_ui(ui);
     }
 
-    fn rows_ui(&self, ui: &mut Ui, inviting: bool, requests: &mut Vec<Request>) {
+    fn rows_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         ui.spacing_mut().item_spacing.x = 12.0;
         self.record_ui(ui, requests);
         for (place, estimates) in self.session.run().estimates().iter().enumerate() {
@@ -63,7 +62,6 @@ impl Legend<'_> {
         self.only_ui(ui, requests);
         match self.session.before() {
             Some(before) => self.before_ui(ui, &format!("before: {}", before.words), requests),
-            None if inviting => tutor::invitation_ui(ui, requests),
             // Reserves the room of the change's chip, so that nothing else moves when it appears.
             None => _ = ui.allocate_exact_size(Vec2::new(CHIP, HEIGHT), Sense::hover()),
         }
@@ -130,7 +128,7 @@ impl Legend<'_> {
             Button::new(shown).small().stroke(Stroke::new(1.2, self.palette.weak)).min_size(Vec2::new(CHIP, 0.0));
         let hint = || {
             let words = self.session.before().map_or("", |before| before.words.as_str());
-            format!("The thin grey lines: the estimates before the last change ({words}). Click to forget them")
+            format!("Thin grey lines: the estimates before the last change ({words}). Click to remove them")
         };
         let chip = named(ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint())), format!("{text} ×"));
         if chip.clicked() {

@@ -38,6 +38,7 @@ use crate::request::{RawFile, Request};
 use crate::sensor::Sensors;
 use crate::text::sentence;
 use crate::theme::Palette;
+use crate::widgets::primary;
 
 /// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 460.0;
@@ -154,7 +155,7 @@ impl Measure {
         }
         let buttons = ui.horizontal_wrapped(|ui| {
             instrument.few_ui(ui, palette);
-            two_buttons_ui(ui, instrument.words().ending, "Larger")
+            two_buttons_ui(ui, [instrument.words().ending, "Larger"], palette)
         });
         ui.ctx().request_repaint_after(AT_LEAST);
         let [stop, larger] = buttons.inner;
@@ -203,7 +204,7 @@ impl Measure {
                 let instrument = &mut self.instruments[self.chosen];
                 instrument.words().directions.iter().for_each(|text| _ = ui.label(*text));
                 ui.label(RichText::new("Nothing leaves this device.").small().color(palette.weak));
-                let [begin, close] = buttons_ui(ui, instrument.words().beginning, "Close");
+                let [begin, close] = buttons_ui(ui, [instrument.words().beginning, "Close"], palette);
                 if begin {
                     instrument.begin(ui.ctx());
                     self.is_watched = false;
@@ -218,18 +219,18 @@ impl Measure {
                     self.fail(refusal);
                     return true;
                 }
-                instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
                 ui.ctx().request_repaint_after(AT_LEAST);
-                let can_be_watched = instrument.watched().is_some();
-                let [stop, close] = buttons_ui(ui, instrument.words().ending, "Cancel");
-                if can_be_watched && one_button_ui(ui, "Watch the filters") {
+                // Above the numbers, so that it stays where it is while sentences come and go.
+                let [stop, close] = buttons_ui(ui, [instrument.words().ending, "Cancel"], palette);
+                instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
+                if instrument.watched().is_some() && ui.button("Watch the filters").clicked() {
                     self.is_watched = true;
                 }
                 if stop { self.stop(requests) } else { !close }
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("{reason}."));
-                let [again, close] = buttons_ui(ui, "Again", "Close");
+                let [again, close] = buttons_ui(ui, ["Again", "Close"], palette);
                 if again {
                     self.stage = Stage::Ready;
                 }
@@ -265,17 +266,15 @@ fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
     ui.add(Label::new(RichText::new(text).size(LARGE).color(palette.text)).extend());
 }
 
-fn buttons_ui(ui: &mut Ui, first: &str, second: &str) -> [bool; 2] {
+fn buttons_ui(ui: &mut Ui, texts: [&str; 2], palette: &Palette) -> [bool; 2] {
     ui.add_space(6.0);
-    ui.horizontal(|ui| two_buttons_ui(ui, first, second)).inner
+    ui.horizontal(|ui| two_buttons_ui(ui, texts, palette)).inner
 }
 
-fn two_buttons_ui(ui: &mut Ui, first: &str, second: &str) -> [bool; 2] {
-    [first, second].map(|text| one_button_ui(ui, text))
-}
-
-fn one_button_ui(ui: &mut Ui, text: &str) -> bool {
-    let button = ui.add(Button::new(text));
-    probe::remember(ui.ctx(), text, button.rect);
-    button.clicked()
+fn two_buttons_ui(ui: &mut Ui, [first, second]: [&str; 2], palette: &Palette) -> [bool; 2] {
+    [(first, primary(first, palette)), (second, Button::new(second))].map(|(text, button)| {
+        let button = ui.add(button);
+        probe::remember(ui.ctx(), text, button.rect);
+        button.clicked()
+    })
 }

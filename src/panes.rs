@@ -7,8 +7,10 @@ use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiRespons
 
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
+use crate::theme;
 use crate::view::ViewContext;
 use crate::views::view;
+use crate::widgets::named;
 
 /// Limits the height below which views are in one column \[points\].
 const LOW: f32 = 340.0;
@@ -25,6 +27,9 @@ const GAP: f32 = 14.0;
 
 /// The room around a view into which its plots may draw \[points\].
 const MARGIN: f32 = 4.0;
+
+/// The height of the titles of plots, below which the bar of a view is \[points\].
+const BELOW_TITLES: f32 = 24.0;
 
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
@@ -175,46 +180,69 @@ impl Panes<'_> {
     fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         ui.shrink_clip_rect(self.clip);
-        let dragged = self.bar_ui(ui, kind);
+        // The titles of its plots are enough where a pointer can ask for more.
+        let is_bare = self.draggable && kind.tabs().len() < 2 && !theme::is_for_fingers(ui.ctx());
+        let whole = ui.max_rect();
+        let dragged = !is_bare && ui.horizontal(|ui| self.bar_ui(ui, kind)).inner;
         // A table stays inside its view.
-        ui.shrink_clip_rect(ui.max_rect().expand(MARGIN));
+        ui.shrink_clip_rect(whole.expand(MARGIN));
         self.pointed = view.ui(ui, self.context, self.requests).or(self.pointed);
+        if is_bare { self.corner_ui(ui, whole, kind) } else { dragged }
+    }
+
+    /// The bar over the right upper corner of a view, under the titles, while the pointer or the keyboard's focus is there.
+    fn corner_ui(&mut self, ui: &mut Ui, whole: Rect, kind: ViewKind) -> bool {
+        let corner = Rect::from_min_size(whole.min + vec2(0.0, BELOW_TITLES), vec2(whole.width(), bar_height(ui)));
+        let focused = ui.memory(egui::Memory::focused).and_then(|id| ui.ctx().read_response(id));
+        let has_focus = focused.is_some_and(|control| corner.contains_rect(control.rect));
+        let is_shown = ui.rect_contains_pointer(whole) || has_focus;
+        let layout = egui::Layout::right_to_left(egui::Align::Center);
+        let mut ui = ui.new_child(UiBuilder::new().id_salt("corner").max_rect(corner).layout(layout));
+        ui.set_opacity(if is_shown { 1.0 } else { 0.0 });
+        let ground = ui.painter().add(egui::Shape::Noop);
+        let dragged = self.bar_ui(&mut ui, kind);
+        let ground_color = self.context.palette.ground.gamma_multiply(0.85);
+        ui.painter().set(ground, egui::Shape::rect_filled(ui.min_rect(), 0.0, ground_color));
         dragged
     }
 
+    /// Name, help and buttons of a view: at both ends of a row, or together at the right.
     fn bar_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
-            let title = self.title_ui(ui, kind, sense);
-            let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let (title, enlarged) = if ui.layout().prefer_right_to_left() {
+            let enlarged = self.buttons_ui(ui, kind);
             help_ui(ui, view.name, view.help);
-            let side = bar_height(ui);
-            let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let close = ui.add(small("×")).on_hover_text("Hide this view");
-                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name)));
-                if close.clicked() {
-                    self.requests.push(Request::ToggleView(kind));
-                }
-                let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
-                enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
-                    node.set_label(format!("Enlarge {}", view.name));
-                });
-                if enlarge.clicked() || title.double_clicked() {
-                    self.requests.push(Request::ToggleEnlarged(kind));
-                }
-            });
-            title.drag_started()
-        })
-        .inner
+            (self.title_ui(ui, kind), enlarged)
+        } else {
+            let title = self.title_ui(ui, kind);
+            help_ui(ui, view.name, view.help);
+            let at_right = egui::Layout::right_to_left(egui::Align::Center);
+            (title, ui.with_layout(at_right, |ui| self.buttons_ui(ui, kind)).inner)
+        };
+        let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
+        if enlarged || title.double_clicked() {
+            self.requests.push(Request::ToggleEnlarged(kind));
+        }
+        title.drag_started()
     }
-}
 
-impl Panes<'_> {
+    /// Returns whether the view shall be as large as can be.
+    fn buttons_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
+        let name = view(kind).name;
+        let side = bar_height(ui);
+        let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
+        let close = ui.add(small("×")).on_hover_text("Hide this view");
+        if named(close, format!("Hide {name}")).clicked() {
+            self.requests.push(Request::ToggleView(kind));
+        }
+        let enlarge = ui.add(small("⛶")).on_hover_text("Enlarge, or back");
+        named(enlarge, format!("Enlarge {name}")).clicked()
+    }
+
     /// The name of a view, or the row of its tabs.
-    fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind, sense: Sense) -> Response {
+    fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> Response {
+        let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
         let name = |kind: ViewKind| RichText::new(view(kind).name).small();
         let tabs = kind.tabs();
         if tabs.len() < 2 {

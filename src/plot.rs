@@ -9,6 +9,7 @@ pub(crate) mod handles;
 pub(crate) mod heading;
 pub(crate) mod layers;
 pub(crate) mod medium;
+pub(crate) mod notes;
 pub(crate) mod plane;
 pub(crate) mod series;
 mod simplify;

@@ -12,19 +12,15 @@ use crate::session::Session;
 use crate::theme::{self, Palette};
 use crate::widgets::named;
 
-const SIZE: f32 = 15.0;
-
 /// The space between sentences \[points\].
 const SPACE: f32 = 4.0;
 
-/// Limits the width of a line \[points\].
-const WIDEST: f32 = 1000.0;
+/// Limits the width of a line, in heights of its letters.
+const WIDEST: f32 = 64.0;
 
-/// The usual number of letters of a story: for all, and for each of its filters.
-const LETTERS: [f32; 2] = [180.0, 85.0];
-
-/// The usual width of a letter, and the height of a line \[points\].
-const LETTER: [f32; 2] = [7.0, 21.0];
+/// Lines whose room is kept for each story, and the room between them \[points\].
+const LINES: f32 = 3.0;
+const BETWEEN: f32 = 3.0;
 
 const WAY: f64 = 400.0;
 
@@ -57,23 +53,23 @@ pub(crate) fn story_ui(
     steady: bool,
     requests: &mut Vec<Request>,
 ) {
-    // A shorter text has the room of a usual one, and of the longest so far, so that the plots stay where they are.
-    let filters = session.run().estimates().len();
-    let width = ui.available_width().min(WIDEST);
-    let key = Id::unique(("story", width as i32, filters));
-    let usual = LETTERS[0] + LETTERS[1] * filters.min(3) as f32;
-    let usual = (usual * LETTER[0] / width.max(1.0)).ceil() * LETTER[1];
-    let tallest = ui.data(|data| data.get_temp::<f32>(key)).unwrap_or(if steady { usual } else { 0.0 });
+    // A shorter text has the room of the longest so far, so that the plots stay where they are.
+    let font = theme::story().resolve(ui.style());
+    let line = ui.fonts_mut(|fonts| fonts.row_height(&font));
+    let width = ui.available_width().min(WIDEST * font.size);
+    let key = Id::unique(("story", width as i32));
+    let least = if steady { LINES * (line + BETWEEN) - BETWEEN } else { 0.0 };
+    let tallest = ui.data(|data| data.get_temp(key)).unwrap_or(0.0_f32).max(least);
     // In a child, so that a long word does not widen all that follows.
     let room = Rect::from_min_size(ui.cursor().min, Vec2::new(width, ui.available_height()));
     let height = {
         let ui = &mut ui.new_child(UiBuilder::new().id_salt("story").max_rect(room));
         let spoken = story.to_string();
-        ui.spacing_mut().item_spacing = Vec2::new(0.0, 3.0);
+        ui.spacing_mut().item_spacing = Vec2::new(0.0, BETWEEN);
         // Lines of text are as high as text, for fingers too.
-        ui.spacing_mut().interact_size.y = SIZE + 3.0;
+        ui.spacing_mut().interact_size.y = line;
         let text = ui.horizontal_wrapped(|ui| {
-            ui.style_mut().text_styles.insert(TextStyle::Body, FontId::new(SIZE, egui::FontFamily::Proportional));
+            ui.style_mut().text_styles.insert(TextStyle::Body, font);
             for sentence in &story.sentences {
                 for (place, phrase) in sentence.iter().enumerate() {
                     keep_together_ui(ui, phrase, sentence.get(place + 1));
@@ -103,8 +99,9 @@ fn keep_together_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
     if matches!(phrase, Phrase::Words(_)) || (stop.is_empty() && !is_number) {
         return;
     }
+    let size = TextStyle::Body.resolve(ui.style()).size;
     let width = |text: String, family: egui::FontFamily| {
-        ui.painter().layout_no_wrap(text, FontId::new(SIZE, family), Color32::WHITE).size().x
+        ui.painter().layout_no_wrap(text, FontId::new(size, family), Color32::WHITE).size().x
     };
     let alone = width(phrase.to_string(), theme::strong());
     let (room, needed) = (ui.available_size_before_wrap().x, alone + width(stop, egui::FontFamily::Proportional));
@@ -115,7 +112,7 @@ fn keep_together_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
 }
 
 fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette, requests: &mut Vec<Request>) {
-    let strong = |text: &str, color: Color32| RichText::new(text).family(theme::strong()).size(SIZE).color(color);
+    let strong = |text: &str, color: Color32| RichText::new(text).family(theme::strong()).color(color);
     match phrase {
         Phrase::Filter { id, name } => {
             let estimates = session.run().estimates().iter().find(|estimates| estimates.id() == *id);
@@ -148,11 +145,11 @@ fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -
     let number: Response = ui
         .scope(|ui| {
             let style = ui.style_mut();
-            let own = TextStyle::Name("story".into());
-            style.text_styles.insert(own.clone(), FontId::new(SIZE, theme::strong()));
-            style.drag_value_text_style = own;
+            let font = FontId::new(TextStyle::Body.resolve(style).size, theme::strong());
+            style.text_styles.insert(TextStyle::Button, font);
+            style.drag_value_text_style = TextStyle::Button;
             style.spacing.button_padding = Vec2::ZERO;
-            style.spacing.interact_size = Vec2::new(0.0, SIZE + 3.0);
+            style.spacing.interact_size.x = 0.0;
             for widget in [
                 &mut style.visuals.widgets.inactive,
                 &mut style.visuals.widgets.hovered,

@@ -1,5 +1,6 @@
 //! Colours, fonts and spacing, all in one place.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{
@@ -26,6 +27,15 @@ pub(crate) fn other(ctx: &egui::Context) -> (Theme, &'static str) {
 
 pub fn strong() -> FontFamily {
     FontFamily::Name(STRONG.into())
+}
+
+pub(crate) fn story() -> TextStyle {
+    TextStyle::Name("story".into())
+}
+
+/// Of a plot.
+pub(crate) fn title() -> TextStyle {
+    TextStyle::Name("title".into())
 }
 
 pub fn symbol() -> TextStyle {
@@ -55,33 +65,45 @@ pub fn is_for_fingers(ctx: &egui::Context) -> bool {
 /// The height of buttons for fingers \[points\].
 const FINGER: f32 = 40.0;
 
-pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
-    let size = if large { READOUT.1 } else { READOUT.0 };
-    ctx.all_styles_mut(|style| {
-        style.text_styles.insert(readout(), FontId::new(size, FontFamily::Proportional));
-    });
+/// Fits the sizes of texts to a window of this width \[points\]; in a lecture hall the numbers are larger.
+pub(crate) fn fit_text(ctx: &Context, width: f32, presenting: bool) {
+    let sizes = sizes(width, presenting);
+    if ctx.global_style().text_styles != sizes {
+        ctx.all_styles_mut(|style| style.text_styles = sizes.clone());
+    }
 }
 
 pub(crate) fn level_text(ctx: &egui::Context, size: f32) {
     ctx.all_styles_mut(|style| style.text_styles.values_mut().for_each(|font| font.size = size));
 }
 
-/// Size of the numbers above plots, and in a lecture hall \[points\].
-const READOUT: (f32, f32) = (11.5, 20.0);
+/// Sizes are those of the table at this width, and larger in a wider window, up to a limit \[points\].
+const USUAL_WIDTH: f32 = 1280.0;
+const LARGEST: f32 = 1.3;
+/// Limits the width of a window whose story is as small as its other texts \[points\].
+const NARROW: f32 = 720.0;
+
+fn sizes(width: f32, presenting: bool) -> BTreeMap<TextStyle, FontId> {
+    let scale = (0.5 + 0.5 * width / USUAL_WIDTH).clamp(1.0, LARGEST);
+    let size = |style, size: f32, family| (style, FontId::new((2.0 * scale * size).round() / 2.0, family));
+    let plain = |style, points| size(style, points, FontFamily::Proportional);
+    [
+        plain(story(), if width < NARROW { 15.0 } else { 18.0 }),
+        size(TextStyle::Heading, 17.0, strong()),
+        size(symbol(), 16.0, strong()),
+        plain(title(), 15.0),
+        plain(readout(), if presenting { 20.0 } else { 13.5 }),
+        plain(TextStyle::Body, 13.5),
+        plain(TextStyle::Button, 13.5),
+        plain(TextStyle::Monospace, 13.0),
+        plain(TextStyle::Small, 12.0),
+    ]
+    .into()
+}
 
 fn restyle(style: &mut egui::Style, theme: Theme) {
     let palette = Palette::of(theme);
-    let proportional = |size| FontId::new(size, FontFamily::Proportional);
-    style.text_styles = [
-        (TextStyle::Heading, FontId::new(17.0, strong())),
-        (TextStyle::Body, proportional(13.5)),
-        (TextStyle::Button, proportional(13.5)),
-        (TextStyle::Small, proportional(11.5)),
-        (TextStyle::Monospace, proportional(13.0)),
-        (readout(), proportional(READOUT.0)),
-        (symbol(), FontId::new(15.0, strong())),
-    ]
-    .into();
+    style.text_styles = sizes(USUAL_WIDTH, false);
     style.spacing.item_spacing = Vec2::new(7.0, 5.0);
     style.spacing.button_padding = Vec2::new(7.0, 3.0);
     style.spacing.interact_size.y = 22.0;

@@ -1,6 +1,6 @@
 //! Texts over widgets, blocks that do not shrink, and the ring of the keyboard's focus.
 
-use egui::{Context, CornerRadius, Id, Key, LayerId, Order, Response, Stroke, StrokeKind, Ui};
+use egui::{Button, Context, CornerRadius, Id, Key, LayerId, Order, Response, RichText, Stroke, StrokeKind, Ui};
 
 use crate::theme::Palette;
 
@@ -12,6 +12,11 @@ pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Respo
         ui.set_max_width(ui.spacing().tooltip_width);
         ui.label(text());
     })
+}
+
+/// A button for the next step; there is at most one in a window.
+pub(crate) fn primary<'a>(text: &str, palette: &Palette) -> Button<'a> {
+    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }
 
 pub(crate) fn named(response: Response, name: impl Into<String>) -> Response {

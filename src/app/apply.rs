@@ -16,7 +16,6 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::session::Mode;
 use crate::text::sentence;
-use crate::theme;
 use crate::tutor::Tutor;
 
 impl App {
@@ -96,7 +95,6 @@ impl App {
                 }
                 // The zoom may have been changed by keys meanwhile.
                 ctx.set_zoom_factor(if self.presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
-                theme::enlarge_readouts(ctx, self.presenting);
                 self.controls_open = None;
             }
             Request::Find => self.finder = Some(Finder::default()),

@@ -94,7 +94,7 @@ impl App {
         let scenario = self.session.scenario();
         let is_here = scenario.record.as_ref().is_some_and(|mapping| self.session.library().file(mapping).is_some());
         if let Some(file) = self.missing_record().filter(|file| !is_here && !file.is_empty()) {
-            self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
+            self.notice = Some(format!("The session needs its record “{file}”: drop that file too.").into());
         }
     }
 }

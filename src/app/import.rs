@@ -94,8 +94,8 @@ impl App {
 
     pub(super) fn forget_record(&self, ctx: &Context) {
         if let Some(shelf) = &self.shelf {
-            let forgotten = |_: &str| "The record is no longer kept for the next start.".to_owned();
-            let failed = |reason: &str| format!("The record is still kept for the next start: {reason}.");
+            let forgotten = |_: &str| "This record will not be here next time.".to_owned();
+            let failed = |reason: &str| format!("The record could not be forgotten: {reason}.");
             shelf.forget(self.inbox.done(ctx, forgotten, failed));
         }
     }
@@ -108,7 +108,7 @@ impl App {
             format!("“{name}” ({size}) is kept in {place} for the next start: More, Forget the record, removes it.")
         };
         let name = file.name.clone();
-        let failed = move |reason: &str| format!("“{name}” is not kept for the next start: {reason}.");
+        let failed = move |reason: &str| format!("“{name}” will not be here next time: {reason}.");
         shelf.keep(&file.name, file.bytes, self.inbox.done(ctx, kept, failed));
     }
 

@@ -10,6 +10,7 @@ use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
 use crate::request::Request;
 use crate::theme::{self, Palette};
+use crate::tutor::invitation_ui;
 use crate::view::ViewContext;
 use crate::views::diagnosis;
 
@@ -29,13 +30,17 @@ impl App {
         palette: &Palette,
         (drawer, history): (Option<f32>, (bool, bool)),
     ) {
-        let Self { session, tutor, requests, width, drawers, all_settings, story, .. } = self;
+        let Self { session, tutor, requests, width, drawers, all_settings, story, inviting, .. } = self;
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
         let is_short = !*all_settings;
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut edits = Edits { scenario: session.shared_scenario(), change: Change::default() };
             if is_short {
-                let all = few_controls_ui(ui, &mut edits, story);
+                let all = few_controls_ui(ui, &mut edits, story, |ui| {
+                    if *inviting {
+                        invitation_ui(ui, requests);
+                    }
+                });
                 requests.extend(Request::edit(edits.change));
                 requests.extend(all.then_some(Request::ShowAllSettings(true)));
                 return;
@@ -50,7 +55,7 @@ impl App {
         };
         let Some(height) = drawer else {
             let panel = if is_short {
-                Panel::left("few controls").default_size(250.0).size_range(200.0..=360.0)
+                Panel::left("few controls").default_size((0.17 * *width).clamp(250.0, 340.0)).size_range(200.0..=360.0)
             } else {
                 Panel::left("controls").default_size((0.29 * *width).clamp(340.0, 420.0)).size_range(300.0..=460.0)
             };

@@ -76,7 +76,6 @@ impl App {
         }
         if let (Some(ctx), true) = (ctx, presenting != self.presenting) {
             ctx.set_zoom_factor(if presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
-            theme::enlarge_readouts(ctx, presenting);
         }
         self.presenting = presenting;
         self.all_settings = all_settings;

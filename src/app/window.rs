@@ -52,6 +52,7 @@ impl App {
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
         self.width = ui.available_width();
+        theme::fit_text(ui.ctx(), self.width, self.presenting);
         let height = ui.available_height();
         self.low = height < LOW;
         let narrow = self.width < NARROW;
@@ -166,9 +167,8 @@ impl App {
 
     fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
         let extent = if self.is_tight() || self.low { legend::Extent::OneRow } else { legend::Extent::Full };
-        let Self { session, visible, requests, inviting, low, .. } = self;
-        let legend = Legend { session, visible, palette };
-        legend.ui(ui, extent, *inviting && !*low, requests);
+        let Self { session, visible, requests, .. } = self;
+        Legend { session, visible, palette }.ui(ui, extent, requests);
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {

@@ -88,7 +88,7 @@ fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != (row.get)(&off));
     let mut chosen = now;
     let summary = now.map_or("still", |at| CHANGES[at].1);
-    let (hint, name) = ("How the filter takes its parameters to change", format!("{} parameters", filter.name));
+    let (hint, name) = ("How the filter expects its parameters to change", format!("{} parameters", filter.name));
     let mut list = |ui: &mut Ui| {
         list_ui(ui, ("parameters", hint), summary, &name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
             let mut still = filter.clone();
@@ -230,7 +230,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<
                 ui.label("");
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let symbol = RichText::new(SENSOR_STD.symbol).small().weak();
-                    ui.label(symbol).on_hover_text("What the filter takes the noise to be");
+                    ui.label(symbol).on_hover_text("The noise that the filter assumes");
                 });
                 cell(ui, true, &mut |ui| entry_ui(ui, filter, &SENSOR_STD, Entry::Sensor(quantity), 10.0, edits));
                 unit_ui(ui, length.in_place_of(quantity.unit()));

@@ -51,7 +51,7 @@ fn augment_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
          changes slowly (u) or is another one at each sample (w: wind, traffic), bias and gain of a sensor";
     let summary = listed(augment.iter().map(|channel| channel.symbol()), "nothing");
-    let texts = (("estimates also", hint), summary, format!("{name} augmentations"));
+    let texts = (("also estimate", hint), summary, format!("{name} augmentations"));
     channels_ui(ui, texts, &offered, (augment, filter.address("augment")), true, edits);
 }
 
@@ -103,8 +103,8 @@ fn listed<T: Into<String>>(all: impl Iterator<Item = T>, none: &str) -> String {
 fn plant_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let FilterSettings { name, plant, .. } = filter;
     let mut chosen = plant.clone();
-    let text = |plant: &Option<PlantKind>| plant.as_ref().map_or("as the truth", PlantKind::name).to_owned();
-    let (label, now) = (("its plant", "What the filter takes the truth for"), text(plant));
+    let text = |plant: &Option<PlantKind>| plant.as_ref().map_or("same as truth", PlantKind::name).to_owned();
+    let (label, now) = (("its plant", "The model that the filter uses"), text(plant));
     list_ui(ui, label, &now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
             let text = text(&kind);
@@ -123,8 +123,7 @@ fn bounds_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     if offered.is_empty() {
         return;
     }
-    let hint = "What a parameter cannot be: estimate and band are those of the belief between the ends (truncation; Simon 2010). The filter \
-         itself goes on as without them";
+    let hint = "Limits of a parameter: estimate and band are those of the belief between them (truncation; Simon 2010). The filter itself does not use them";
     let short = |end: f64| significant(end, 3);
     let ends = filter.bounds.iter().map(|(channel, Between { least, most })| match (channel.symbol(), least, most) {
         (symbol, Some(least), Some(most)) => format!("{symbol} {}…{}", short(least), short(most)),
@@ -134,7 +133,7 @@ fn bounds_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     });
     let (name, summary) = (&filter.name, listed(ends, "no bounds"));
     let mut bounds = filter.bounds.clone();
-    list_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), OUTSIDE, &mut |ui| {
+    list_ui(ui, ("limits", hint), &summary, &format!("{name} bounds"), OUTSIDE, &mut |ui| {
         for &channel in &offered {
             let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
             let mut between = filter.bounds.of(channel);
@@ -207,8 +206,7 @@ fn times_ui(
     });
 }
 
-const HINT: &str = "Where it was plucked again, by a hand that no input tells of: there the filter forgets the motion, and keeps what it knows \
-                    of the parameters";
+const HINT: &str = "Times when a hand plucked it again, which no input records: there the filter forgets the motion, and keeps what it knows of the parameters";
 
 /// The change of a time per point of dragging \[s\], and the time from the last pluck to a new one.
 const SPEED: f64 = 0.01;
@@ -227,7 +225,7 @@ fn plucks_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         _ => format!("{} times", times.len()),
     };
     lit(ui, &address, |ui| {
-        list_ui(ui, ("plucked again", HINT), &summary, &format!("{name} plucks"), OUTSIDE, &mut |ui| {
+        list_ui(ui, ("plucked again at", HINT), &summary, &format!("{name} plucks"), OUTSIDE, &mut |ui| {
             // Above the others: a list that grows while it is open keeps its height and scrolls.
             if ui.button("One more").clicked() {
                 times.push(times.last().copied().unwrap_or(0.0) + LATER);

@@ -75,7 +75,7 @@ fn parameter_ui(ui: &mut Ui, channel: Channel, key: &str, edits: &mut Edits<'_>)
         }
     }
     if channel.is_augmentation() {
-        let button = ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth");
+        let button = ui.add(Button::new("Remove").small()).on_hover_text("Remove this property from the truth");
         let button = named(button, format!("Remove {}", channel.name()));
         if button.clicked() {
             edits.change.put(key, &None::<Signal>);
@@ -134,7 +134,7 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
 
     let value = |ui: &mut Ui, label: &str, value: &mut f64| {
         let name = format!("{name}, {label}");
-        let hint = "True value, which no filter is told";
+        let hint = "The true value; no filter knows it";
         Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {

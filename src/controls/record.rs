@@ -33,8 +33,7 @@ pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, a
         edits.put_other("hold", &edits.scenario.hold, &hold);
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked()
-        {
+        if ui.button("Columns…").on_hover_text("Choose other columns, another part, band or rate").clicked() {
             asked.push(PanelRequest::Columns);
         }
         if ui.button("Simulate instead").on_hover_text("Leave the record and simulate the truth").clicked() {
@@ -47,7 +46,7 @@ pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, a
     for reason in &library.reasons {
         ui.weak(format!("• {reason}"));
     }
-    ui.weak("Truth, force and duration of the scenario have no effect here, but for the kind of plant.");
+    ui.weak("With a record, only the kind of plant counts: truth, force and duration have no effect.");
 }
 
 fn lines(mapping: &Mapping) -> Vec<String> {

@@ -1,11 +1,13 @@
 //! The dialog *Figure…*: the size, and a preview.
 
 use egui::emath::TSTransform;
-use egui::{Align2, Button, Color32, Context, Rect, Sense, Shape, Ui, Vec2, Window, vec2};
+use egui::{Align2, Color32, Context, Rect, Sense, Shape, Ui, Vec2, Window, vec2};
 
 use super::Figure;
 use crate::probe;
 use crate::request::{Export, FigureFormat, Request};
+use crate::theme::Palette;
+use crate::widgets::primary;
 
 /// The largest size of the preview, and the distance of the dialog from the window's edges \[points\].
 const PREVIEW: Vec2 = vec2(620.0, 420.0);
@@ -51,8 +53,7 @@ impl FigureDialog {
                 figure.paint(ui, rect);
             });
             ui.horizontal(|ui| {
-                let button = Button::new("Save as SVG").fill(ui.visuals().selection.bg_fill);
-                let button = ui.add(button);
+                let button = ui.add(primary("Save as SVG", &Palette::of(ui.ctx().theme())));
                 probe::remember(ui.ctx(), "Save as SVG", button.rect);
                 is_written = button.clicked();
                 ui.weak(format!("{width:.0} × {height:.0} mm, the views on screen as outlines and text"));

@@ -66,7 +66,7 @@ impl Choice {
         scenario.number_filters();
         for id in self.filters() {
             if !scenario.filters.iter().any(|filter| filter.id == id) {
-                return Err(format!("the map is of filter number {id}, which the scenario lacks"));
+                return Err(format!("the map is of filter number {id}, which the scenario does not have"));
             }
         }
         let part = part_of(&scenario, &self.filters());

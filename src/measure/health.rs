@@ -48,7 +48,7 @@ impl Health {
             if step > GAP.max(STEPS * self.steps.map_or(0.0, |steps| steps[0])) {
                 self.gaps += 1;
                 if step > self.longest.1 {
-                    self.longest = (last, step);
+                    self.longest = (last - readings[0][0], step);
                 }
             }
             self.last = Some(reading[0]);
@@ -74,7 +74,7 @@ impl Health {
             let (at, length) = self.longest;
             let more = if self.gaps > 1 { format!(" It is the longest of {} gaps.", self.gaps) } else { String::new() };
             said.push(format!(
-                "For {} s at {} s nothing came: a hidden page, a dark screen or a lost connection.{more}",
+                "No readings for {} s at {} s: a hidden page, a dark screen or a lost connection.{more}",
                 fixed(length, 1),
                 fixed(at, 1)
             ));
@@ -90,7 +90,7 @@ impl Health {
             said.push(format!("The rate has changed from {first} to {last} readings a second."));
         }
         if self.turn > TURNED {
-            said.push(format!("It has turned by {}°: leave it as it hangs.", fixed(self.turn, 0)));
+            said.push(format!("It has turned by {}°: do not turn it while measuring.", fixed(self.turn, 0)));
         }
         said
     }
@@ -138,8 +138,9 @@ mod tests {
     fn each_fault_has_its_sentence() {
         let even = || (0..1500).map(|k| 0.02 * f64::from(k));
         assert!(said(even(), |_| 10.0).is_empty());
-        let gap = said(even().filter(|t| !(12.0..15.5).contains(t)), |_| 0.0);
-        assert_eq!(gap, ["For 3.5 s at 12.0 s nothing came: a hidden page, a dark screen or a lost connection."]);
+        // The clock of the device began long before.
+        let gap = said(even().filter(|t| !(12.0..15.5).contains(t)).map(|t| t + 30.0), |_| 0.0);
+        assert_eq!(gap, ["No readings for 3.5 s at 12.0 s: a hidden page, a dark screen or a lost connection."]);
         let late = said(even().map(|t| if (7.01..7.03).contains(&t) { 6.5 } else { t }), |_| 0.0);
         assert_eq!(late, ["1 reading came late, or twice."]);
         let missing = said(even().map(|t| if (7.0..7.05).contains(&t) { f64::NAN } else { t }), |_| 0.0);
@@ -150,7 +151,7 @@ mod tests {
             });
         assert_eq!(slower, ["The rate has changed from 100 to 50 readings a second."]);
         let turned = said(even(), |t| if t < 15.0 { 0.0 } else { 40.0 });
-        assert_eq!(turned, ["It has turned by 40°: leave it as it hangs."]);
+        assert_eq!(turned, ["It has turned by 40°: do not turn it while measuring."]);
     }
 
     #[test]

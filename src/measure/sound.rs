@@ -45,7 +45,7 @@ impl Listener {
         let rate = told.rate.unwrap_or_default();
         let samples: Vec<f64> = told.readings.iter().map(|x| f64::from(*x)).collect();
         Ring::in_samples(rate, &samples)
-            .ok_or("nothing rings in it: a line that is louder than the room and fades is looked for".to_owned())?;
+            .ok_or("no ringing tone was found: it must be louder than the room, and fade".to_owned())?;
         let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
         Ok(RawFile { name: FILE.to_owned(), bytes })
     }
@@ -53,7 +53,7 @@ impl Listener {
 
 const WORDS: Words = Words {
     name: "It rings",
-    beginning: "Begin to listen",
+    beginning: "Start listening",
     ending: "Stop and identify",
     directions: &[
         "Take something that rings when it is struck: a glass, a tuning fork, a bell, a ruler on the edge of a table.",

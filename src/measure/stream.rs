@@ -63,7 +63,7 @@ impl Stream {
 
 const WORDS: Words = Words {
     name: "Sensors of a scenario",
-    beginning: "Begin to measure",
+    beginning: "Start measuring",
     ending: "Stop",
     directions: &["Readings come from the source that was named at the start, and the scenario's filters follow them."],
 };

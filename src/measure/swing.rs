@@ -39,7 +39,7 @@ impl Swing {
 
     fn remarks_ui(&self, ui: &mut Ui, palette: &Palette) {
         if self.live.rests {
-            ui.label("It is at rest: there is nothing more to learn.");
+            ui.label("It is at rest: you can stop.");
         }
         for sentence in self.health.sentences() {
             ui.colored_label(palette.warning, sentence);
@@ -50,7 +50,7 @@ impl Swing {
 const WORDS: Words = Words {
     name: "It swings",
     // iOS asks for permission at the click on this button.
-    beginning: "Begin to measure",
+    beginning: "Start measuring",
     ending: "Stop and identify",
     directions: &[
         "Fix the phone, or the sensor, to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a plank \

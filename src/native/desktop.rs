@@ -30,7 +30,7 @@ impl Desktop {
         let crash = folder.as_ref().ok().and_then(|folder| crash::last(folder));
         let (last, file) = match folder.and_then(StateFile::open) {
             Ok((file, last)) => (last, Some(file)),
-            Err(reason) => (Err(format!("Nothing of this session is kept when the window closes: {reason}.")), None),
+            Err(reason) => (Err(format!("This session is not saved when the window closes: {reason}.")), None),
         };
         let mut app = App::resumed(ctx, last)?;
         if let Some(file) = &file {

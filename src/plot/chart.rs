@@ -12,6 +12,7 @@ use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::layers::{Drawing, Layer, Window};
 use super::medium::{Medium, cells_ui};
+use super::notes::Note;
 use super::plane::{Plane, frame_ui, is_turned};
 use super::series::Series;
 use super::time_axis::PlotInput;
@@ -33,6 +34,9 @@ pub(crate) struct Chart<'a> {
     pub(crate) bands: Vec<Layer<'a>>,
     pub(crate) handles: Vec<Handle<'a>>,
     pub(crate) least: Option<(f64, f64)>,
+    pub(crate) notes: Vec<Note>,
+    /// Whether the axis fits the later part of a run, so that the wide band of a guess does not scale it.
+    pub(crate) settles: bool,
     /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
     pub(crate) logarithmic: bool,
 }
@@ -63,19 +67,18 @@ impl<'a> Chart<'a> {
     }
 
     fn show(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
-        let shown = time_text(input, input.axis.shown_time(input.session));
-        let time = Readout::new(format!("t\u{a0}{shown}"), Color32::TRANSPARENT, "time [s]".to_owned());
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
             Medium::Screen => {
-                let numbers = || readouts(&self.columns, input.axis.readout(input.session));
-                std::iter::once(time).chain(self.readouts.unwrap_or_else(numbers)).collect()
+                self.readouts.unwrap_or_else(|| readouts(&self.columns, input.axis.readout(input.session)))
             }
             Medium::Figure => Vec::new(),
         };
+        let time = time_text(input, input.axis.shown_time(input.session));
+        let time = Readout::new(format!("t\u{a0}{time}"), Color32::TRANSPARENT, String::new());
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
         let alone =
-            symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
+            symbol.interact(Sense::click()).on_hover_text("Click to show this plot alone, or all again").clicked();
         let PlotInput { session, palette, visible, axis, version, .. } = *input;
         let strips = Strips::of(session, visible, palette);
         let gaps = Gap::all(session);
@@ -104,7 +107,7 @@ impl<'a> Chart<'a> {
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
-            let draw = || Drawing::new(&layers, record, &window, self.least);
+            let draw = || Drawing::new(&layers, record, &window, (self.least, self.settles));
             let make = || in_turn(plot.ctx(), id, session.budget(), draw);
             let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
@@ -117,6 +120,7 @@ impl<'a> Chart<'a> {
             plot.add(Decoration::new("bad parts", strips));
             plot.add(Decoration::new("drawing", &**drawn));
             plot.add(Decoration::new("labels", Labels::new(layers.iter().filter_map(Layer::label).collect())));
+            plot.add(Decoration::new("notes", self.notes));
             plot.add(Decoration::new("cursors", Cursors::of(input, last_row, medium)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
@@ -129,7 +133,7 @@ impl<'a> Chart<'a> {
         let marks = drawn.get().map_or(&[][..], |drawn| &drawn.marks[..]);
         let under = response.hover_pos().and_then(|position| filter_at(marks, &transform, position));
         let response = if under.is_some() { response.on_hover_cursor(CursorIcon::PointingHand) } else { response };
-        let pointed = lens_ui(ui, &response, &transform, &readouts).or(pointed);
+        let pointed = lens_ui(ui, &response, &transform, std::iter::once(&time).chain(&readouts)).or(pointed);
         cursor_gestures(ui, &self.key, (&response, under), &transform, input, requests);
         handles_ui(ui, &self.key, &self.handles, &transform, input, requests);
         let inside = |time: f64| gaps.iter().find(|gap| gap.times.0 <= time && time <= gap.times.1);

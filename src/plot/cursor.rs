@@ -187,7 +187,12 @@ const LENS_PADDING: f32 = 8.0;
 const DOT: (f32, f32) = (4.0, 16.0);
 
 /// Shows values above a finger that is held on a plot and moves. Returns its time \[s\].
-pub(super) fn lens_ui(ui: &Ui, response: &Response, transform: &PlotTransform, readouts: &[Readout]) -> Option<f64> {
+pub(super) fn lens_ui<'a>(
+    ui: &Ui,
+    response: &Response,
+    transform: &PlotTransform,
+    readouts: impl Iterator<Item = &'a Readout>,
+) -> Option<f64> {
     let id = response.id.with("lens");
     if response.long_touched() {
         // From now on the finger drags the lens and not the page.
@@ -202,7 +207,6 @@ pub(super) fn lens_ui(ui: &Ui, response: &Response, transform: &PlotTransform, r
     let visuals = ui.visuals();
     let font = TextStyle::Heading.resolve(ui.style());
     let lines: Vec<_> = readouts
-        .iter()
         .map(|readout| {
             (readout.color, painter.layout_no_wrap(readout.text.clone(), font.clone(), visuals.text_color()))
         })

@@ -1,6 +1,6 @@
 //! Handles: settings that are dragged in the plots.
 
-use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use egui_plot::PlotTransform;
 use kalmanscope_core::setting::Change;
 
@@ -38,13 +38,20 @@ pub(super) fn handles_ui(
         return;
     }
     let frame = *transform.frame();
-    let painter = ui.painter_at(frame);
+    let painter = ui.painter_at(frame.expand(RADIUS + 2.0));
     for (i, handle) in handles.iter().enumerate() {
         let x = handle.time.map_or(frame.right() - 2.0 * RADIUS, |time| transform.position_from_point_x(time));
         let at = pos2(x, transform.position_from_point_y(handle.value));
         let id = Id::unique(("handle", key, i));
         let is_held = ui.ctx().is_being_dragged(id);
         if !(frame.contains(at) || is_held) {
+            // A guess far off does not scale the axis: an arrow points to it.
+            if frame.x_range().contains(x) {
+                let [edge, inwards] = if at.y < frame.top() { [frame.top(), 1.0] } else { [frame.bottom(), -1.0] };
+                let foot = edge + inwards * 1.6 * RADIUS;
+                let corners = vec![pos2(x - RADIUS, foot), pos2(x, edge), pos2(x + RADIUS, foot)];
+                painter.add(Shape::convex_polygon(corners, handle.color, Stroke::NONE));
+            }
             continue;
         }
         let grasp = Rect::from_center_size(at, 2.0 * vec2(GRASP, GRASP));

@@ -50,15 +50,14 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     let before_name = symbol_text.size().x + GAP;
     let room = ui.available_width() - before_name;
     let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
-    let named = format!("{name} {unit}");
-    let named = text(ui, named.trim().to_owned(), &TextStyle::Body, colors[1]);
-    let values = Values::new(ui, symbol, readouts, [room, room - named.size().x - GAP]);
+    let titled = |words: String| text(ui, words.trim().to_owned(), &theme::title(), colors[1]);
+    let titles = [format!("{name} {unit}"), name.to_owned(), unit].map(titled);
+    let values = Values::new(ui, symbol, readouts, [room, room - titles[0].size().x - GAP]);
     let height = ui.spacing().interact_size.y.max(symbol_text.size().y).max(values.height());
     let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let response = place(ui, row, row.left(), &symbol_text, (symbol, 0));
     let fits = |text: &Arc<Galley>| text.size().x + GAP <= room - values.total();
-    let unit = || text(ui, unit, &TextStyle::Body, colors[1]);
-    if let Some(text) = Some(named).filter(fits).or_else(|| Some(unit()).filter(fits)) {
+    if let Some(text) = titles.into_iter().find(fits) {
         place(ui, row, row.left() + before_name, &text, (symbol, 1));
     }
     values.ui(ui, row, symbol);

@@ -119,10 +119,19 @@ pub(crate) struct Drawing {
 }
 
 impl Drawing {
-    pub(super) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
+    /// A `least` range is always shown. Whether it `settles` says that the vertical axis may cut off the beginning of a run.
+    pub(super) fn new(
+        layers: &[Layer<'_>],
+        record: &Record,
+        window: &Window,
+        (least, settles): (Option<(f64, f64)>, bool),
+    ) -> Self {
         let columns: Vec<Vec<Column>> = layers.iter().map(|layer| layer.columns(record, window)).collect();
-        let range = value_range(layers.iter().zip(&columns), least);
-        let mut marks = Vec::new();
+        let last = columns.iter().filter_map(|columns| columns.last()).map(|column| column.samples.1).max();
+        let has_begin = window.times.0 <= record.time(0);
+        let begin = (BEGINNING * last.filter(|_| settles && has_begin).unwrap_or(0) as f64) as usize;
+        let range = value_range(layers.iter().zip(&columns), begin, least);
+        let (mut marks, mut areas) = (Vec::new(), 0);
         // Without a range there are no values to draw.
         if let Some((low, high)) = window.values.or(range) {
             let beyond = BEYOND * (high - low);
@@ -133,7 +142,15 @@ impl Drawing {
                 if let Layer::Level { value, color, .. } = *layer {
                     marks.push(Mark::Level { value, color });
                 }
-                marks.extend(parts(columns).into_iter().map(|part| shown.mark(layer, &columns[part])));
+                let is_area = shown.is_dense(layer, columns);
+                for part in parts(columns) {
+                    if is_area {
+                        marks.extend(shown.area(layer, &columns[part], areas));
+                    } else {
+                        marks.push(shown.mark(layer, &columns[part]));
+                    }
+                }
+                areas += usize::from(is_area);
             }
         }
         Self { marks, range, painted: Mutex::default() }
@@ -145,7 +162,7 @@ impl Drawing {
         for mark in &self.marks {
             match mark {
                 Mark::Band { times, edges: [low, high], color, .. } => {
-                    let area = FilledArea::new("band", times, low, high).fill_color(color.gamma_multiply(0.24));
+                    let area = FilledArea::new("band", times, low, high).fill_color(*color);
                     area.shapes(ui, transform, &mut shapes);
                 }
                 Mark::Dots { points, color } => {
@@ -212,19 +229,53 @@ struct Shown<'a> {
     scale: f64,
 }
 
+/// A filter's line that goes up and down by more than this in a column is drawn as the area that it fills \[points\].
+const DENSE: f64 = 8.0;
+
+/// The opacity of a band, and of the area of a dense line.
+const OF_BAND: f32 = 0.24;
+const OF_AREA: f32 = 0.38;
+
 impl Shown<'_> {
+    fn edges(&self, columns: &[Column]) -> (Vec<f64>, [Vec<f64>; 2]) {
+        let Self { record, values: (least, most), .. } = *self;
+        let times = columns.iter().map(|column| record.time(column.samples.0)).collect();
+        let edges = [|column: &Column| column.low, |column: &Column| column.high]
+            .map(|edge| columns.iter().map(|column| edge(column).clamp(least, most)).collect());
+        (times, edges)
+    }
+
+    fn is_dense(&self, layer: &Layer<'_>, columns: &[Column]) -> bool {
+        let is_line = matches!(layer, Layer::Line { filter: Some(_), dashed: false, .. });
+        let climb: f64 = columns.iter().map(|column| column.high - column.low).sum();
+        is_line && self.scale * climb > DENSE * columns.len() as f64
+    }
+
+    /// A dense line: filled if it is the first, and as an outline if there are `before` it, so that all are seen.
+    fn area(&self, layer: &Layer<'_>, columns: &[Column], before: usize) -> Vec<Mark> {
+        let Layer::Line { color, filter, .. } = *layer else { return Vec::new() };
+        let (times, edges) = self.edges(columns);
+        if before == 0 {
+            return vec![Mark::Band { times, edges, color: color.gamma_multiply(OF_AREA), filter }];
+        }
+        let outline = |edge: Vec<f64>| Mark::Line {
+            points: times.iter().zip(edge).map(|(time, value)| PlotPoint::new(*time, value)).collect(),
+            stroke: Stroke::new(1.0, color),
+            dashed: false,
+            filter,
+        };
+        edges.map(outline).into()
+    }
+
     fn mark(&self, layer: &Layer<'_>, columns: &[Column]) -> Mark {
         let Self { record, values: (least, most), scale, .. } = *self;
         let point = |sample: usize, value: f64| PlotPoint::new(record.time(sample), value.clamp(least, most));
         match *layer {
             Layer::Level { value, color, .. } => Mark::Level { value, color },
-            Layer::Band { color, filter, .. } => Mark::Band {
-                times: columns.iter().map(|column| record.time(column.samples.0)).collect(),
-                edges: [|column: &Column| column.low, |column: &Column| column.high]
-                    .map(|edge| columns.iter().map(|column| edge(column).clamp(least, most)).collect()),
-                color,
-                filter,
-            },
+            Layer::Band { color, filter, .. } => {
+                let (times, edges) = self.edges(columns);
+                Mark::Band { times, edges, color: color.gamma_multiply(OF_BAND), filter }
+            }
             Layer::Dots { color, .. } => {
                 let both = |c: &Column| [c.low, c.high].map(|value| point(c.samples.0, value));
                 Mark::Dots { points: columns.iter().flat_map(both).collect(), color }
@@ -274,16 +325,20 @@ const OUTLIERS: f64 = 0.006;
 /// Limits the pieces of a layer; the range uses the extremes of each piece.
 const PIECES: usize = 250;
 
+/// The share of a run that is its beginning.
+const BEGINNING: f64 = 0.2;
+
 fn value_range<'a>(
     layers: impl Iterator<Item = (&'a Layer<'a>, &'a Vec<Column>)>,
+    begin: usize,
     least: Option<(f64, f64)>,
 ) -> Option<(f64, f64)> {
     let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::with_capacity(16 * PIECES), Vec::new());
     for (layer, columns) in layers {
-        let values = match layer {
-            Layer::Line { bounds: true, .. } => &mut whole,
-            Layer::Dots { .. } => &mut dots,
-            _ => &mut robust,
+        let (values, columns) = match layer {
+            Layer::Line { bounds: true, .. } => (&mut whole, &columns[..]),
+            Layer::Dots { .. } => (&mut dots, &columns[..]),
+            _ => (&mut robust, &columns[columns.partition_point(|column| column.samples.1 < begin)..]),
         };
         for piece in columns.chunks(columns.len() / PIECES + 1) {
             let both = piece.iter().map(|column| (column.low, column.high));

@@ -1,6 +1,6 @@
 //! The frame of every plot, and paths in it.
 
-use egui::{Color32, Id, Rangef, Response, Shape, Stroke, Ui, Vec2};
+use egui::{Color32, Id, Rangef, Response, Shape, Stroke, TextStyle, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Line, Plot, PlotResponse, PlotTransform, PlotUi};
 
 use super::axes::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
@@ -27,8 +27,10 @@ impl<'a> Plane<'a> {
         Self { key, labels, logarithmic: [false; 2], has_x: true }
     }
 
-    /// A plot of all the room in `ui`.
-    pub(crate) fn plot<'p>(&self, ui: &Ui, palette: &Palette) -> Plot<'p> {
+    /// A plot of all the room in `ui`, with small numbers at its axes.
+    pub(crate) fn plot<'p>(&self, ui: &mut Ui, palette: &Palette) -> Plot<'p> {
+        let small = TextStyle::Small.resolve(ui.style());
+        ui.style_mut().text_styles.insert(TextStyle::Body, small);
         let Self { key, labels, logarithmic, has_x } = *self;
         let size = ui.available_size().max(Vec2::splat(1.0));
         let lengths = [size.x - Y_AXIS, size.y];

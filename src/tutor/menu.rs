@@ -1,7 +1,7 @@
 //! How a lesson is begun: the menu, and an invitation for new users.
 
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Align2, Button, CornerRadius, Response, RichText, Sense, Stroke, StrokeKind, TextWrapMode, Ui, vec2};
+use egui::{Align2, Button, CornerRadius, Response, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 use kalmanscope_lessons::Lesson;
 
 use super::Catalogue;
@@ -32,8 +32,9 @@ const TITLE: f32 = 36.0;
 const FOOT: f32 = 15.0;
 
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
-    let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
-    let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
+    let text = RichText::new("New here? Start with lesson 1").color(ui.visuals().hyperlink_color);
+    ui.add_space(10.0);
+    let link = ui.add(Button::new(text).frame(false).wrap());
     probe::remember(ui.ctx(), "First lesson", link.rect);
     if link.clicked() {
         requests.push(Request::StartLesson(0));

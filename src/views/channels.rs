@@ -1,13 +1,14 @@
 //! States and parameters over time: truth, measurement, each filter's estimate with its ±2σ band, and its error.
 
-use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_core::{Channel, Quantity, Signal};
 
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
+use crate::plot::notes::Note;
 use crate::plot::series::Series;
 use crate::session::{Bound, Wanted};
 use crate::sheet::{Column, plus_minus};
-use crate::text::{decimals, error_in_hertz, fixed, in_hertz};
+use crate::text::{decimals, error_in_hertz, fixed, in_hertz, significant};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
 
@@ -49,7 +50,43 @@ fn channel_charts<'a>(are_parameters: bool, context: &ViewContext<'a>) -> Vec<Ch
 
 fn of_channel<'a>(channel: Channel, [title, symbol]: [String; 2], context: &ViewContext<'a>) -> Chart<'a> {
     let name = channel.name().to_owned();
-    Chart { key: title.clone(), title, symbol, name, unit: context.unit(channel.unit()), ..Chart::default() }
+    let (unit, settles) = (context.unit(channel.unit()), channel.is_parameter());
+    Chart { key: title.clone(), title, symbol, name, unit, settles, ..Chart::default() }
+}
+
+/// A sudden change of the truth so far, and where filters have settled after it.
+fn notes(channel: Channel, context: &ViewContext<'_>) -> Vec<Note> {
+    let ViewContext { session, palette, .. } = *context;
+    let (run, record) = (session.run(), session.run().record());
+    let truth = record.truth(channel).filter(|_| context.visible.truth && !session.is_measured());
+    let (Some(truth), Some(Signal::Step(step))) = (truth, run.scenario().plant.parameter(channel)) else {
+        return Vec::new();
+    };
+    let at = record.time_of(0) + step.at;
+    if session.time() < at || step.from == step.to {
+        return Vec::new();
+    }
+    let size = match step.to / step.from - 1.0 {
+        share if share.is_finite() => format!("{}{} %", if share > 0.0 { "+" } else { "" }, fixed(100.0 * share, 0)),
+        _ => "changes".to_owned(),
+    };
+    let words = format!("{size} at {} s", significant(step.at, 3));
+    let change = Note { time: at, value: 0.5 * (step.from + step.to), words, color: palette.truth, leftwards: true };
+    let settled = context.diagnostics().filter_map(|(_, of, diagnostics)| {
+        let (sample, place, last) = (diagnostics.settled(channel)?, of.place(channel)?, of.len().checked_sub(1)?);
+        let means = of.canonical_means(place);
+        let time = record.time_of(sample);
+        let is_right = (means[last] - truth.get(last)?).abs() <= 2.0 * of.std(last, place);
+        let words = format!("settles after {} s", fixed(time - at, 1));
+        (is_right && time > at).then(|| Note {
+            time,
+            value: means[sample],
+            words,
+            color: context.color(of),
+            leftwards: false,
+        })
+    });
+    std::iter::once(change).chain(settled).collect()
 }
 
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
@@ -58,6 +95,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let record = run.record();
     let decimals = decimals(channel);
     let mut chart = of_channel(channel, [channel.name().to_owned(), channel.symbol().to_owned()], context);
+    chart.notes = notes(channel, context);
     chart.handles =
         handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect();
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));

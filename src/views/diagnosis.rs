@@ -43,7 +43,7 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         ui.add_space(4.0);
     }
     let Some(place) = all.iter().position(|estimates| estimates.id() == id) else {
-        ui.weak("This filter is not there any more.");
+        ui.weak("This filter was removed.");
         return;
     };
     // In a low drawer, as on a phone, the verdict and its cures are in sight and the numbers below them.

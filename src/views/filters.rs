@@ -25,9 +25,9 @@ struct Dragged {
 pub(super) static VIEW: View = View {
     name: "Filter settings",
     help: [
-        "What the filters are told, side by side: rows are numbers, columns filters; each number can be dragged or typed.",
-        "Numbers that differ from the first filter's are tinted, so that it is plain in what two filters differ.",
-        "The sign = beside a number can be dragged onto another filter's number of that row, and the name of a filter onto another: that is then the same.",
+        "The settings of all filters side by side. Drag a number, or type it.",
+        "Numbers that differ from the first filter's are tinted.",
+        "Drag the sign = beside a number onto another filter's number to copy it, or a filter's name onto another to copy all.",
     ],
     ui: Some(view_ui),
     ..View::NONE
@@ -63,7 +63,7 @@ fn names_ui(ui: &mut Ui, edits: &mut Edits<'_>, palette: &Palette) {
         let source = ui.dnd_drag_source(Id::unique(("numbers of", filter.id)), filter.id, |ui| {
             ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
         });
-        let name = source.response.on_hover_text("Drag it onto another filter, which then has the same numbers");
+        let name = source.response.on_hover_text("Drag it onto another filter to copy all numbers");
         if let Some(id) = name.dnd_release_payload::<u32>() {
             same = Some((*id, place));
         }
@@ -120,7 +120,7 @@ fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Ad
     let address = address.map_err(|_| ["–", "This filter does not have the number"])?;
     let is_std = address.table().is_some_and(|table| table.factor.is_some());
     if is_std && address.channel().is_some_and(|channel| filter.knows(channel)) {
-        return Err(["known", "This filter takes the number for known"]);
+        return Err(["known", "This filter assumes that the number is known"]);
     }
     Ok(address)
 }
@@ -171,5 +171,5 @@ fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
     let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));
     let (sign, grip) = (source.inner, source.response);
     sign.ctx.accesskit_node_builder(sign.id, |node| node.set_value(format!("Same as {name}")));
-    grip.on_hover_text("Drag it onto another filter's number of this row, which is then the same");
+    grip.on_hover_text("Drag it onto another filter's number to copy it");
 }

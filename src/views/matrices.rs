@@ -16,7 +16,7 @@ pub(super) static VIEW: View = View {
     help: [
         "One sample in numbers: the belief before, the prediction, the measurements, the belief after the update.",
         "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
-        "Go on sample by sample with the step button (→) and follow how each number leads to the next.",
+        "Step with the button (→) and follow how each number leads to the next.",
     ],
     ui: Some(view_ui),
     ..View::NONE

@@ -17,7 +17,7 @@ const PREDICTED: f32 = 2.2;
 pub(super) static VIEW: View = View {
     name: "Measured and predicted",
     help: [
-        "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+        "Dots are measured, in a filter's colour where it counts them less; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
         "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
         "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
     ],

@@ -213,12 +213,12 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     rows.push(row("NIS, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nis)));
     rows.push(row("NEES, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nees)));
     // A difference of 2 is a likelihood ratio of 7.
-    let hint = "Of all measurements; the larger, the better the filter has predicted them";
+    let hint = "Of all measurements: larger means better predictions";
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     if summaries.len() > 1 {
         let classes = ModelClasses::new(summaries.iter().map(|(_, summary)| summary.log_evidence()));
         let values = classes.probabilities().iter().map(|p| Some(100.0 * p)).collect();
-        let hint = "Of the filter as a model class, if one of these is right and all were as probable at first";
+        let hint = "Of the filter as a model, if one of them is right and all were equally probable at first";
         let name = "probability of the model [%]".to_owned();
         let before = || vec![None; summaries.len()];
         rows.push(Row { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });

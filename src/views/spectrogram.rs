@@ -19,7 +19,7 @@ pub(super) static VIEW: View = View {
     help: [
         "The power of the first sensor's measurements over time and frequency, light where there is much: 60 dB from dark to light.",
         "Lines are the natural frequencies that the filters estimate: they should lie on a light ridge.",
-        "A ridge without a line is a mode that the model lacks; a line without a ridge has lost its way.",
+        "A ridge without a line is a mode that the model lacks; a line without a ridge is wrong.",
     ],
     ui: Some(view_ui),
     ..View::NONE

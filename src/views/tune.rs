@@ -1,6 +1,6 @@
 //! Tuning: the settings that may be turned, the search, and its result.
 
-use egui::{ComboBox, Grid, ProgressBar, ScrollArea, Ui, UiBuilder, vec2};
+use egui::{Button, ComboBox, Grid, ProgressBar, ScrollArea, Ui, UiBuilder, vec2};
 use egui_plot::{Line, Points};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario};
@@ -14,6 +14,7 @@ use crate::request::Request;
 use crate::text::{significant, unit_in};
 use crate::verdict;
 use crate::view::{View, ViewContext};
+use crate::widgets::primary;
 
 /// The least width at which the result is beside the settings, and the width of these \[points\].
 const WIDE: f32 = 675.0;
@@ -24,7 +25,7 @@ pub(super) static VIEW: View = View {
     help: [
         "A search for the values of the ticked settings with the best score over the whole record.",
         "The likelihood of the innovations finds Q and R where the model is right; the free run, a model to simulate with.",
-        "Read the remarks: a flat setting is not told by the record, one at an edge wants a wider range or another model.",
+        "Read the remarks: the record does not determine a flat setting; one at an edge needs a wider range or another model.",
     ],
     ui: Some(view_ui),
     ..View::NONE
@@ -148,7 +149,7 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
     }
 }
 
-const BAND: &str = "How far the record tells it: where the log likelihood falls by 2, by its curvature at the best values, with the \
+const BAND: &str = "How well the record determines it: where the log likelihood falls by 2, by its curvature at the best values, with the \
                     other settings free";
 
 fn score_name(goal: Goal) -> &'static str {
@@ -188,8 +189,8 @@ pub(super) fn head_ui(
     ui.horizontal_wrapped(|ui| {
         filter_ui(ui, &mut next, scenario);
         goal_ui(ui, &mut next, scenario);
-        let text = if is_working { "Stop tuning" } else { "Tune" };
-        if ui.button(text).clicked() {
+        let button = if is_working { Button::new("Stop tuning") } else { primary("Tune", context.palette) };
+        if ui.add(button).clicked() {
             requests.push(Request::Tune(!is_working));
         }
     });

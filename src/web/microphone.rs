@@ -144,7 +144,7 @@ fn end(stream: &MediaStream) {
 
 fn reason(error: &JsValue) -> String {
     match words(error).split(':').next().unwrap_or_default() {
-        "NotAllowedError" => "The browser was not allowed to hear the microphone".to_owned(),
+        "NotAllowedError" => "The browser may not use the microphone".to_owned(),
         "NotFoundError" => "This device has no microphone".to_owned(),
         _ => format!("The microphone cannot be heard ({})", words(error)),
     }

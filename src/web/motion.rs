@@ -12,7 +12,7 @@ use web_sys::{DeviceMotionEvent, MouseEvent, Window};
 
 use super::object::{call, get};
 
-const BEGIN: &str = "Begin to measure";
+const BEGIN: &str = "Start measuring";
 
 pub(super) struct Motion {
     shared: Rc<Shared>,
@@ -61,7 +61,7 @@ impl Sensor<Acceleration> for Motion {
         self.end();
         let Some(window) = web_sys::window() else { return };
         if !window.is_secure_context() {
-            let reason = "The browser gives motion only to pages that come by https, or from this machine";
+            let reason = "The browser gives motion only to pages from https, or from this machine";
             return to.refuse(reason.to_owned(), ctx);
         }
         let question = self.shared.asked.borrow_mut().take().or_else(ask);
@@ -75,7 +75,7 @@ impl Sensor<Acceleration> for Motion {
             }
             match answer {
                 Ok(answer) if answer.as_string().as_deref() == Some("granted") => listen(&window, &shared, &ctx, &to),
-                _ => to.refuse("The browser was not allowed to tell the motion of this device".to_owned(), &ctx),
+                _ => to.refuse("The browser may not read the motion of this device".to_owned(), &ctx),
             }
         });
     }

@@ -91,7 +91,7 @@ const SWING: &str = "(() => {
 async fn begin_to_measure(page: &Page) {
     page.tap("Scenario").await;
     page.tap("Measure with this device…").await;
-    page.tap("Begin to measure").await;
+    page.tap("Start measuring").await;
 }
 
 pub(crate) async fn a_late_permission_begins_nothing(page: &Page) {
@@ -239,7 +239,7 @@ pub(crate) async fn a_ring_is_identified(page: &Page) {
         page.tap("Scenario").await;
         page.tap("Measure with this device…").await;
         page.tap("It rings").await;
-        page.tap("Begin to listen").await;
+        page.tap("Start listening").await;
         // The length of the sound.
         tokio::time::sleep(Duration::from_secs(8)).await;
         page.save("phone-ring.png").await;

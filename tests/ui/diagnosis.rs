@@ -42,6 +42,10 @@ fn a_remedy_is_applied_by_its_button_and_taken_back() {
     undo(&mut screen);
     assert_eq!(scenario(&screen), &before);
     assert!(screen.query_by_label("EKF is overconfident").is_some());
+    screen.run_steps(80);
+    click(&mut screen, "Apply the remedy of all filters: R of a sensor");
+    let filters = &scenario(&screen).filters;
+    assert_eq!(filters[0].sensor_std, filters[1].sensor_std);
 }
 
 #[test]
@@ -98,7 +102,7 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
     click_on(&mut screen, chip.center());
     screen.run_steps(20);
     let place = |screen: &Screen| {
-        ["About Diagnosis", "Causes and their probability; what cures stands first"]
+        ["About Diagnosis", "Likely causes, best remedy first"]
             .map(|label| screen.query_all_by_label(label).map(|node| node.rect().top()).next())
     };
     let before = place(&screen);
@@ -162,7 +166,7 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
     // Their order comes once the hand has gone.
     screen.remove_cursor();
     screen.run_steps(150);
-    screen.get_by_label("Causes and their probability; what cures stands first");
+    screen.get_by_label("Likely causes, best remedy first");
 }
 
 /// Two filters may have one colour: a click on the line of the second opens its diagnosis, not that of the first.

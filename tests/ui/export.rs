@@ -173,7 +173,7 @@ fn a_session_is_opened_again_by_drop() {
     let views = screen.state_mut().layout_mut().shown();
     let (expected, picture) = (scenario(&screen).clone(), screen.state().picture());
     assert!(picture.ruler.is_used() && !picture.hidden.is_empty() && picture.enlarged.is_some());
-    let file = exported(&mut screen, &files, "Session, to open again");
+    let file = exported(&mut screen, &files, "Session file");
 
     let mut other = super::screen(DESKTOP, Theme::Light);
     assert_ne!(scenario(&other), &expected);
@@ -190,7 +190,7 @@ fn a_session_is_opened_again_by_drop() {
 fn a_bad_session_is_refused_and_changes_nothing() {
     let (mut screen, files) = exporting(DESKTOP);
     let good: Value =
-        serde_json::from_slice(&exported(&mut screen, &files, "Session, to open again").contents).expect("it is JSON");
+        serde_json::from_slice(&exported(&mut screen, &files, "Session file").contents).expect("it is JSON");
     let with = |key: &str, value: Value| {
         let mut bad = good.clone();
         bad[key] = value;
@@ -356,14 +356,14 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     );
     screen.run_steps(4);
     assert!(screen.state().session().is_measured());
-    let session = exported(&mut screen, &files, "Session, to open again");
+    let session = exported(&mut screen, &files, "Session file");
     let mut other = super::screen(DESKTOP, Theme::Light);
     drop_file(&mut other, "session.json", &session.contents);
     assert!(other.state().session().is_measured() && !asks(&other), "{:?}", other.state().notice());
     // A user's record is not.
     let (name, bytes) = dialects()[0].clone();
     drop_record(&mut screen, name, &bytes);
-    let session = exported(&mut screen, &files, "Session, to open again");
+    let session = exported(&mut screen, &files, "Session file");
     drop_file(&mut screen, "session.json", &session.contents);
     assert!(!asks(&screen), "the record is here: {:?}", screen.state().notice());
     drop_file(&mut other, "session.json", &session.contents);

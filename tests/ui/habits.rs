@@ -101,7 +101,7 @@ fn keys_have_the_listed_effects() {
     assert!(shown(&screen));
 
     press(&mut screen, Key::Questionmark);
-    for line in ["play or pause", "presenter mode: large type", "take back the last change of a setting"] {
+    for line in ["play or pause", "presenter mode: large type", "undo the last change of a setting"] {
         assert!(screen.query_by_label(line).is_some(), "{line} is not in the list");
     }
     press(&mut screen, Key::Escape);
@@ -211,7 +211,7 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
     show(&mut screen, &[ViewKind::Scores]);
     let place = |screen: &Screen, name: &str| {
         let nodes = screen.get_all_by_label(name).map(|node| node.rect());
-        nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 70.0).map(|r| r.left()).fold(f32::NAN, f32::max)
+        nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 170.0).map(|r| r.left()).fold(f32::NAN, f32::max)
     };
     assert!(place(&screen, "EKF") < place(&screen, "UKF"));
     click(&mut screen, "NIS, 1 is right");

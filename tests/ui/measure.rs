@@ -81,7 +81,7 @@ fn swing(k: usize) -> [f64; 4] {
 fn a_decay_is_measured_and_identified() {
     for size in [PHONE, DESKTOP] {
         let (mut screen, device) = measuring(size);
-        let readings = begin(&mut screen, &device, "Begin to measure");
+        let readings = begin(&mut screen, &device, "Start measuring");
         for k in 0..1800 {
             assert!(readings.put(&[swing(k)], &screen.ctx));
         }
@@ -103,7 +103,7 @@ fn a_decay_is_measured_and_identified() {
 fn filters_are_watched_while_it_swings() {
     for size in [PHONE, DESKTOP] {
         let (mut screen, device) = measuring(size);
-        let readings = begin(&mut screen, &device, "Begin to measure");
+        let readings = begin(&mut screen, &device, "Start measuring");
         let mut told = 0;
         let mut tell = |screen: &mut Screen, until: usize| {
             while told < until {
@@ -180,7 +180,7 @@ fn a_ring_is_heard_and_identified() {
         };
         let mut screen = with_sensors(size, sensors);
         click(&mut screen, "It rings");
-        let readings = begin(&mut screen, &device, "Begin to listen");
+        let readings = begin(&mut screen, &device, "Start listening");
         screen.get_by_label("Waiting for the microphone …");
         readings.set_rate(48_000.0);
         for some in ring().chunks(24_000) {
@@ -204,14 +204,14 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
     let device = Device::new();
     let sensors = Sensors { microphone: Some(Rc::clone(&device) as Rc<_>), ..Sensors::default() };
     let mut screen = with_sensors(PHONE, sensors);
-    let readings = begin(&mut screen, &device, "Begin to listen");
+    let readings = begin(&mut screen, &device, "Start listening");
     readings.set_rate(44_100.0);
     readings.put(&vec![0.0; 200_000], &screen.ctx);
     screen.run_steps(3);
     click(&mut screen, "Stop and identify");
-    screen.get_by_label_contains("Nothing rings in it");
+    screen.get_by_label_contains("No ringing tone was found");
     click(&mut screen, "Again");
-    let readings = begin(&mut screen, &device, "Begin to listen");
+    let readings = begin(&mut screen, &device, "Start listening");
     readings.set_rate(48_000.0);
     let minute = vec![1.0; Sound::MOST];
     assert!(readings.put(&minute, &screen.ctx) && !readings.put(&minute[..5], &screen.ctx));
@@ -223,14 +223,14 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
 #[test]
 fn what_cannot_be_measured_is_said() {
     let (mut screen, device) = measuring(PHONE);
-    let readings = begin(&mut screen, &device, "Begin to measure");
+    let readings = begin(&mut screen, &device, "Start measuring");
     screen.run_steps(260);
     screen.get_by_label_contains("No reading has come yet. Nothing is there.");
     readings.refuse("It was not allowed".to_owned(), &screen.ctx);
     screen.run_steps(3);
     screen.get_by_label("It was not allowed.");
     click(&mut screen, "Again");
-    let readings = begin(&mut screen, &device, "Begin to measure");
+    let readings = begin(&mut screen, &device, "Start measuring");
     for k in 0..600 {
         let [t, ..] = swing(k);
         readings.put(&[[t, 0.0, 9.81, 0.01 * f64::from(k as u32 % 2)]], &screen.ctx);

@@ -147,10 +147,10 @@ fn every_menu_leaves_its_button_in_sight_and_its_last_entry_is_reached() {
     let last_lesson = lessons.last().and_then(|lesson| lesson.as_ref().ok()).expect("a lesson").title.clone();
     for size in [PHONE, SIDE] {
         for (button, last) in [
-            ("Scenario", "Copy as TOML"),
+            ("Scenario", "Copy as text"),
             ("Views", "Predict and update"),
             ("Lessons", last_lesson.as_str()),
-            ("Export", "Session, to open again"),
+            ("Export", "Session file"),
         ] {
             let mut screen = phone(size);
             tap(&mut screen, button);

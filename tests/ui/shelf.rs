@@ -71,7 +71,7 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
     click(&mut again, "Forget the record");
     assert_eq!(again.state().notice(), None, "it is not yet forgotten");
     let said = drawer.end(&mut again, Ok("a drawer".to_owned()));
-    assert_eq!(said, "The record is no longer kept for the next start.");
+    assert_eq!(said, "This record will not be here next time.");
     let mut empty = with_drawer(&saved(&mut again), &drawer);
     empty.run_steps(10);
     assert!(!empty.state().session().is_measured());
@@ -82,9 +82,9 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
 fn a_record_that_cannot_be_kept_or_forgotten_is_said() {
     let (mut screen, drawer, name) = with_record();
     let said = drawer.end(&mut screen, Err("the disk is full".to_owned()));
-    assert_eq!(said, format!("“{name}” is not kept for the next start: the disk is full."));
+    assert_eq!(said, format!("“{name}” will not be here next time: the disk is full."));
     click(&mut screen, "More");
     click(&mut screen, "Forget the record");
     let said = drawer.end(&mut screen, Err("the disk is gone".to_owned()));
-    assert_eq!(said, "The record is still kept for the next start: the disk is gone.");
+    assert_eq!(said, "The record could not be forgotten: the disk is gone.");
 }

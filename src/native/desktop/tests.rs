@@ -116,7 +116,7 @@ fn a_missing_place_is_said_and_the_explorer_starts() {
     let file = folder.path().join("file");
     std::fs::write(&file, "").expect("it can be written");
     let mut screen = started(&file);
-    assert!(notice(&mut screen).starts_with("Nothing of this session is kept when the window closes: "));
+    assert!(notice(&mut screen).starts_with("This session is not saved when the window closes: "));
     save(&mut screen);
     assert_eq!(std::fs::read(&file).expect("it is there"), b"");
 }

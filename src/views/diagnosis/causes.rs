@@ -12,6 +12,7 @@ use crate::text::{sentence, significant};
 use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
+use crate::widgets::named;
 
 /// The causes that are shown at once: the drawer is read in ten seconds.
 const LIKELIEST: usize = 1;
@@ -30,14 +31,14 @@ pub(super) fn causes_ui(
     ui.add_space(4.0);
     let Some(attempt) = context.session.attempt(estimates.id()) else {
         heading_ui(ui, SORTED);
-        ui.weak("They are tried as soon as the record is computed.");
+        ui.weak("They are tested when the run is complete.");
         return;
     };
     let rows = evidence::on_screen(ui, attempt, is_held);
     let heading = match (attempt.is_under_way(), evidence::is_in_order(&rows, attempt)) {
-        (true, _) => "Causes, as they are found",
+        (true, _) => "Likely causes, in the order found",
         (false, true) => SORTED,
-        (false, false) => "Causes, as they were found: in order once the pointer leaves",
+        (false, false) => "Likely causes, sorted when the pointer leaves",
     };
     heading_ui(ui, heading);
     let said = Remedy::probabilities(&attempt.remedies);
@@ -48,25 +49,25 @@ pub(super) fn causes_ui(
     };
     let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
     for remedy in first {
-        finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates.name(), requests);
+        finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates, requests);
     }
     if !rest.is_empty() {
         let title = RichText::new(format!("{} less likely", rest.len())).small().weak();
         CollapsingHeader::new(title).id_salt("less likely").show(ui, |ui| {
             for remedy in rest {
-                finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates.name(), requests);
+                finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates, requests);
             }
         });
     }
     if attempt.is_under_way() {
         let bar = ProgressBar::new(attempt.progress as f32).desired_width(160.0).desired_height(8.0);
-        let bar = ui.add(bar).on_hover_text("The filter runs again with one setting after another changed");
+        let bar = ui.add(bar).on_hover_text("Runs the filter again, with one setting changed each time");
         bar.ctx.accesskit_node_builder(bar.id, |node| node.set_label(format!("Trials of {}", estimates.name())));
     } else if attempt.remedies.is_empty() {
-        ui.weak("None of the causes that are known makes the record likelier.");
+        ui.weak("No cause that we know improves the fit. Perhaps the model lacks something.");
     } else if !Remedy::is_explained(&attempt.remedies) {
         // Below the rows, so that these do not move.
-        ui.label("None of these explains it: with the best of them it is still not to be believed.");
+        ui.label("No single cause explains it. Even after the best remedy the filter cannot be believed.");
     }
 }
 
@@ -74,15 +75,15 @@ pub(super) fn models_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Esti
     let attempt = context.session.attempt(estimates.id()).filter(|attempt| !attempt.is_under_way());
     let Some(attempt) = attempt.filter(|attempt| !attempt.remedies.is_empty()) else { return };
     ui.add_space(4.0);
-    heading_ui(ui, "Yet another model is likelier");
+    heading_ui(ui, "Another model fits better");
     for remedy in &attempt.remedies {
-        finding_ui(ui, context, (attempt, remedy, None), estimates.name(), requests);
+        finding_ui(ui, context, (attempt, remedy, None), estimates, requests);
     }
 }
 
-const SORTED: &str = "Causes and their probability; what cures stands first";
+const SORTED: &str = "Likely causes, best remedy first";
 
-const PROBABILITY: &str = "How often a cause that is found like this one was right, where one of the known faults was put into random situations";
+const PROBABILITY: &str = "How often such a finding was right, where a known fault was put into random situations";
 
 fn heading_ui(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).small().weak()).truncate());
@@ -92,7 +93,7 @@ fn finding_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     (attempt, remedy, probability): (&Attempt, &Remedy, Option<f64>),
-    name: &str,
+    estimates: &Estimates,
     requests: &mut Vec<Request>,
 ) {
     let palette = context.palette;
@@ -116,7 +117,7 @@ fn finding_ui(
         ui.add(Label::new(format!("{}.", sentence(&likely.sentence))).wrap());
     }
     if !edits.is_empty() {
-        edits_ui(ui, context, (name, first.cause.name), edits, requests);
+        edits_ui(ui, context, (estimates, first.cause.name), edits, requests);
     }
     let gain = if gain.is_finite() && *gain > 0.0 {
         format!(" The log likelihood gains {}.", significant(*gain, 3))
@@ -130,22 +131,33 @@ fn finding_ui(
 fn edits_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    (filter, cause): (&str, &str),
+    (filter, cause): (&Estimates, &str),
     edits: &[Edit],
     requests: &mut Vec<Request>,
 ) {
     let scenario = context.session.scenario();
     let words: Vec<String> = edits.iter().map(|edit| edit.in_words(scenario)).collect();
-    let more = if words.len() > SHOWN { format!(", and {} more", words.len() - SHOWN) } else { String::new() };
-    let text = format!("{}{more}", sentence(&words[..words.len().min(SHOWN)].join(", ")));
-    let lines: Vec<String> = edits.iter().map(Edit::toml_line).collect();
-    let button = ui.add(Button::new(text).wrap()).on_hover_text(format!("In a file:\n{}", lines.join("\n")));
-    button
-        .ctx
-        .accesskit_node_builder(button.id, |node| node.set_label(format!("Apply the remedy of {filter}: {cause}")));
-    if button.clicked() {
-        let mut change = Change::default();
-        edits.iter().for_each(|edit| change.edit(edit.clone()));
-        requests.push(Request::Edit(change));
+    let text = match &words[..] {
+        [first, rest @ ..] if words.len() > SHOWN => format!("{first}, and {} more settings", rest.len()),
+        few => few.join(", "),
+    };
+    let button = ui.add(Button::new(sentence(&text)).wrap()).on_hover_text(words.join("\n"));
+    let name = format!("Apply the remedy of {}: {cause}", filter.name());
+    if named(button, name).clicked() {
+        request(edits.to_vec(), requests);
     }
+    let own = format!("filters#{}.", filter.id());
+    if scenario.filters.len() > 1 && edits.iter().any(|edit| edit.key.starts_with(&own)) {
+        let button = ui.small_button("The same for all filters");
+        if named(button, format!("Apply the remedy of all filters: {cause}")).clicked() {
+            let of_all = |edit: &Edit| Edit { key: edit.key.replace(&own, "filters.*."), value: edit.value.clone() };
+            request(edits.iter().map(of_all).collect(), requests);
+        }
+    }
+}
+
+fn request(edits: Vec<Edit>, requests: &mut Vec<Request>) {
+    let mut change = Change::default();
+    edits.into_iter().for_each(|edit| change.edit(edit));
+    requests.push(Request::Edit(change));
 }

@@ -34,7 +34,7 @@ fn all_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette)
     if rest.is_empty() {
         return;
     }
-    let title = format!("{} results that do not count", rest.len());
+    let title = format!("{} other results", rest.len());
     egui::CollapsingHeader::new(RichText::new(title).small().weak()).id_salt("rest").show(ui, |ui| {
         for (i, one) in rest.iter().enumerate() {
             ui.push_id(counting + i, |ui| one_ui(ui, one, palette.weak, palette));

@@ -74,7 +74,7 @@ impl PanelView<'_> {
             ..Plane::linear("map", names.each_ref().map(String::as_str))
         };
         let mut child = ui.new_child(UiBuilder::new().id_salt("axes").max_rect(room));
-        let plot = plane.plot(&child, palette).show_grid(false).sense(Sense::hover()).allow_drag(false);
+        let plot = plane.plot(&mut child, palette).show_grid(false).sense(Sense::hover()).allow_drag(false);
         let plot = plot.allow_zoom(false).allow_boxed_zoom(false).invert_x(left > right).invert_y(low > high);
         let plot = plot.show(&mut child, |plot| {
             plot.set_plot_bounds_x(left.min(right)..=left.max(right));

@@ -150,7 +150,7 @@ const VAGUE: f64 = 0.5;
 /// Below this period nobody counts swings \[s\].
 const QUICK: f64 = 0.05;
 
-/// From the first filter whose band is no narrower than it should be. None if none knows both parameters well enough.
+/// From the first filter whose band is no narrower than it should be, or else from the first. None if none knows both parameters well enough.
 ///
 /// ```text
 /// T = 2π / (ωₙ √(1 - ζ²)),  t½ = ln 2 / (ζ ωₙ),  Q = 1 / (2 ζ),  δ = ζ ωₙ T
@@ -159,7 +159,8 @@ const QUICK: f64 = 0.05;
 pub(super) fn of_swing(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
     let may_be_believed =
         |outcome: &&Outcome<'_>| outcome.is_honest() || outcome.kind == Some(VerdictKind::Underconfident);
-    let [(frequency, spread), (damping, doubt)] = outcomes.iter().filter(may_be_believed).find_map(Outcome::swing)?;
+    let believable_first = outcomes.iter().filter(may_be_believed).chain(outcomes);
+    let [(frequency, spread), (damping, doubt)] = believable_first.into_iter().find_map(Outcome::swing)?;
     let (shares, zeta) = ([2.0 * spread / frequency, 2.0 * doubt / damping], damping);
     if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..VAGUE).contains(share))) {
         return None;
