@@ -1,6 +1,6 @@
 //! The numbers of all filters side by side.
 
-use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
+use egui::{Grid, RichText, ScrollArea, Ui, vec2};
 use kalmanscope_core::setting::{
     Address, Change, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo, of_filter,
 };
@@ -17,17 +17,12 @@ use crate::view::{View, ViewContext};
 /// The width of a number \[points\].
 const CELL: f32 = 72.0;
 
-struct Dragged {
-    row: String,
-    value: f64,
-}
-
 pub(super) static VIEW: View = View {
     name: "Filter settings",
     help: [
         "What the filters are told, side by side: rows are numbers, columns filters; each number can be dragged or typed.",
         "Numbers that differ from the first filter's are tinted, so that it is plain in what two filters differ.",
-        "The sign = beside a number can be dragged onto another filter's number of that row, and the name of a filter onto another: that is then the same.",
+        "A filter is added, duplicated and removed in the settings at the left.",
     ],
     ui: Some(view_ui),
     ..View::NONE
@@ -42,7 +37,10 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("filter settings").striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
             ui.label("");
-            names_ui(ui, &mut edits, context.palette);
+            for filter in &scenario.filters {
+                let color = context.palette.shade(color_of(filter));
+                ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
+            }
             ui.end_row();
             for row in rows(scenario) {
                 ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
@@ -53,27 +51,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     });
     requests.extend(Request::edit(edits.change));
     None
-}
-
-fn names_ui(ui: &mut Ui, edits: &mut Edits<'_>, palette: &Palette) {
-    let scenario = edits.scenario;
-    let mut same = None;
-    for (place, filter) in scenario.filters.iter().enumerate() {
-        let color = palette.shade(color_of(filter));
-        let source = ui.dnd_drag_source(Id::unique(("numbers of", filter.id)), filter.id, |ui| {
-            ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
-        });
-        let name = source.response.on_hover_text("Drag it onto another filter, which then has the same numbers");
-        if let Some(id) = name.dnd_release_payload::<u32>() {
-            same = Some((*id, place));
-        }
-    }
-    if let Some((id, place)) = same
-        && let Some(from) = scenario.filters.iter().find(|filter| filter.id == id).cloned()
-    {
-        let FilterSettings { id, name, color, kind, .. } = scenario.filters[place].clone();
-        edits.change.put_filter(place, FilterSettings { id, name, color, kind, ..from });
-    }
 }
 
 struct Row {
@@ -142,10 +119,8 @@ fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
             };
             let mut value = address.get(scenario);
             let is_other = *first.get_or_insert(value) != value;
-            ui.spacing_mut().item_spacing.x = 3.0;
-            same_ui(ui, id, row, value, &name);
             let size = vec2(CELL, ui.spacing().interact_size.y);
-            let cell = ui.allocate_ui(size, |ui| {
+            ui.allocate_ui(size, |ui| {
                 ui.set_width(CELL);
                 if is_other {
                     let tint = palette.accent.gamma_multiply(0.3);
@@ -153,23 +128,11 @@ fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
                     ui.visuals_mut().widgets.inactive.bg_fill = tint;
                 }
                 let key = format!("filters#{id}: {}", row.name);
-                field(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
+                field(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name);
             });
-            if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
-            {
-                value = dragged.value.max(row.least);
-            }
             if value != address.get(scenario) {
                 edits.change.set_at(address, value);
             }
         });
     }
-}
-
-fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
-    let dragged = Dragged { row: row.name.clone(), value };
-    let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));
-    let (sign, grip) = (source.inner, source.response);
-    sign.ctx.accesskit_node_builder(sign.id, |node| node.set_value(format!("Same as {name}")));
-    grip.on_hover_text("Drag it onto another filter's number of this row, which is then the same");
 }

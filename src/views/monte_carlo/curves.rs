@@ -189,7 +189,7 @@ impl Histogram {
         let (low, high) = truth.map_or((low, high), |truth| (low.min(truth), high.max(truth)));
         let margin = 0.04 * (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let (from, to) = (low - margin, high + margin);
-        let most = estimates.iter().map(|estimates| estimates.len()).max().unwrap_or_default();
+        let most = estimates.iter().map(Vec::len).max().unwrap_or_default();
         let bars = ((2.0 * (most as f64).sqrt()) as usize).clamp(BARS.0, BARS.1);
         let (mut counts, mut beyond) = (vec![vec![0; bars]; estimates.len()], vec![0; estimates.len()]);
         for (filter, estimates) in estimates.iter().enumerate() {
