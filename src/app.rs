@@ -233,8 +233,7 @@ impl App {
 
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step + 1));
-        let posterior = self.laboratory.posteriors.shown.as_ref().map(|shown| &shown.sampled);
-        ScreenState::new(&self.session, lesson, self.laboratory.shown(), posterior, ctx)
+        ScreenState::new(&self.session, lesson, self.laboratory.shown(), ctx)
     }
 }
 
@@ -324,8 +323,5 @@ impl App {
         self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
         let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
         self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
-        if self.layout.in_sight().contains(&ViewKind::ParameterPlane) {
-            self.laboratory.follow_posterior(&self.session, ctx);
-        }
     }
 }

@@ -8,7 +8,6 @@
 
 mod choice;
 mod monte_carlo;
-mod posterior;
 mod settings;
 mod survey;
 #[cfg(test)]
@@ -27,7 +26,6 @@ use crate::team::{Finding, Team};
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
-pub use posterior::{Posteriors, Shown};
 pub(crate) use settings::{
     candidates, collide, label as setting_label, measure_label, name as setting_name, of_filters, offered,
 };
@@ -44,7 +42,6 @@ pub struct Laboratory {
     before: Option<Survey>,
     pub seeds: Seeds,
     pub tuning: Tuning,
-    pub posteriors: Posteriors,
     /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
     /// drawn again, also when rows have come.
     pub state: WorkState,
@@ -61,7 +58,6 @@ impl Laboratory {
             before: None,
             seeds: Seeds::default(),
             tuning: Tuning::default(),
-            posteriors: Posteriors::default(),
             state: WorkState::default(),
             edition: 0,
         }
@@ -159,10 +155,6 @@ impl Laboratory {
         }
     }
 
-    pub fn follow_posterior(&mut self, session: &Session, ctx: &Context) {
-        self.posteriors.follow(&*self.team, session, session.budget(), ctx);
-    }
-
     fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<Choice, String> {
         if run.samples() > Session::LONGEST_WHOLE + 1 {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
@@ -215,19 +207,13 @@ impl Laboratory {
     }
 
     pub fn choices(&self) -> Choices {
-        Choices {
-            map: self.choice.clone(),
-            seeds: Some(self.seeds.choice),
-            tuning: self.tuning.choice.clone(),
-            posterior: self.posteriors.chosen,
-        }
+        Choices { map: self.choice.clone(), seeds: Some(self.seeds.choice), tuning: self.tuning.choice.clone() }
     }
 
-    pub fn restore(&mut self, Choices { map, seeds, tuning, posterior }: Choices) {
+    pub fn restore(&mut self, Choices { map, seeds, tuning }: Choices) {
         self.choose(map);
         self.seeds.choose(seeds.unwrap_or_default());
         self.tuning.choose(tuning);
-        self.posteriors.choose(posterior);
     }
 }
 
@@ -271,14 +257,12 @@ pub struct Choices {
     pub seeds: Option<SeedChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tuning: Option<TuneChoice>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub posterior: Option<u32>,
 }
 
 impl Choices {
     /// Whether the choices are possible with a scenario.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
-        let Self { map, seeds, tuning, posterior: _ } = self;
+        let Self { map, seeds, tuning } = self;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
         seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
         tuning
@@ -298,12 +282,7 @@ impl Choices {
 
     /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
-        let Self { map, seeds, tuning, posterior } = self;
-        Self {
-            map: map.or(others.map),
-            seeds: seeds.or(others.seeds),
-            tuning: tuning.or(others.tuning),
-            posterior: posterior.or(others.posterior),
-        }
+        let Self { map, seeds, tuning } = self;
+        Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }
     }
 }

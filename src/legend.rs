@@ -1,6 +1,7 @@
 //! The legend of all plots; a click shows or hides an entry.
 
 use egui::scroll_area::ScrollBarVisibility;
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Estimates;
 
@@ -25,7 +26,7 @@ pub(crate) enum Mark {
 pub(crate) enum Extent {
     /// As many rows as it needs.
     Full,
-    /// One row, which scrolls to the side. The entries under change come first.
+    /// One row, which scrolls to the side. The chip of a change comes first.
     OneRow,
 }
 
@@ -44,48 +45,38 @@ impl Legend<'_> {
             Extent::OneRow => {
                 let hidden = ScrollBarVisibility::AlwaysHidden;
                 ScrollArea::horizontal().id_salt("legend").scroll_bar_visibility(hidden).show(ui, |ui| {
-                    ui.horizontal(|ui| self.one_row_ui(ui, requests));
+                    ui.horizontal(|ui| self.entries_ui(ui, extent, requests));
                 });
             }
-            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.rows_ui(ui, requests)),
+            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.entries_ui(ui, extent, requests)),
         }
         self.troubles_ui(ui);
     }
 
-    fn rows_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+    fn entries_ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
         ui.spacing_mut().item_spacing.x = 12.0;
-        self.record_ui(ui, requests);
+        let is_one_row = extent == Extent::OneRow;
+        let before = self.session.before();
+        if let Some(before) = before.filter(|_| is_one_row) {
+            self.before_ui(ui, before, requests);
+        }
+        if !is_one_row {
+            self.record_ui(ui, requests);
+        }
         for (place, estimates) in self.session.run().estimates().iter().enumerate() {
             self.filter_ui(ui, place, estimates, requests);
         }
+        if is_one_row {
+            self.record_ui(ui, requests);
+        }
         self.switches_ui(ui, requests);
         self.only_ui(ui, requests);
-        match self.session.before() {
-            Some(before) => self.before_ui(ui, &format!("before: {}", before.words), requests),
+        match before {
+            _ if is_one_row => {}
+            Some(before) => self.before_ui(ui, before, requests),
             // Reserves the room of the change's chip, so that nothing else moves when it appears.
             None => _ = ui.allocate_exact_size(Vec2::new(CHIP, HEIGHT), Sense::hover()),
         }
-    }
-
-    fn one_row_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        ui.spacing_mut().item_spacing.x = 12.0;
-        let before = self.session.before();
-        let is_changed =
-            |estimates: &Estimates| before.is_some_and(|before| before.estimates(estimates.id()).is_some());
-        let all = || self.session.run().estimates().iter().enumerate();
-        let (changed, rest): (Vec<_>, Vec<_>) = all().partition(|(_, estimates)| is_changed(estimates));
-        for (place, estimates) in &changed {
-            self.filter_ui(ui, *place, estimates, requests);
-        }
-        if let Some(before) = before {
-            self.before_ui(ui, &short(before, &changed), requests);
-        }
-        for (place, estimates) in &rest {
-            self.filter_ui(ui, *place, estimates, requests);
-        }
-        self.only_ui(ui, requests);
-        self.record_ui(ui, requests);
-        self.switches_ui(ui, requests);
     }
 
     fn record_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
@@ -120,15 +111,15 @@ impl Legend<'_> {
         entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
     }
 
-    fn before_ui(&self, ui: &mut Ui, text: &str, requests: &mut Vec<Request>) {
+    fn before_ui(&self, ui: &mut Ui, before: &Before, requests: &mut Vec<Request>) {
+        let text = format!("before: {}", before.words);
         let left = ui.available_size_before_wrap().x;
         let room = if left < CHIP { ui.max_rect().width() } else { left };
-        let shown = format!("{} ×", fitted(ui, text, room - CHIP_EDGES));
+        let shown = format!("{} ×", fitted(ui, &text, room - CHIP_EDGES));
         let chip =
             Button::new(shown).small().stroke(Stroke::new(1.2, self.palette.weak)).min_size(Vec2::new(CHIP, 0.0));
         let hint = || {
-            let words = self.session.before().map_or("", |before| before.words.as_str());
-            format!("Thin grey lines: the estimates before the last change ({words}). Click to remove them")
+            format!("Thin grey lines: the estimates before the last change ({}). Click to remove them", before.words)
         };
         let chip = named(ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint())), format!("{text} ×"));
         if chip.clicked() {
@@ -157,33 +148,13 @@ impl Legend<'_> {
     }
 }
 
-fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
-    let words = match changed {
-        [(_, only)] => before.words.replace(&format!("{} ", only.name()), ""),
-        _ => before.words.clone(),
-    };
-    format!("before: {words}")
-}
-
 const CHIP_EDGES: f32 = 34.0;
 
 /// A text, cut off with an ellipsis if it is wider than the room \[points\].
 fn fitted(ui: &Ui, text: &str, room: f32) -> String {
-    let font = TextStyle::Button.resolve(ui.style());
-    let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x;
-    if width(text) <= room {
-        return text.to_owned();
-    }
-    let letters: Vec<char> = text.chars().collect();
-    let cut = |count: usize| letters[..count].iter().collect::<String>().trim_end_matches([' ', ',']).to_owned() + "…";
-    let most = letters.len().saturating_sub(1);
-    // The longest beginning that fits.
-    let (mut fits, mut too_long) = (0, most + 1);
-    while too_long - fits > 1 {
-        let middle = usize::midpoint(fits, too_long);
-        if width(&cut(middle)) <= room { fits = middle } else { too_long = middle }
-    }
-    cut(fits)
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), TextStyle::Button.resolve(ui.style()), Color32::WHITE);
+    job.wrap = TextWrapping::truncate_at_width(room);
+    ui.painter().layout_job(job).rows.iter().map(|row| row.text()).collect()
 }
 
 /// The height of an entry \[points\].

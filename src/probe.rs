@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use egui::{Context, Id, Rect};
 use kalmanscope_core::{Channel, Estimates};
-use kalmanscope_lab::posterior::Sampled;
 use serde::Serialize;
 
 use crate::laboratory::Survey;
@@ -49,7 +48,6 @@ pub struct ScreenState {
     pub filters: Vec<Latest>,
     pub checksum: String,
     pub map: Option<MapState>,
-    pub posterior: Option<PosteriorState>,
     pub frames: u64,
     pub controls: Vec<Control>,
 }
@@ -71,12 +69,6 @@ impl MapState {
         let computers = survey.computers.iter().map(ToString::to_string).collect();
         Self { cells: sheet.len(), done: sheet.done(), checksum, computers, ensemble: survey.ensemble.to_json() }
     }
-}
-
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct PosteriorState {
-    pub points: usize,
-    pub log_evidence: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -103,13 +95,7 @@ pub struct Control {
 }
 
 impl ScreenState {
-    pub fn new(
-        session: &Session,
-        lesson: Option<(String, usize)>,
-        map: Option<&Survey>,
-        posterior: Option<&Sampled>,
-        ctx: &egui::Context,
-    ) -> Self {
+    pub fn new(session: &Session, lesson: Option<(String, usize)>, map: Option<&Survey>, ctx: &Context) -> Self {
         let estimates = session.run().estimates();
         Self {
             mode: match session.mode() {
@@ -122,7 +108,6 @@ impl ScreenState {
             filters: estimates.iter().map(Latest::of).collect(),
             checksum: format!("{:016x}", session.run().checksum()),
             map: map.map(MapState::of),
-            posterior: posterior.map(|of| PosteriorState { points: of.points.len(), log_evidence: of.log_evidence }),
             frames: ctx.cumulative_frame_nr(),
             controls: all(ctx).into_iter().map(control).collect(),
         }

@@ -91,7 +91,6 @@ pub enum Request {
     RunSeeds(bool),
     ChooseTuning(Box<TuneChoice>),
     Tune(bool),
-    ChoosePosterior(Option<u32>),
     OpenSession(Box<SavedPicture>),
 }
 

@@ -13,7 +13,6 @@ use egui::Context;
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Pass, Record, Scenario, Tape, Task as _};
-use kalmanscope_lab::posterior::Sampled;
 use kalmanscope_lab::{CellTask, Parts, Runner, Step, Threads, Wanted};
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
@@ -49,11 +48,6 @@ pub trait Team {
 
     /// Begins to make start values for a scenario on a record, where that is no task of a thread.
     fn suggest(&self, _scenario: &Scenario, _record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
-        None
-    }
-
-    /// Begins to search points of the posterior of a scenario's first filter, given a record, where that is no task of a thread.
-    fn posterior(&self, _scenario: &Scenario, _record: &Record) -> Option<Handle<Report<f64, Option<Sampled>>>> {
         None
     }
 

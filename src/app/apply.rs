@@ -110,7 +110,6 @@ impl App {
                     || laboratory.set_stopped(true)
                     || laboratory.seeds.set_stopped(true)
                     || laboratory.tuning.cancel()
-                    || laboratory.posteriors.cancel()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {
@@ -154,7 +153,6 @@ impl App {
             Request::ChooseTuning(choice) => laboratory.tuning.choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
             Request::Tune(false) => _ = laboratory.tuning.cancel(),
-            Request::ChoosePosterior(filter) => laboratory.posteriors.choose(filter),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

@@ -50,14 +50,12 @@ impl App {
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory);
-        let [shows_seeds, shows_tuning, shows_plane] =
-            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::ParameterPlane].map(|kind| shown.contains(&kind));
-        let Choices { map, seeds, tuning, posterior } = picture.laboratory;
+        let [shows_seeds, shows_tuning] = [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
-            posterior: posterior.filter(|_| shows_plane),
         };
         Picture { laboratory, ..picture }
     }

@@ -3,16 +3,17 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
+use egui::{Align2, Color32, CursorIcon, Id, Sense, TextStyle, Ui, Vec2, Vec2b, pos2};
+use egui_plot::PlotTransform;
 
 use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
-use super::decoration::{Decoration, Gaps, Labels, Strips};
+use super::decoration::{gap_shapes, strip_shapes};
 use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::layers::{Drawing, Layer, Window};
 use super::medium::{Medium, cells_ui};
-use super::notes::Note;
+use super::notes::{Note, note_shapes};
 use super::plane::{Plane, frame_ui, is_turned};
 use super::series::Series;
 use super::time_axis::PlotInput;
@@ -79,8 +80,7 @@ impl<'a> Chart<'a> {
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
         let alone =
             symbol.interact(Sense::click()).on_hover_text("Click to show this plot alone, or all again").clicked();
-        let PlotInput { session, palette, visible, axis, version, .. } = *input;
-        let strips = Strips::of(session, visible, palette);
+        let PlotInput { session, palette, axis, version, .. } = *input;
         let gaps = Gap::all(session);
         let size = ui.available_size().max(Vec2::splat(1.0));
         let layers: Vec<Layer<'_>> = self.bands.into_iter().chain(self.layers).collect();
@@ -116,15 +116,17 @@ impl<'a> Chart<'a> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
-            plot.add(Decoration::new("gaps", Gaps::of(&gaps, last_row, palette)));
-            plot.add(Decoration::new("bad parts", strips));
-            plot.add(Decoration::new("drawing", &**drawn));
-            plot.add(Decoration::new("labels", Labels::new(layers.iter().filter_map(Layer::label).collect())));
-            plot.add(Decoration::new("notes", self.notes));
-            plot.add(Decoration::new("cursors", Cursors::of(input, last_row, medium)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
         let (pointed, transform) = (response.inner, response.transform);
+        let mut shapes = Vec::new();
+        gap_shapes(&gaps, &transform, palette, &mut shapes);
+        strip_shapes(input, &transform, &mut shapes);
+        drawn.get().iter().for_each(|drawn| drawn.shapes(ui, &transform, &mut shapes));
+        note_shapes(&self.notes, ui, &transform, &mut shapes);
+        Cursors::of(input, last_row, medium).shapes(ui, &transform, &mut shapes);
+        ui.painter_at(*transform.frame()).extend(shapes);
+        labels_ui(ui, &transform, &layers);
         frame_ui(ui, &transform, palette);
         let response = response.response;
         if medium == Medium::Figure {
@@ -148,6 +150,22 @@ impl<'a> Chart<'a> {
             requests.push(Request::Unfollow);
         }
         ChartResponse { pointed, alone }
+    }
+}
+
+/// Writes the labels of levels at the right, the upper ones above their lines and the lower ones below, where there is room.
+fn labels_ui(ui: &Ui, transform: &PlotTransform, layers: &[Layer<'_>]) {
+    /// The height of a label \[points\].
+    const ROOM: f32 = 16.0;
+    let labels: Vec<(f64, &str, Color32)> = layers.iter().filter_map(Layer::label).collect();
+    let middle = labels.iter().map(|(value, ..)| value).sum::<f64>() / labels.len().max(1) as f64;
+    let frame = *transform.frame();
+    for (value, text, color) in labels {
+        let y = transform.position_from_point_y(value);
+        let is_below = (value < middle && y < frame.bottom() - ROOM) || y < frame.top() + ROOM;
+        let align = if is_below { Align2::RIGHT_TOP } else { Align2::RIGHT_BOTTOM };
+        let font = TextStyle::Small.resolve(ui.style());
+        ui.painter_at(frame).text(pos2(frame.right() - 4.0, y), align, text, font, color);
     }
 }
 

@@ -6,7 +6,6 @@ use egui::{
 };
 use egui_plot::{PlotPoint, PlotTransform};
 
-use super::decoration::Paint;
 use super::heading::Readout;
 use super::layers::Mark;
 use super::medium::Medium;
@@ -65,8 +64,8 @@ pub(super) fn time_text(input: &PlotInput<'_>, time: f64) -> String {
     fixed(time, decimals.max(2) as usize)
 }
 
-impl Paint for Cursors {
-    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+impl Cursors {
+    pub(super) fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
         let frame = *transform.frame();
         // The last of them covers the others' tags.
         for (i, line) in self.lines.iter().enumerate() {

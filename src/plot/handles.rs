@@ -14,15 +14,15 @@ const GRASP: f32 = 10.0;
 
 pub(crate) struct Handle<'a> {
     pub(crate) name: String,
-    /// \[s\]; `None` for the right edge of the plot.
-    pub(crate) time: Option<f64>,
+    /// \[s\]
+    pub(crate) time: f64,
     pub(crate) value: f64,
     pub(crate) color: Color32,
     pub(crate) set: Set<'a>,
 }
 
 /// The settings, by their addresses, for a handle at a time \[s\] and a value.
-pub(crate) type Set<'a> = Box<dyn Fn(f64, f64) -> Vec<(String, f64)> + 'a>;
+type Set<'a> = Box<dyn Fn(f64, f64) -> Vec<(String, f64)> + 'a>;
 
 /// Shows the handles of a chart. While one is dragged the axes stay, since the picture changes under the pointer.
 pub(super) fn handles_ui(
@@ -40,16 +40,15 @@ pub(super) fn handles_ui(
     let frame = *transform.frame();
     let painter = ui.painter_at(frame.expand(RADIUS + 2.0));
     for (i, handle) in handles.iter().enumerate() {
-        let x = handle.time.map_or(frame.right() - 2.0 * RADIUS, |time| transform.position_from_point_x(time));
-        let at = pos2(x, transform.position_from_point_y(handle.value));
+        let at = pos2(transform.position_from_point_x(handle.time), transform.position_from_point_y(handle.value));
         let id = Id::unique(("handle", key, i));
         let is_held = ui.ctx().is_being_dragged(id);
         if !(frame.contains(at) || is_held) {
             // A guess far off does not scale the axis: an arrow points to it.
-            if frame.x_range().contains(x) {
+            if frame.x_range().contains(at.x) {
                 let [edge, inwards] = if at.y < frame.top() { [frame.top(), 1.0] } else { [frame.bottom(), -1.0] };
                 let foot = edge + inwards * 1.6 * RADIUS;
-                let corners = vec![pos2(x - RADIUS, foot), pos2(x, edge), pos2(x + RADIUS, foot)];
+                let corners = vec![pos2(at.x - RADIUS, foot), pos2(at.x, edge), pos2(at.x + RADIUS, foot)];
                 painter.add(Shape::convex_polygon(corners, handle.color, Stroke::NONE));
             }
             continue;

@@ -182,15 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn one_that_is_found_later_computes_the_next_map() {
-        let (found, team) = played(Finding::Searching, 99);
-        let by = run(&team, Precision::Fastest);
-        assert!(by.iter().all(|(by, _)| *by == Computer::Frames), "{by:?}");
-        *found.finding.borrow_mut() = Finding::Ready;
-        assert_eq!(run(&team, Precision::Fastest), vec![(named(), 2); 5]);
-    }
-
-    #[test]
     fn a_team_that_fails_leaves_the_rest_to_the_frames() {
         for rows in [0, 3] {
             let by = run(&(Rc::new(Failing(rows)) as Rc<dyn Team>), Precision::Fastest);

@@ -96,8 +96,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let decimals = decimals(channel);
     let mut chart = of_channel(channel, [channel.name().to_owned(), channel.symbol().to_owned()], context);
     chart.notes = notes(channel, context);
-    chart.handles =
-        handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect();
+    chart.handles = handles::of_channel(channel, context);
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
         chart.layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });

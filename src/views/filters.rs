@@ -27,7 +27,7 @@ pub(super) static VIEW: View = View {
     help: [
         "The settings of all filters side by side. Drag a number, or type it.",
         "Numbers that differ from the first filter's are tinted.",
-        "Drag the sign = beside a number onto another filter's number to copy it, or a filter's name onto another to copy all.",
+        "Drag the sign = beside a number onto another filter's number of the same row to copy it.",
     ],
     ui: Some(view_ui),
     ..View::NONE
@@ -42,7 +42,10 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("filter settings").striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
             ui.label("");
-            names_ui(ui, &mut edits, context.palette);
+            for filter in &scenario.filters {
+                let color = context.palette.shade(color_of(filter));
+                ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
+            }
             ui.end_row();
             for row in rows(scenario) {
                 ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
@@ -53,27 +56,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     });
     requests.extend(Request::edit(edits.change));
     None
-}
-
-fn names_ui(ui: &mut Ui, edits: &mut Edits<'_>, palette: &Palette) {
-    let scenario = edits.scenario;
-    let mut same = None;
-    for (place, filter) in scenario.filters.iter().enumerate() {
-        let color = palette.shade(color_of(filter));
-        let source = ui.dnd_drag_source(Id::unique(("numbers of", filter.id)), filter.id, |ui| {
-            ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
-        });
-        let name = source.response.on_hover_text("Drag it onto another filter to copy all numbers");
-        if let Some(id) = name.dnd_release_payload::<u32>() {
-            same = Some((*id, place));
-        }
-    }
-    if let Some((id, place)) = same
-        && let Some(from) = scenario.filters.iter().find(|filter| filter.id == id).cloned()
-    {
-        let FilterSettings { id, name, color, kind, .. } = scenario.filters[place].clone();
-        edits.change.put_filter(place, FilterSettings { id, name, color, kind, ..from });
-    }
 }
 
 struct Row {
@@ -120,7 +102,7 @@ fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Ad
     let address = address.map_err(|_| ["–", "This filter does not have the number"])?;
     let is_std = address.table().is_some_and(|table| table.factor.is_some());
     if is_std && address.channel().is_some_and(|channel| filter.knows(channel)) {
-        return Err(["known", "This filter assumes that the number is known"]);
+        return Err(["known", "This filter takes the number for known"]);
     }
     Ok(address)
 }

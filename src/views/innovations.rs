@@ -11,7 +11,6 @@ use crate::plot::series::Series;
 use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
-use crate::views::handles;
 
 /// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
@@ -78,7 +77,6 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
         name: format!("innovation of {}{of}", quantity.key()),
         unit: context.unit(quantity.unit()),
         layers: vec![Layer::zero(palette.weak)],
-        handles: handles::of_sensor(sensor, quantity, filters, context),
         ..Chart::default()
     };
     let mut readouts = Vec::new();

@@ -3,7 +3,6 @@
 mod curves;
 mod head;
 mod over_time;
-mod population;
 
 use egui::Ui;
 
@@ -40,7 +39,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
         return None;
     };
     let curves = curves::of(ui.ctx(), seeds, runs, context);
-    head::legend_ui(ui, &curves, context, seeds.is_shown_old());
+    head::legend_ui(ui, &curves, context, seeds);
     let charts: Vec<Chart> = Chart::ALL.into_iter().filter(|chart| chart.is_in(&curves)).collect();
     let count = charts.len() + usize::from(curves.parameter.is_some());
     cells_ui(ui, count, &mut |ui, at, _| match charts.get(at) {

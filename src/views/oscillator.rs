@@ -1,16 +1,14 @@
 //! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
 mod parts;
-mod peaks;
 mod scene;
 mod stage;
 
 use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
-use self::peaks::{Peak, masses};
 use self::scene::Scene;
-use self::stage::Stage;
+use self::stage::{Peak, Stage, masses};
 use crate::request::Request;
 use crate::session::Mode;
 use crate::view::{View, ViewContext};
@@ -19,7 +17,7 @@ pub(super) static VIEW: View = View {
     name: "Oscillator",
     help: [
         "The true masses are grey. Each filter has a slice of every mass: an outline at its estimate, and a bar of ±2σ. A slice outside its mass is an error.",
-        "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
+        "Click a slice for its filter's numbers and settings, and the equation to edit it.",
         "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
     ],
     ui: Some(view_ui),
@@ -86,15 +84,11 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let eased = ui.ctx().animate_value_with_time(response.id, stage::rounded(needed) as f32, time);
     let zoom = f64::from(eased).max(needed);
 
-    let stage = |rect| Stage::new(rect, masses, 2_f64.powf(zoom));
-    let whole = stage(rect);
-    let strip = Scene { stage: &whole, painter: &painter, context, k }.strip();
-    let strip = strip.map(|height| rect.with_max_y(rect.top() + height));
-    let stage = strip.map_or(whole, |strip| stage(rect.with_min_y(strip.bottom())));
+    let stage = Stage::new(rect, masses, 2_f64.powf(zoom));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
     scene.masses(peak.force);
     let equation = session.run().scenario().plant.kind.equation();
-    let place = scene.captions(strip);
+    let place = scene.captions();
     for (number, (slice, id, name)) in scene.slices().into_iter().enumerate() {
         let mass = ui.interact(slice, response.id.with(("slice", number)), Sense::click());
         mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} on the mass")));

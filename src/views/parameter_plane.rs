@@ -1,13 +1,11 @@
 //! Two quantities against each other: two parameters with the covariance between them, and velocity over displacement.
 
-use egui::{Align2, Color32, ComboBox, RichText, Ui};
+use egui::{Align2, Color32, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::laboratory::{Posteriors, Shown};
 use crate::plot::plane::{Plane, aged_path, around, drawable};
 use crate::request::Request;
-use crate::text::{decimals, fixed, significant};
 use crate::view::{View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
@@ -20,13 +18,13 @@ pub(super) static VIEW: View = View {
     help: [
         "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
         "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
-        "A tilted ellipse: the filter cannot tell the two apart, only a combination of them. *Posterior of* draws what the readings say without the belief that it is normal.",
+        "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
     ],
     ui: Some(view_ui),
     ..View::NONE
 };
 
-fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let run = session.run();
     let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
@@ -34,11 +32,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
         ui.weak("There are not two parameters.");
         return None;
     };
-    let posteriors = context.laboratory.map(|laboratory| &laboratory.posteriors);
-    if let Some(posteriors) = posteriors {
-        head_ui(ui, context, posteriors, requests);
-    }
-    let cloud = posteriors.and_then(|posteriors| cloud(context, posteriors, [x, y]));
     let k = axis.readout(session);
     let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
     for (_, estimates) in context.filters() {
@@ -57,7 +50,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
             .iter()
             .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
             .chain(&truth)
-            .chain(cloud.iter().flat_map(|(points, _)| points))
             .map(move |p| p[axis])
     };
     let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
@@ -67,14 +59,8 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     };
     let mut labelled = false;
     Plane::linear("parameter plane", [&label(x), &label(y)]).show(ui, palette, range, |plot| {
-        // Behind points a path is only a hint.
-        let strength = if cloud.is_some() { 0.4 } else { 1.0 };
         for (path, _, color) in &paths {
-            aged_path(plot, path, color.gamma_multiply(strength), 1.4);
-        }
-        if let Some((points, color)) = cloud {
-            let points: Points2 = points.into_iter().map(|point| drawable(plot, point)).collect();
-            plot.points(Points::new("posterior", points).color(color).radius(1.8).allow_hover(false));
+            aged_path(plot, path, *color, 1.4);
         }
         for (path, ellipse, color) in paths {
             let now = path.first().map(|now| drawable(plot, *now));
@@ -101,16 +87,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-/// The points of the posterior in the plane, and their colour: the filter's, fainter where they are of another time.
-fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2]) -> Option<(Points2, Color32)> {
-    let shown = posteriors.shown.as_ref()?;
-    let (_, estimates) = context.filters().find(|(_, estimates)| estimates.id() == shown.filter())?;
-    let [x, y] = [shown.sampled.values(x)?, shown.sampled.values(y)?];
-    let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-    let strength = if shown.is_of_now { 0.6 } else { 0.25 };
-    Some((points, context.color(estimates).gamma_multiply(strength)))
-}
-
 fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
     let n = estimates.channels().len();
     let cov = |a: usize, b: usize| {
@@ -127,90 +103,6 @@ fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]>
             [centre[0] + ELLIPSE * a * cos, centre[1] + ELLIPSE * (b * cos + c * sin)]
         })
         .collect()
-}
-
-/// The distance between both means beyond which it is reported, in standard deviations of the posterior.
-const AWAY: f64 = 1.0;
-
-pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
-    const HINT: &str = "Points of the parameters' probability given the readings, found without the belief that it is normal. \
-                        Where they leave the ellipse, ±2σ is wrong.";
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 5.0;
-        ui.label("Posterior of").on_hover_text(HINT);
-        let chosen = posteriors.chosen;
-        let all = context.session.run().estimates();
-        let filter = chosen.and_then(|id| all.iter().find(|of| of.id() == id));
-        let combo =
-            ComboBox::from_id_salt("posterior").selected_text(filter.map_or("none", Estimates::name)).width(72.0);
-        let combo = combo.show_ui(ui, |ui| {
-            let choices = all.iter().map(|of| (Some(of.id()), of.name()));
-            for (id, name) in std::iter::once((None, "none")).chain(choices) {
-                if ui.selectable_label(chosen == id, name).clicked() && chosen != id {
-                    requests.push(Request::ChoosePosterior(id));
-                }
-            }
-        });
-        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Filter of the posterior"));
-        if let Some(filter) = filter {
-            ui.weak(words(context, posteriors, filter));
-        }
-    });
-}
-
-fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
-    let is_hidden = !context.visible.filter(filter.id());
-    let result = || posteriors.shown.as_ref().and_then(|shown| sentences(context, shown, filter));
-    match (posteriors.progress(), posteriors.problem.as_deref()) {
-        _ if is_hidden => format!("{} is hidden.", filter.name()),
-        (Some(share), _) => format!("{:.0} %", 100.0 * share),
-        (_, Some(problem)) => problem.to_owned(),
-        _ if context.session.playing() => "It is found when the playback stops.".to_owned(),
-        _ => result().unwrap_or_default(),
-    }
-}
-
-fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) -> Option<String> {
-    let run = context.session.run();
-    let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;
-    let mut text = comparison(estimates, shown)?;
-    if let Some((channel, solutions)) = shown.solutions {
-        let [low, high] = solutions.means.map(|mean| fixed(mean, decimals(channel)));
-        let [one, other] = solutions.shares.map(|share| 100.0 * share);
-        let symbol = channel.symbol();
-        text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
-    }
-    if shown.sampled.is_stiller_than(filter, shown.last().0) {
-        text += " The filter lets the parameters change, the posterior does not.";
-    }
-    Some(text)
-}
-
-fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
-    let (sample, time) = shown.last();
-    let (mut ratios, mut away) = (Vec::new(), Vec::new());
-    for &channel in &shown.sampled.channels {
-        let place = estimates.place(channel).filter(|_| sample < estimates.len())?;
-        let [mean, std] = shown.sampled.moments(channel)?;
-        let symbol = channel.symbol();
-        ratios.push(format!("{} ({symbol})", significant(estimates.std(sample, place) / std, 2)));
-        let by = (estimates.canonical_mean(sample, place) - mean).abs() / std;
-        if by > AWAY {
-            away.push(format!("{} posterior σ away in {symbol}", significant(by, 2)));
-        }
-    }
-    let mut text = format!("At {} s its ±2σ is {} times the posterior's", fixed(time, 2), listed(&ratios));
-    if !away.is_empty() {
-        text += &format!(", and its mean {}", listed(&away));
-    }
-    Some(text + ".")
-}
-
-fn listed(words: &[String]) -> String {
-    match words.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => words.concat(),
-    }
 }
 
 /// Duration of the past that is drawn \[s\].

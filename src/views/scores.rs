@@ -1,8 +1,8 @@
 //! Filters side by side: verdict and scores.
 
-use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
+use egui::{Grid, Label, RichText, ScrollArea, Ui};
 use kalmanscope_core::diagnostics::{Depth, MeanSquare};
-use kalmanscope_core::{Channel, Signal, Source, Verdict};
+use kalmanscope_core::{Channel, Estimates, Signal, Source, Verdict};
 use kalmanscope_core::{ModelClasses, Summary};
 
 use crate::plot::medium::Medium;
@@ -27,7 +27,7 @@ const SPACING: f32 = 18.0;
 pub(super) static VIEW: View = View {
     name: "Scores",
     help: [
-        "The scores of each filter over the record so far, or over the kept part of a long one; a click on a row's name sorts by it.",
+        "The scores of each filter over the record so far, or over the kept part of a long one.",
         "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
         "A small error of an inconsistent filter may be chance.",
     ],
@@ -40,21 +40,13 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     let ViewContext { session, palette, visible, .. } = *context;
     let (estimates, record) = (session.run().estimates(), session.run().record());
     let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
-    let mut summaries: Vec<(usize, Summary)> =
-        session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
-    let sorting = Id::unique("scores are sorted by");
+    let summaries: Vec<Summary> = session.diagnostics().iter().zip(estimates).enumerate().map(of).collect();
     // The scores before the last change.
-    let was = |place: usize| {
-        let (diagnostics, estimates) = session.before()?.diagnostics(estimates[place].id())?;
+    let was = |estimates: &Estimates| {
+        let (diagnostics, estimates) = session.before()?.diagnostics(estimates.id())?;
         Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
     };
-    let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
-    if let Some(row) = rows(&summaries, &[], session).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
-        let distances: Vec<f64> =
-            row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
-        summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
-    }
-    let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
+    let before: Vec<Option<Summary>> = estimates.iter().map(was).collect();
     let rows = rows(&summaries, &before, session);
     let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
     let reason_width = column.clamp(REASON.0, REASON.1);
@@ -65,26 +57,19 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
             } else if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
                 ui.ctx().copy_text(as_text(&summaries, &rows));
             }
-            for (place, summary) in &summaries {
-                ui.label(
-                    RichText::new(&summary.name)
-                        .family(theme::strong())
-                        .color(palette.shade(estimates[*place].color())),
-                );
+            for estimates in estimates {
+                ui.label(RichText::new(estimates.name()).family(theme::strong()).color(context.color(estimates)));
             }
             ui.end_row();
             if visible.verdicts {
                 ui.weak("verdict");
-                for (_, summary) in &summaries {
+                for summary in &summaries {
                     verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
                 }
                 ui.end_row();
             }
             for row in &rows {
-                let sorts = sorted_by.as_ref() == Some(&row.name);
-                if row_name_ui(ui, row, sorts) {
-                    sorted_by = (!sorts).then(|| row.name.clone());
-                }
+                ui.weak(&row.name).on_hover_text(row.hint);
                 let best = row.best();
                 for (place, (value, before)) in row.values.iter().zip(&row.before).enumerate() {
                     let value = value.map_or("–".to_owned(), |x| significant(x, 3));
@@ -103,14 +88,13 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
             if visible.verdicts {
                 // The reason comes last: it is long, and the numbers above it are for comparison.
                 ui.weak("why");
-                for (_, summary) in &summaries {
+                for summary in &summaries {
                     reason_ui(ui, summary.verdict.as_ref(), reason_width);
                 }
                 ui.end_row();
             }
         });
     });
-    ui.data_mut(|data| data.insert_temp(sorting, sorted_by));
     None
 }
 
@@ -160,24 +144,17 @@ impl Row {
     }
 }
 
-fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
-    let text =
-        if sorts { RichText::new(format!("{} ▸", row.name)).strong() } else { RichText::new(&row.name).weak() };
-    let name = ui.add(egui::Label::new(text).selectable(false).sense(egui::Sense::click()));
-    name.on_hover_text(format!("{}. Click to put the best first", row.hint)).clicked()
-}
-
-fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Session) -> Vec<Row> {
+fn rows(summaries: &[Summary], before: &[Option<Summary>], session: &Session) -> Vec<Row> {
     let row = |name: String, hint, ideal, alike, of: &dyn Fn(&Summary) -> Option<f64>| Row {
         name,
         hint,
         ideal,
         alike,
-        values: summaries.iter().map(|(_, summary)| of(summary)).collect(),
+        values: summaries.iter().map(of).collect(),
         before: before.iter().map(|summary| of(summary.as_ref()?)).collect(),
     };
     let mut channels: Vec<Channel> = Vec::new();
-    for channel in summaries.iter().flat_map(|(_, s)| s.finals.iter().map(|f| f.channel)) {
+    for channel in summaries.iter().flat_map(|s| s.finals.iter().map(|f| f.channel)) {
         if !channels.contains(&channel) {
             channels.push(channel);
         }
@@ -216,14 +193,14 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     let hint = "Of all measurements: larger means better predictions";
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     if summaries.len() > 1 {
-        let classes = ModelClasses::new(summaries.iter().map(|(_, summary)| summary.log_evidence()));
+        let classes = ModelClasses::new(summaries.iter().map(Summary::log_evidence));
         let values = classes.probabilities().iter().map(|p| Some(100.0 * p)).collect();
         let hint = "Of the filter as a model, if one of them is right and all were equally probable at first";
         let name = "probability of the model [%]".to_owned();
         let before = || vec![None; summaries.len()];
         rows.push(Row { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });
-        let best = classes.likeliest().map_or(f64::NAN, |class| summaries[class].1.log_evidence());
-        let of = |(_, summary): &_| Some(Summary::log_evidence(summary) - best).filter(|ln| ln.is_finite());
+        let best = classes.likeliest().map_or(f64::NAN, |class| summaries[class].log_evidence());
+        let of = |summary: &Summary| Some(summary.log_evidence() - best).filter(|ln| ln.is_finite());
         let values = summaries.iter().map(of).collect();
         let hint =
             "Logarithm of the Bayes factor over the likeliest model: below -5, the readings are clearly against it";
@@ -251,11 +228,10 @@ fn last_change(session: &Session) -> Option<f64> {
     plant.kind.channels().iter().filter_map(at).filter(|at| *at < end).reduce(f64::max)
 }
 
-fn as_text(summaries: &[(usize, Summary)], rows: &[Row]) -> String {
-    let names: Vec<&str> = summaries.iter().map(|(_, s)| s.name.as_str()).collect();
+fn as_text(summaries: &[Summary], rows: &[Row]) -> String {
+    let names: Vec<&str> = summaries.iter().map(|s| s.name.as_str()).collect();
     let mut text = format!("\t{}\n", names.join("\t"));
-    let verdicts =
-        summaries.iter().map(|(_, s)| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));
+    let verdicts = summaries.iter().map(|s| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));
     text += &format!("verdict\t{}\n", verdicts.collect::<Vec<_>>().join("\t"));
     for row in rows {
         let values = row.values.iter().map(|x| x.map_or(String::new(), |x| x.to_string()));

@@ -12,10 +12,8 @@ use kalmanscope::team::{Cells, Computer, Graphics, Handle, Lost, Report, Rows, T
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Record, Scenario, Tape};
-use kalmanscope_lab::posterior::Sampled;
 use kalmanscope_worker::{
-    cells_message, file_message, filter_message, loaded, posterior_message, rows, sampled, suggest_message, suggestion,
-    tape,
+    cells_message, file_message, filter_message, loaded, rows, suggest_message, suggestion, tape,
 };
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
@@ -60,14 +58,6 @@ impl Team for Workers {
     fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
         let message = |number| suggest_message(number, scenario, record);
         self.begin(Left::Outcome, &message, |part, _| report(part, suggestion))
-    }
-
-    fn posterior(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Option<Sampled>>>> {
-        let message = |number| posterior_message(number, scenario, record);
-        let scenario = scenario.clone();
-        self.begin(Left::Outcome, &message, move |part, _| {
-            report(part, |outcome| scenario.knowing(|| sampled(outcome)))
-        })
     }
 
     fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {

@@ -8,8 +8,7 @@ use kalmanscope::laboratory::Choice;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
-use kalmanscope_core::{Channel, FilterKind, Hold, Measure, PlantKind, Robust, Scenario, Source, Task as _, simulate};
-use kalmanscope_lab::posterior::Posterior;
+use kalmanscope_core::{Channel, FilterKind, Hold, Measure, PlantKind, Robust, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Runner, Sheet};
 use serde_json::Value;
 
@@ -58,29 +57,6 @@ pub(crate) async fn maps_of_other_filters(page: &Page, address: &str) {
         page.wait_until(COMPLETE, PATIENCE).await.unwrap();
         has_the_bits_of_this_machine(page).await;
     }
-}
-
-/// The points of a posterior come from a worker, and tell what this machine's do.
-pub(crate) async fn a_posterior_is_found_in_a_worker(page: &Page, address: &str) {
-    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
-    scenario.filters.truncate(1);
-    let mut app = App::with_scenario(scenario.clone()).unwrap();
-    *app.layout_mut() = Layout::column(&[ViewKind::ParameterPlane]);
-    let filter = app.session().run().scenario().filters[0].id;
-    app.laboratory.posteriors.choose(Some(filter));
-    app.session_mut().set_mode(Mode::Whole);
-    app.session_mut().pause();
-    app.session_mut().seek(20.0);
-    starts(page, &format!("{address}{}", app.link().unwrap())).await;
-    let begun = Instant::now();
-    page.wait_until("JSON.parse(wasmBindings.kalmanscope_summary()).posterior !== null", PATIENCE).await.unwrap();
-    println!("the posterior is there after {:.1} s", begun.elapsed().as_secs_f64());
-    let found = page.summary().await["posterior"].clone();
-    let expected = Posterior::new(&scenario, 0, &simulate(&scenario)).unwrap().run().unwrap();
-    assert_eq!(found["points"], Value::from(expected.points.len()));
-    let evidence = found["log_evidence"].as_f64().unwrap();
-    assert_eq!(evidence.to_bits(), expected.log_evidence.to_bits(), "{evidence} {}", expected.log_evidence);
-    has_workers(page).await;
 }
 
 async fn has_workers(page: &Page) {

@@ -144,7 +144,6 @@ fn long_work_goes_in_workers() {
     visit(&dist(), &[elsewhere::WATCH], &[], async |page, address, _| {
         elsewhere::a_long_filter_is_computed_in_a_worker(page, address).await;
         laboratory::maps_of_other_filters(page, address).await;
-        laboratory::a_posterior_is_found_in_a_worker(page, address).await;
     });
     for (trouble, is_begun) in [(elsewhere::NONE, false), (elsewhere::FAILS, true)] {
         visit(&dist(), &[elsewhere::WATCH, trouble], &[], async |page, address, _| {

@@ -203,24 +203,6 @@ fn scores_name_their_units_and_what_they_are_measured_from() {
 }
 
 #[test]
-fn scores_are_sorted_by_the_row_that_is_clicked() {
-    let mut screen = workbench();
-    let mut bad = Scenario::default();
-    bad.filters[0].sensor_std = vec![0.5, 3.0];
-    show_whole(&mut screen, bad);
-    show(&mut screen, &[ViewKind::Scores]);
-    let place = |screen: &Screen, name: &str| {
-        let nodes = screen.get_all_by_label(name).map(|node| node.rect());
-        nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 170.0).map(|r| r.left()).fold(f32::NAN, f32::max)
-    };
-    assert!(place(&screen, "EKF") < place(&screen, "UKF"));
-    click(&mut screen, "NIS, 1 is right");
-    assert!(place(&screen, "EKF") > place(&screen, "UKF"), "the UKF is the better one");
-    click(&mut screen, "NIS, 1 is right ▸");
-    assert!(place(&screen, "EKF") < place(&screen, "UKF"));
-}
-
-#[test]
 fn smoothed_estimates_are_shown_of_the_whole_record() {
     let mut screen = workbench();
     open_options(&mut screen);

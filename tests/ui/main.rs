@@ -23,7 +23,6 @@ mod monte_carlo;
 mod native;
 mod phone;
 mod playback;
-mod posterior;
 mod records;
 mod settings;
 mod share;

@@ -104,26 +104,13 @@ fn a_measured_record_has_one_noise() {
 fn a_population_is_drawn_in_the_view() {
     let mut drawn = short();
     drawn.draw.insert("plant.natural_frequency".to_owned(), Law::Lognormal([6.0, 0.2]));
-    let mut screen = monte_carlo(drawn, 30);
+    let screen = monte_carlo(drawn, 30);
     assert!(screen.query_by_label_contains("drawn: true ωₙ lognormal (6, 0.2)").is_some());
     assert!(screen.query_by_label_contains("Plot of the last error of ωₙ").is_some());
     assert_eq!(screen.query_all_by_label_contains("ωₙ within 1 %: ").count(), 2);
     let statistics = screen.state().laboratory.seeds.shown().expect("there are some").statistics.clone();
     let truths: Vec<f64> = statistics.last_errors(0, 2).iter().map(|last| last.truth).collect();
     assert!(truths.iter().any(|truth| (truth - truths[0]).abs() > 0.5), "{truths:?}");
-    // One more number is drawn, with a law of one's own.
-    click(&mut screen, "Drawn numbers");
-    choose(&mut screen, "Draw another number", "guess of ωₙ");
-    let law = |screen: &Screen| scenario(screen).draw.get("filters.*.initial_mean.natural_frequency").copied();
-    assert_eq!(law(&screen), Some(Law::Lognormal([8.0, 0.2])));
-    choose(&mut screen, "Law of guess of ωₙ", "normal");
-    assert_eq!(law(&screen), Some(Law::Normal([8.0, 1.6])));
-    set(&mut screen, "σ of guess of ωₙ", 2.5);
-    assert_eq!(law(&screen), Some(Law::Normal([8.0, 2.5])));
-    let shown = screen.state().laboratory.seeds.shown().expect("there are some");
-    assert_eq!((shown.statistics.done(), shown.scenario().draw.len()), (30, 2));
-    click(&mut screen, "Draw true ωₙ no more");
-    assert_eq!(scenario(&screen).draw.len(), 1);
 }
 
 #[test]

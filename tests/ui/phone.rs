@@ -131,7 +131,7 @@ fn a_number_is_tuned_with_its_curve_in_sight() {
     swipe(&mut screen, slider.left_center() + egui::vec2(15.0, 0.0), egui::vec2(60.0, 0.0));
     assert!(scenario(&screen).filters[0].fading > 1.005, "{}", scenario(&screen).filters[0].fading);
     assert_eq!(curves(&screen), before, "nothing has moved");
-    let [filter, chip] = ["Show EKF", "before: λ = 1.005 ×"].map(|label| screen.get_by_label(label).rect());
+    let [filter, chip] = ["Show EKF", "before: EKF λ = 1.005 ×"].map(|label| screen.get_by_label(label).rect());
     assert!((filter.center().y - chip.center().y).abs() < 12.0, "one row: {filter} {chip}");
     assert!(chip.right() <= PHONE.x, "the chip is in sight: {chip}");
     screen.run_steps(90);

@@ -8,7 +8,6 @@
 //! | `["filter", number, scenario, record, place]` | the same |
 //! | `["file", number, Uint8Array]` | |
 //! | `["suggest", number, scenario, record]` | the same |
-//! | `["posterior", number, scenario, record]`, of its first filter | the same |
 //! | `["more", number, portion]` | `["part", number, part]` |
 //! | `["forget", number]` | |
 //!
@@ -20,7 +19,7 @@
 //! | cells | `Uint32Array` of cells | `[Uint32Array, Float64Array]`: the cells and their rows |
 //! | filter | number of samples | `Float64Array`: the numbers of a tape |
 //! | file | number of pieces of work | the share that is done; last `[hash, table, column, …]`, or why it cannot be read |
-//! | suggest, posterior | number of pieces of work | the share that is done; last JSON |
+//! | suggest | number of pieces of work | the share that is done; last JSON |
 //!
 //! Columns of numbers are handed over, not copied.
 
@@ -30,7 +29,7 @@ mod messages;
 mod scope;
 
 pub use messages::{
-    cells, cells_message, file_message, filter_message, loaded, portion_of, posterior_message, rows, rows_part, runner,
-    sampled, serve, suggest_message, suggestion, tape,
+    cells, cells_message, file_message, filter_message, loaded, portion_of, rows, rows_part, runner, serve,
+    suggest_message, suggestion, tape,
 };
 pub use scope::{Words, answer, fail, hear, tell};

@@ -1,4 +1,4 @@
-//! Cells of ensembles, single filters, points of a posterior, start values, records and their files in messages, and the page's program
+//! Cells of ensembles, single filters, start values, records and their files in messages, and the page's program
 //! in one of its workers.
 
 use std::sync::Arc;
@@ -8,7 +8,6 @@ use kalmanscope_core::import::{ImportError, Loaded, Loading, Table};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document};
-use kalmanscope_lab::posterior::{Posterior, Sampled};
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
@@ -101,33 +100,10 @@ pub fn tape(value: &JsValue) -> Option<Tape> {
     value.dyn_ref::<Float64Array>().map(|numbers| Tape::from_numbers(numbers.to_vec()))
 }
 
-fn search_message(kind: &str, number: u32, scenario: &Scenario, record: &Record) -> Array {
-    let scenario = document::to_json(scenario).unwrap_or_default();
-    Array::of4(&kind.into(), &number.into(), &scenario.into(), &filtered(record))
-}
-
-/// The message that asks a worker for the posterior of the first filter of a scenario, given a record.
-pub fn posterior_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
-    search_message("posterior", number, scenario, record)
-}
-
-fn posterior(words: &Words) -> Result<Posterior, String> {
-    let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
-    Posterior::new(&scenario, 0, &record).map_err(|reason| reason.to_string())
-}
-
-fn sampled_message(sampled: &Option<Sampled>, _: &Array) -> JsValue {
-    document::to_json(sampled).unwrap_or_default().into()
-}
-
-/// The points of a worker's message. `None` if it is none.
-pub fn sampled(value: &JsValue) -> Option<Option<Sampled>> {
-    document::read_json(&value.as_string()?).ok()
-}
-
 /// The message that asks a worker for start values of a scenario on a record.
 pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
-    search_message("suggest", number, scenario, record)
+    let scenario = document::to_json(scenario).unwrap_or_default();
+    Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
 }
 
 fn suggest(words: &Words) -> Result<Suggest, String> {
@@ -275,7 +251,6 @@ fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
         "cells" => Box::new(Rows(runner(words)?)),
         "filter" => Box::new(Filter::new(words)?),
         "file" => Box::new(Whole::new(file(words), loaded_message)),
-        "posterior" => Box::new(Whole::new(posterior(words)?, sampled_message)),
         "suggest" => Box::new(Whole::new(suggest(words)?, suggestion_message)),
         _ => return Err(format!("`{kind}` is no task")),
     })

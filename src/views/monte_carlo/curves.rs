@@ -6,10 +6,9 @@ use std::sync::Arc;
 use egui::{Context, Id};
 use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_core::{Channel, VerdictKind};
+use kalmanscope_core::{Channel, FilterSettings, VerdictKind};
 use kalmanscope_lab::{LastError, MonteCarlo};
 
-use super::population;
 use crate::laboratory::{SeedRuns, Seeds};
 use crate::plot::cache::cached;
 use crate::view::ViewContext;
@@ -29,7 +28,6 @@ pub(super) struct Curves {
     pub(super) truth: Option<f64>,
     /// Whether the histogram is of the last errors, since the truth is another one for each seed.
     pub(super) is_of_errors: bool,
-    pub(super) drawn: Option<String>,
     pub(super) impossible: usize,
     pub(super) filters: Vec<FilterCurves>,
     pub(super) histogram: Histogram,
@@ -78,25 +76,21 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
         let of_plant = scenario.plant.parameter(channel).map(|signal| signal.at(end));
         of_plant.or_else(|| record.truth(channel)?.last().copied())
     });
-    let one = |(nth, filter): (usize, &kalmanscope_core::FilterSettings)| {
-        of_filter(statistics, (nth, runs.filters[nth], &filter.name), scenario.sensors.len(), parameter)
+    let place = |nth: usize| {
+        let place = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
+        place.map(|at| (at, statistics.last_errors(nth, at)))
     };
-    let filters: Vec<FilterCurves> = scenario.filters.iter().enumerate().map(one).collect();
-    let finals = |nth: usize| {
-        let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
-        at.map_or(&[][..], |at| statistics.finals(nth, at))
-    };
-    let finals: Vec<&[f64]> = (0..filters.len()).map(finals).collect();
-    let errors: Vec<Vec<f64>> = (0..filters.len())
-        .map(|nth| last_errors(statistics, nth, parameter).iter().map(|last| last.error).collect())
-        .collect();
-    let is_of_errors = (0..filters.len()).any(|nth| differ(last_errors(statistics, nth, parameter)));
+    let all = 0..runs.filters.len();
+    let filters = scenario.filters.iter().enumerate();
+    let filters = filters.map(|(nth, filter)| of_filter(runs, (nth, filter), place(nth))).collect();
+    let is_of_errors = all.clone().filter_map(place).any(|(_, errors)| differ(errors));
     let truth = truth.filter(|_| !is_of_errors);
-    let histogram = if is_of_errors {
-        Histogram::new(&errors.iter().map(Vec::as_slice).collect::<Vec<_>>(), Some(0.0))
-    } else {
-        Histogram::new(&finals, truth)
+    let last = |nth: usize| match place(nth) {
+        Some((_, errors)) if is_of_errors => errors.iter().map(|last| last.error).collect(),
+        Some((at, _)) => statistics.finals(nth, at).to_vec(),
+        None => Vec::new(),
     };
+    let histogram = Histogram::new(&all.map(last).collect::<Vec<_>>(), truth.or(is_of_errors.then_some(0.0)));
     let samples = statistics.samples().to_vec();
     Curves {
         seeds: statistics.done(),
@@ -107,7 +101,6 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
         parameters,
         truth,
         is_of_errors,
-        drawn: population::sentence(scenario),
         impossible: statistics.impossible(),
         histogram,
         filters,
@@ -115,51 +108,39 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
 }
 
 fn of_filter(
-    statistics: &MonteCarlo,
-    (nth, id, name): (usize, u32, &str),
-    sensors: usize,
-    parameter: Option<Channel>,
+    runs: &SeedRuns,
+    (nth, filter): (usize, &FilterSettings),
+    parameter: Option<(usize, &[LastError])>,
 ) -> FilterCurves {
+    let statistics = &runs.statistics;
     let stds: Vec<Vec<f64>> =
         (0..statistics.channels(nth).len()).map(|channel| statistics.std(nth, channel).collect()).collect();
     let times = statistics.samples().len();
     // Channels of variance zero do not count in NEES.
-    let degrees = |time: usize| stds.iter().filter(|std| std[time] > 0.0).count();
-    let band = |degrees: usize| {
-        let interval = MonteCarlo::interval(degrees, statistics.runs())?;
-        Some(interval.start() / degrees as f64..=interval.end() / degrees as f64)
+    let degrees: Vec<usize> = (0..times).map(|time| stds.iter().filter(|std| std[time] > 0.0).count()).collect();
+    let band = |degrees: &usize| {
+        let interval = MonteCarlo::interval(*degrees, statistics.runs())?;
+        Some(interval.start() / *degrees as f64..=interval.end() / *degrees as f64)
     };
-    let mut bands: Vec<(usize, Option<RangeInclusive<f64>>)> = Vec::new();
-    let mut nees_band = Vec::with_capacity(times);
-    for time in 0..times {
-        let degrees = degrees(time);
-        let known = bands.iter().find(|(of, _)| *of == degrees).map(|(_, band)| band.clone());
-        nees_band.push(known.unwrap_or_else(|| {
-            let band = band(degrees);
-            bands.push((degrees, band.clone()));
-            band
-        }));
-    }
-    let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
+    let sensors = runs.scenario().sensors.len();
     FilterCurves {
-        id,
-        name: name.to_owned(),
-        nees: statistics.nees(nth).enumerate().map(|(time, nees)| nees / degrees(time) as f64).collect(),
-        nees_band,
+        id: runs.filters[nth],
+        name: filter.name.clone(),
+        nees: statistics.nees(nth).zip(&degrees).map(|(nees, degrees)| nees / *degrees as f64).collect(),
+        nees_band: degrees.iter().map(band).collect(),
         nis: statistics.nis(nth).map(|nis| nis / sensors as f64).collect(),
-        nis_band: vec![band(sensors); times],
-        quantiles: at.map_or_else(Vec::new, |at| statistics.quantiles(nth, at, SHARES)),
-        std: at.map_or_else(Vec::new, |at| stds[at].clone()),
+        nis_band: vec![band(&sensors); times],
+        quantiles: parameter.map_or_else(Vec::new, |(at, _)| statistics.quantiles(nth, at, SHARES)),
+        std: parameter.map_or_else(Vec::new, |(at, _)| stds[at].clone()),
         diverged: statistics.diverged(nth),
-        shares: shares(last_errors(statistics, nth, parameter)),
-        verdicts: verdicts(statistics.verdicts(nth)),
-        causes: causes(statistics.causes(nth)),
+        shares: parameter.and_then(|(_, errors)| shares(errors)),
+        verdicts: shares_of(VerdictKind::ALL.into_iter().zip(statistics.verdicts(nth).iter().copied())),
+        causes: {
+            let (counts, unexplained) = statistics.causes(nth);
+            let named = CAUSES.iter().map(|cause| Some(cause.name)).zip(counts.iter().copied());
+            shares_of(named.chain([(None, unexplained)]))
+        },
     }
-}
-
-fn last_errors(statistics: &MonteCarlo, nth: usize, parameter: Option<Channel>) -> &[LastError] {
-    let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
-    at.map_or(&[], |at| statistics.last_errors(nth, at))
 }
 
 fn differ(errors: &[LastError]) -> bool {
@@ -172,25 +153,12 @@ fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
     (!errors.is_empty()).then(|| [share(|last| last.is_within(0.01)), share(LastError::is_covered)])
 }
 
-fn causes((counts, unexplained): (&[usize], usize)) -> Vec<(Option<&'static str>, f64)> {
-    let runs = counts.iter().sum::<usize>() + unexplained;
-    let named = CAUSES.iter().zip(counts).map(|(cause, count)| (Some(cause.name), *count));
-    let all = named.chain([(None, unexplained)]).filter(|(_, count)| *count > 0);
-    let mut shares: Vec<_> = all.map(|(name, count)| (name, count as f64 / runs as f64)).collect();
-    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    shares
-}
-
-fn verdicts(counts: &[usize]) -> Vec<(VerdictKind, f64)> {
-    let all: usize = counts.iter().sum();
-    let mut shares: Vec<(VerdictKind, f64)> = VerdictKind::ALL
-        .into_iter()
-        .zip(counts)
-        .filter(|(_, n)| **n > 0)
-        .map(|(kind, &n)| (kind, n as f64 / all as f64))
-        .collect();
-    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    shares
+/// The share of each kind that has been counted, the commonest first.
+fn shares_of<T>(counts: impl Iterator<Item = (T, usize)>) -> Vec<(T, f64)> {
+    let mut counts: Vec<(T, usize)> = counts.filter(|(_, count)| *count > 0).collect();
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let all = counts.iter().map(|(_, count)| count).sum::<usize>() as f64;
+    counts.into_iter().map(|(kind, count)| (kind, count as f64 / all)).collect()
 }
 
 const BARS: (usize, usize) = (10, 40);
@@ -207,7 +175,7 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    pub(super) fn new(estimates: &[&[f64]], truth: Option<f64>) -> Self {
+    pub(super) fn new(estimates: &[Vec<f64>], truth: Option<f64>) -> Self {
         let mut ends: Option<(f64, f64)> = None;
         for estimates in estimates {
             let mut sorted: Vec<f64> = estimates.iter().copied().filter(|value| value.is_finite()).collect();
@@ -221,11 +189,11 @@ impl Histogram {
         let (low, high) = truth.map_or((low, high), |truth| (low.min(truth), high.max(truth)));
         let margin = 0.04 * (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let (from, to) = (low - margin, high + margin);
-        let most = estimates.iter().map(|estimates| estimates.len()).max().unwrap_or_default();
+        let most = estimates.iter().map(Vec::len).max().unwrap_or_default();
         let bars = ((2.0 * (most as f64).sqrt()) as usize).clamp(BARS.0, BARS.1);
         let (mut counts, mut beyond) = (vec![vec![0; bars]; estimates.len()], vec![0; estimates.len()]);
         for (filter, estimates) in estimates.iter().enumerate() {
-            for value in *estimates {
+            for value in estimates {
                 let share = (value - from) / (to - from);
                 if (0.0..1.0).contains(&share) {
                     counts[filter][((share * bars as f64) as usize).min(bars - 1)] += 1;
@@ -254,7 +222,7 @@ mod tests {
     fn every_estimate_is_counted_once() {
         let normal: Vec<f64> = (0..1000).map(|k| 6.0 + 0.001 * f64::from(k % 100)).collect();
         let far: Vec<f64> = normal.iter().copied().chain([1e6, f64::NAN]).collect();
-        let histogram = Histogram::new(&[&normal, &far], Some(7.0));
+        let histogram = Histogram::new(&[normal, far], Some(7.0));
         let counted = |at: usize| histogram.counts[at].iter().sum::<usize>() + histogram.beyond[at];
         assert_eq!([counted(0), counted(1)], [1000, 1002]);
         assert_eq!(histogram.beyond, [0, 2]);
@@ -264,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_single_estimate_and_none_are_possible() {
-        let histogram = Histogram::new(&[&[6.0]], None);
+        let histogram = Histogram::new(&[vec![6.0]], None);
         assert_eq!(histogram.counts[0].iter().sum::<usize>(), 1);
-        assert_eq!(Histogram::new(&[&[f64::NAN]], None).bars(), 0);
+        assert_eq!(Histogram::new(&[vec![f64::NAN]], None).bars(), 0);
     }
 }

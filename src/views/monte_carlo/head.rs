@@ -1,17 +1,15 @@
 //! The line above the charts: seeds, parameter, and the progress.
 
 use egui::{ComboBox, DragValue, RichText, Ui};
-use kalmanscope_core::Channel;
+use kalmanscope_core::scenario::Law;
+use kalmanscope_core::{Channel, Scenario};
 
 use super::curves::{self, Curves, FilterCurves};
 use super::over_time::color;
-use super::population;
-use crate::laboratory::{SEEDS, Seeds};
-use crate::menu::{Closing, menu_ui};
+use crate::laboratory::{SEEDS, Seeds, setting_name};
 use crate::request::Request;
+use crate::text::significant;
 use crate::view::ViewContext;
-
-const USUAL: [usize; 4] = [100, 1000, 3000, 10_000];
 
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, requests: &mut Vec<Request>) {
     let mut next = seeds.choice;
@@ -23,15 +21,6 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
         let number = number.on_hover_text(hint);
         number.ctx.accesskit_node_builder(number.id, |node| node.set_label("Seeds"));
         ui.weak("seeds");
-        let button = menu_ui(ui, "…", Closing::AtOnce, |ui| {
-            for count in USUAL {
-                if ui.button(format!("{count} seeds")).clicked() {
-                    next.seeds = count;
-                }
-            }
-        });
-        button.on_hover_text("Usual numbers of seeds");
-        population::population_ui(ui, context, requests);
         if let Some(runs) = seeds.shown() {
             let curves = curves::of(ui.ctx(), seeds, runs, context);
             if let Some(shown) = curves.parameter {
@@ -71,15 +60,15 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
     }
 }
 
-pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, is_old: bool) {
+pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, seeds: &Seeds) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
-        let of = if is_old { ", of the settings before" } else { "" };
+        let of = if seeds.is_shown_old() { ", of the settings before" } else { "" };
         ui.small(format!("{} seeds{of}", curves.seeds));
         if curves.impossible > 0 {
             ui.small(format!("{} of them are impossible and left out", curves.impossible));
         }
-        if let Some(drawn) = &curves.drawn {
+        if let Some(drawn) = seeds.shown().and_then(|runs| drawn(runs.scenario())) {
             ui.small(drawn);
         }
         for filter in &curves.filters {
@@ -99,6 +88,19 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
             ui.label(RichText::new(text).small().weak());
         }
     });
+}
+
+/// The numbers that are drawn for each seed, of a scenario that describes a population.
+fn drawn(scenario: &Scenario) -> Option<String> {
+    let one = |(key, law): (&String, &Law)| {
+        let [a, b] = law.numbers().map(|number| significant(number, 4));
+        let of = scenario.filters_at(key).filter(|(places, _)| places.len() == 1 && scenario.filters.len() > 1);
+        let of = of.and_then(|(places, _)| scenario.filters.get(*places.first()?));
+        let of = of.map_or(String::new(), |filter| format!(", {}", filter.name));
+        format!("{}{of} {} ({a}, {b})", setting_name(key, scenario), law.info().name)
+    };
+    let all: Vec<String> = scenario.draw.iter().map(one).collect();
+    (!all.is_empty()).then(|| format!("drawn: {}", all.join("; ")))
 }
 
 fn near(filter: &FilterCurves, parameter: Option<Channel>) -> Option<String> {

@@ -1,11 +1,10 @@
-//! The parts of the picture: the masses and each filter's belief, springs and dampers, wall and ground, force and readings.
+//! The parts of the picture: the masses and each filter's belief, springs and dampers, wall and ground, force.
 
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::TAU;
 
-use egui::epaint::Mesh;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use kalmanscope_core::channel::MAX_MASSES;
 
-use super::peaks::MAX_MASSES;
 use super::stage::Stage;
 use crate::plot::axes::{tick, ticks};
 use crate::theme::Palette;
@@ -18,32 +17,13 @@ pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palet
         painter.circle(hub, wheel, ground.lerp_to_gamma(truth, 0.3), Stroke::new(1.2 * stage.unit, truth));
     }
     let radius = 0.1 * body.height();
-    let (light, dark) = (ground.lerp_to_gamma(truth, 0.07), ground.lerp_to_gamma(truth, 0.24));
-    painter.add(shaded(body, radius, light, dark));
-    painter.rect_stroke(body, radius, Stroke::new(1.8 * stage.unit, truth), StrokeKind::Middle);
-}
-
-fn shaded(rect: Rect, radius: f32, top: Color32, bottom: Color32) -> Shape {
-    const STEPS: usize = 5;
-    let mut mesh = Mesh::default();
-    let mut vertex = |at: Pos2| {
-        mesh.colored_vertex(at, top.lerp_to_gamma(bottom, (at.y - rect.top()) / rect.height()));
-    };
-    vertex(rect.center());
-    let inner = rect.shrink(radius);
-    for (quarter, corner) in
-        [inner.right_bottom(), inner.left_bottom(), inner.left_top(), inner.right_top()].into_iter().enumerate()
-    {
-        for i in 0..STEPS {
-            let angle = (quarter as f32 + i as f32 / (STEPS - 1) as f32) * std::f32::consts::FRAC_PI_2;
-            vertex(corner + radius * Vec2::angled(angle));
-        }
-    }
-    let rim = 4 * STEPS as u32;
-    for i in 0..rim {
-        mesh.add_triangle(0, 1 + i, 1 + (i + 1) % rim);
-    }
-    Shape::mesh(mesh)
+    painter.rect(
+        body,
+        radius,
+        ground.lerp_to_gamma(truth, 0.14),
+        Stroke::new(1.8 * stage.unit, truth),
+        StrokeKind::Middle,
+    );
 }
 
 #[derive(Clone, Copy)]
@@ -87,16 +67,6 @@ pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[B
             line(bar.right(), 0.5 * thick, unit);
         }
         line(middle.x, (0.5 * thick + 2.0 * unit).min(0.5 * height - stroke), 1.5 * unit);
-    }
-}
-
-pub(super) fn name(painter: &Painter, body: Rect, slices: usize, palette: &Palette) {
-    let height = body.height() / slices.max(1) as f32;
-    let size = (0.62 * height).min(0.24 * body.width()).min(22.0);
-    if size >= 9.0 {
-        let at = pos2(body.left() + 0.09 * body.width(), body.top() + 0.5 * height);
-        let name = painter.layout_no_wrap("m".to_owned(), FontId::proportional(size), palette.truth);
-        painter.galley(at - vec2(0.0, 0.5 * name.size().y), name, palette.truth);
     }
 }
 
@@ -229,41 +199,22 @@ struct Helix {
 }
 
 fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
+    /// Points of a turn.
+    const POINTS: usize = 10;
     let Helix { from, to, y, radius, coils, widens } = helix;
-    // Steps of half a turn: an even number has a point on the spring's axis, its beginning and end.
-    let steps = if radius < 7.0 { 4 } else { 6 };
-    let width = 1.3 * stage.unit;
+    let stroke = Stroke::new(1.4 * stage.unit, ink.line);
     let lead = (0.07 * (to - from)).clamp(2.0, 14.0 * stage.unit);
     let (first, length) = (from + lead, to - from - 2.0 * lead);
     let tilt = (0.45 * radius).min(0.8 * length / coils as f32);
-    let at = |angle: f32, (sin, cos): (f32, f32)| -> Pos2 {
-        let share = angle / (2.0 * PI * coils as f32);
+    let at = |point: usize| -> Pos2 {
+        let (sin, cos) = (TAU * point as f32 / POINTS as f32).sin_cos();
+        let share = point as f32 / (POINTS * coils) as f32;
         // The coils of a stiffening spring close one after the other, the narrow ones at the wall first.
         let (along, wide) = if widens { (share.powf(1.6), 0.45 + 0.75 * share) } else { (share, 1.0) };
         pos2(first + along * length + tilt * wide * (cos - 1.0), y - wide * radius * sin)
     };
-    // Half a turn from an angle that is the same for every turn.
-    let half = |begin: f32| {
-        let angles = (0..=steps).map(|i| begin + PI * i as f32 / steps as f32);
-        let arcs: Vec<_> = angles.map(|angle| (angle, angle.sin_cos())).collect();
-        move |turn: usize| -> Vec<Pos2> {
-            let before = 2.0 * PI * turn as f32;
-            let within = 0.0..=2.0 * PI * coils as f32 + 1e-3;
-            let turned = arcs.iter().map(|(angle, arc)| (before + angle, *arc));
-            turned.filter(|(angle, _)| within.contains(angle)).map(|(angle, arc)| at(angle, arc)).collect()
-        }
-    };
-    let (behind, before) = (half(-FRAC_PI_2), half(FRAC_PI_2));
-    let back = Stroke::new(width, ink.back);
-    let front = Stroke::new(1.15 * width, ink.line);
-    for turn in 0..=coils {
-        painter.line(behind(turn), back);
-    }
-    for turn in 0..coils {
-        painter.line(before(turn), front);
-    }
-    painter.line_segment([pos2(from, y), pos2(first, y)], front);
-    painter.line_segment([pos2(first + length, y), pos2(to, y)], front);
+    let coil = (0..=POINTS * coils).map(at);
+    painter.line(std::iter::once(pos2(from, y)).chain(coil).chain([pos2(to, y)]).collect(), stroke);
 }
 
 fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, stretch: f64, ink: Ink) {
@@ -310,40 +261,4 @@ pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color:
     }
     // The label is above the mast: at the tip it would jump at every change of sign.
     painter.text(tail - vec2(0.0, 3.0 * unit), Align2::CENTER_BOTTOM, "f", stage.font(), color);
-}
-
-const READINGS: usize = 40;
-
-/// Fewer readings if the truth is unknown or hidden: they then stay in place while the mass moves.
-const BARE_READINGS: usize = 8;
-
-/// Draws the last readings up to sample `k`, older ones fainter. Each is as far from the mass at `x` \[m\] as it was
-/// from the `truth` when it was read, so that the cloud shows the noise without the motion.
-pub(super) fn cloud(
-    stage: &Stage,
-    painter: &Painter,
-    mass: usize,
-    readings: &[f64],
-    truth: Option<&[f64]>,
-    k: usize,
-    color: Color32,
-) {
-    let now = truth.and_then(|truth| truth.get(k)).copied();
-    let count = if now.is_some() { READINGS } else { BARE_READINGS };
-    let (middle, height) = stage.cloud(stage.body(mass, now.unwrap_or(0.0)));
-    let dot = |age: usize| {
-        let reading = readings.get(k - age).filter(|reading| reading.is_finite())?;
-        let then = truth.and_then(|truth| truth.get(k - age)).copied();
-        let x = match (now, then) {
-            (Some(now), Some(then)) => now + reading - then,
-            _ => *reading,
-        };
-        // The golden ratio spreads them evenly; a reading keeps its height while it fades.
-        let across = ((k - age) as f64 * 0.618_033_988_75).fract() as f32 - 0.5;
-        let fresh = 1.0 - age as f32 / count as f32;
-        let radius = stage.unit * if age == 0 { 2.4 } else { 1.5 };
-        let at = pos2(stage.place(mass, x), middle.y + 0.86 * across * height);
-        Some(Shape::circle_filled(at, radius, color.gamma_multiply(0.25 + 0.75 * fresh * fresh)))
-    };
-    painter.extend((0..count.min(k + 1)).rev().filter_map(dot));
 }

@@ -3,19 +3,15 @@
 use egui::text::LayoutJob;
 use egui::{FontId, Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
-use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
+use kalmanscope_core::{Channel, Estimates, Record};
 
-use super::parts::{Belief, Ink, Link, arrow, body, cloud, ghosts, ground, link, name, slice};
-use super::peaks::{displacement, recent};
-use super::stage::Stage;
+use super::parts::{Belief, Ink, Link, arrow, body, ghosts, ground, link, slice};
+use super::stage::{Stage, displacement, recent};
 use crate::equation::job;
 use crate::view::ViewContext;
 
 /// The distance of captions from the left \[points\].
 const CORNER: f32 = 10.0;
-
-/// Limits the share of the picture that an equation above it takes.
-const STRIP: f32 = 0.4;
 
 /// The least size of a typeset equation; its subscripts are smaller \[points\].
 const LEAST_EQUATION: f32 = 12.5;
@@ -62,12 +58,6 @@ impl<'a> Scene<'a> {
                 before = (at.right(), x);
             }
             ghosts(stage, painter, mass, &beliefs, visible.bands);
-            if known.is_some() && stage.masses == 1 {
-                name(painter, stage.body(mass, before.1), beliefs.len(), palette);
-            }
-            if let Some(readings) = self.readings(mass) {
-                cloud(stage, painter, mass, readings, truth, k, palette.measured);
-            }
             if !is_known(mass) || kind.is_driven(mass) {
                 arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
             }
@@ -95,11 +85,6 @@ impl<'a> Scene<'a> {
         self.record().truth(displacement(mass)).filter(|_| self.context.visible.truth)
     }
 
-    fn readings(&self, mass: usize) -> Option<&'a [f64]> {
-        let sensor = Quantity::new(Aspect::DISPLACEMENT, mass);
-        self.record().measured_quantity(sensor).filter(|_| self.context.visible.measured)
-    }
-
     fn filters(&self, mass: usize) -> impl Iterator<Item = Filter<'a>> {
         self.context.filters().filter_map(move |(_, estimates)| {
             let color = self.context.color(estimates);
@@ -125,32 +110,11 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The height of a strip above the picture \[points\], for a typed equation that is too long for the room above the
-    /// spring. `None` if no strip is needed, or the picture under it would be too low.
-    pub(super) fn strip(&self) -> Option<f32> {
-        let (room, rect) = (self.room().size(), self.stage.rect);
-        self.context.session.run().scenario().plant.kind.own_equation()?;
-        let mut whole = self.equation();
-        let size = self.painter.layout_job(whole.clone()).size();
-        whole.wrap.max_width = rect.width() - 2.0 * CORNER;
-        let height = self.painter.layout_job(whole).size().y + 2.0;
-        ((size.x > room.x || size.y > room.y) && height < STRIP * rect.height()).then_some(height)
-    }
-
-    /// Writes the equation and the measured quantities above the spring, where there is room, or the equation in a strip above
-    /// the picture. Returns the place of the equation.
-    pub(super) fn captions(&self, strip: Option<Rect>) -> Option<Rect> {
+    /// Writes the equation and the measured quantities above the spring, where there is room. Returns the place of the equation.
+    pub(super) fn captions(&self) -> Option<Rect> {
         let ViewContext { session, palette, visible, .. } = *self.context;
         let room = self.room();
-        let told = match strip {
-            None => self.write(self.equation(), room),
-            Some(strip) => {
-                let mut whole = self.equation();
-                let strip = strip.shrink2(vec2(CORNER, 0.0));
-                whole.wrap.max_width = strip.width();
-                self.write(whole, strip)
-            }
-        };
+        let equation = self.write(self.equation(), room);
         let sensors = session.run().record().sensors();
         let mut measured = sensors.iter().map(|q| q.symbol()).collect::<Vec<_>>().join(", ");
         // Of the measured quantities, only a displacement has a channel as its rate of change.
@@ -159,10 +123,10 @@ impl<'a> Scene<'a> {
         }
         if visible.measured && !sensors.is_empty() {
             let text = format!("measured: {measured}");
-            let below = told.map_or(room, |told| room.with_min_y(told.bottom().max(room.top())));
+            let below = equation.map_or(room, |equation| room.with_min_y(equation.bottom().max(room.top())));
             self.write(LayoutJob::simple_singleline(text, self.stage.font(), palette.weak), below);
         }
-        told
+        equation
     }
 
     fn write(&self, text: LayoutJob, room: Rect) -> Option<Rect> {

@@ -1,8 +1,66 @@
 //! Positions on screen.
 
-use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use egui::{Rect, Vec2, pos2, vec2};
 
-use super::peaks::Peak;
+use kalmanscope_core::channel::MAX_MASSES;
+use kalmanscope_core::{Channel, Record, Run};
+
+/// The largest motion and force so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Peak {
+    /// Displacement of any mass \[m\].
+    pub(super) reach: f64,
+    /// Stretch of any link \[m\].
+    pub(super) drift: f64,
+    /// Mean force over mass within [`SPELL`] \[m/s²\].
+    pub(super) force: f64,
+}
+
+impl Peak {
+    /// The largest values up to sample `k` of the true motion of `masses`.
+    pub(super) fn up_to(record: &Record, masses: usize, k: usize) -> Self {
+        let to = (k + 1).min(record.len());
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+        let mut peak = Self::default();
+        let mut before: Option<&[f64]> = None;
+        for mass in 0..masses {
+            let Some(x) = record.truth(displacement(mass)).and_then(|x| x.get(..to)) else { break };
+            peak.reach = peak.reach.max(largest(&mut x.iter().copied()));
+            peak.drift = before.map_or(peak.reach, |before| {
+                peak.drift.max(largest(&mut x.iter().zip(before).map(|(x, before)| x - before)))
+            });
+            before = Some(x);
+        }
+        let window = window(record);
+        let force = record.input().get(..to).unwrap_or_default().chunks_exact(window);
+        peak.force = largest(&mut force.map(|f| f.iter().sum::<f64>() / window as f64));
+        peak
+    }
+}
+
+pub(super) fn displacement(mass: usize) -> Channel {
+    Channel::displacement(mass.min(MAX_MASSES - 1))
+}
+
+pub(super) fn masses(run: &Run) -> usize {
+    let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
+    let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };
+    (0..MAX_MASSES).take_while(there).count().max(1)
+}
+
+/// Duration over which the arrow averages the force, because an arrow that followed white noise would flicker \[s\].
+const SPELL: f64 = 0.1;
+
+fn window(record: &Record) -> usize {
+    (SPELL / record.dt()).round().clamp(1.0, 1e5) as usize
+}
+
+/// The mean force over mass within the [`SPELL`] that ends with sample `k` \[m/s²\].
+pub(super) fn recent(record: &Record, k: usize) -> f64 {
+    let first = (k + 1).saturating_sub(window(record));
+    let force = record.input().get(first..=k).unwrap_or_default();
+    force.iter().sum::<f64>() / window(record) as f64
+}
 
 /// Travel of the last mass of a chain per mass before it, as a multiple of the stretch of a link.
 const REACH_PER_LINK: f32 = 0.55;
@@ -59,7 +117,6 @@ impl Stage {
         let room = rect.right() - margin - wall - masses as f32 * body.x;
         let gap = ((room + ratio * clearance) / (masses as f32 + ratio * 0.95 / 3.0)).max(1.0);
         let travel = ((0.95 * gap - 3.0 * clearance) / 3.0).max(1.0);
-        // Without space for a letter above the arrow, the cloud takes that space.
         let arrow = rect.top() + if height < 80.0 { 0.13 } else { 0.17 } * height;
         Self { rect, unit, floor, wall, body, arrow, gap, travel, clearance, masses, scale: f64::from(travel) / span }
     }
@@ -106,18 +163,12 @@ impl Stage {
     pub(super) fn font(&self) -> egui::FontId {
         egui::FontId::proportional((11.5 * self.unit).clamp(9.5, 16.0))
     }
-
-    pub(super) fn cloud(&self, body: Rect) -> (Pos2, f32) {
-        let (low, high) = (body.top() - 2.0 * self.unit, self.arrow + 5.0 * self.unit);
-        (pos2(body.center().x, 0.5 * (low + high)), (low - high).max(2.0))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::oscillator::peaks::{MAX_MASSES, displacement, masses};
-    use kalmanscope_core::{PlantKind, Run, Scenario};
+    use kalmanscope_core::{PlantKind, Scenario};
 
     const SIZES: [Vec2; 6] = [
         vec2(930.0, 104.0),
@@ -132,38 +183,6 @@ mod tests {
         2_f64.powf(rounded(needed(masses, peak, 0.0)))
     }
 
-    /// Displacements of `masses` that stretch every link by `drift`, as far as `reach` allows.
-    fn leaning(masses: usize, drift: f64, reach: f64) -> Vec<f64> {
-        (1..=masses).map(|i| (i as f64 * drift).clamp(-reach.abs(), reach.abs())).collect()
-    }
-
-    #[test]
-    fn masses_stay_between_the_dampers_and_the_end_of_the_stage() {
-        for size in SIZES {
-            let rect = Rect::from_min_size(Pos2::ZERO, size);
-            for masses in 1..=MAX_MASSES {
-                for (drift, reach) in [(1e-3, 1e-3), (0.2, 0.3), (0.2167, 0.25), (7.0, 7.0)] {
-                    let peak = Peak { drift, reach, force: 0.0 };
-                    let stage = Stage::new(rect, masses, span(masses, peak));
-                    for drift in [-drift, drift] {
-                        let mut start = stage.wall;
-                        for (mass, x) in leaning(masses, drift, reach).into_iter().enumerate() {
-                            let (_, cylinder) = stage.cylinder(start);
-                            let body = stage.body(mass, x);
-                            assert!(body.left() >= cylinder, "{size} {mass} of {masses}: {body} in {cylinder}");
-                            assert!(body.right() < rect.right(), "{size} {mass} of {masses}: {body}");
-                            start = body.right();
-                        }
-                    }
-                    // More links leave less space for each.
-                    let least = if masses == 1 { 0.12 } else { 0.05 / masses as f32 };
-                    let seen = stage.length(2.0 * drift.max(reach)) / size.x;
-                    assert!(seen > least, "{size} {masses}: the motion can hardly be seen, {seen}");
-                }
-            }
-        }
-    }
-
     #[test]
     fn the_motion_of_every_plant_stays_on_the_stage() {
         for kind in PlantKind::ALL {
@@ -175,7 +194,7 @@ mod tests {
             let (record, masses) = (run.record(), masses(&run));
             let peak = Peak::up_to(record, masses, run.len() - 1);
             for size in SIZES {
-                let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak));
+                let stage = Stage::new(Rect::from_min_size(egui::Pos2::ZERO, size), masses, span(masses, peak));
                 for k in 0..run.len() {
                     let mut start = stage.wall;
                     for mass in 0..masses {
@@ -192,11 +211,9 @@ mod tests {
     #[test]
     fn a_stage_has_room_for_each_thing_above_the_other() {
         for size in SIZES {
-            let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), 1, 0.2);
+            let stage = Stage::new(Rect::from_min_size(egui::Pos2::ZERO, size), 1, 0.2);
             let body = stage.body(0, 0.0);
-            let (middle, height) = stage.cloud(body);
-            assert!(stage.arrow > 6.0 && height >= 4.0, "{size}: {height}");
-            assert!(stage.arrow < middle.y - 0.5 * height && middle.y + 0.5 * height <= body.top(), "{size}");
+            assert!(stage.arrow > 6.0 && stage.arrow < body.top(), "{size}");
             assert!(body.bottom() < stage.floor && stage.floor < size.y);
             assert!(
                 stage.body(0, 0.2).center().x + stage.longest_arrow() < size.x,
