@@ -187,29 +187,6 @@ fn a_session_is_opened_again_by_drop() {
 }
 
 #[test]
-fn a_bad_session_is_refused_and_changes_nothing() {
-    let (mut screen, files) = exporting(DESKTOP);
-    let good: Value =
-        serde_json::from_slice(&exported(&mut screen, &files, "Session, to open again").contents).expect("it is JSON");
-    let with = |key: &str, value: Value| {
-        let mut bad = good.clone();
-        bad[key] = value;
-        bad
-    };
-    let before = scenario(&screen).clone();
-    for (bad, reason) in [
-        (with("kalmanscope_session", 3.into()), "it has format 3, and this program reads format 1"),
-        (with("scenario", "dt = -1".into()), "`dt` is -1"),
-        (with("more", Value::Null), "unknown field `more`"),
-    ] {
-        drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
-        let notice = screen.state().notice().expect("it is reported").to_owned();
-        assert!(notice.starts_with("“session.json” cannot be opened: ") && notice.contains(reason), "{notice}");
-        assert_eq!(scenario(&screen), &before);
-    }
-}
-
-#[test]
 fn figures_are_exported_by_keyboard_too() {
     let (mut screen, files) = exporting(DESKTOP);
     press(&mut screen, Key::E);
