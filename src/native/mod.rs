@@ -1,6 +1,5 @@
 //! The desktop program: its arguments and its window.
 
-mod crash;
 mod desktop;
 mod file_dialog;
 mod listen;
@@ -8,7 +7,6 @@ mod shelf;
 mod state_file;
 mod team;
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
@@ -40,9 +38,6 @@ struct Arguments {
     /// udp://HOST:PORT, or - for standard input
     #[arg(long, value_name = "SOURCE")]
     listen: Option<String>,
-    /// Write every line to a new file
-    #[arg(long, value_name = "FILE", requires = "listen")]
-    keep: Option<String>,
 }
 
 pub(super) fn main() -> ExitCode {
@@ -64,14 +59,10 @@ pub(super) fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-fn begin(Arguments { target, listen, keep }: Arguments) -> Result<Beginning, String> {
+fn begin(Arguments { target, listen }: Arguments) -> Result<Beginning, String> {
     if let Some(source) = listen {
         let scenario = target.as_deref().map(read_scenario).transpose()?;
-        let keep = keep.map(|file| match File::create_new(&file) {
-            Ok(kept) => Ok((file, kept)),
-            Err(error) => Err(format!("{file} cannot be made: {error}")),
-        });
-        let source = Some(Listening { source, scenario, keep: keep.transpose()? });
+        let source = Some(Listening { source, scenario });
         return Ok(Beginning { source, ..Beginning::default() });
     }
     let Some(target) = target else { return Ok(Beginning::default()) };
@@ -115,9 +106,6 @@ fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
     let creator: eframe::AppCreator<'_> = Box::new(|creation| {
         let ctx = &creation.egui_ctx;
         let folder = folder.as_deref().map_err(Clone::clone);
-        if let Ok(folder) = &folder {
-            crash::note_panics(folder);
-        }
         let desktop = Desktop::new(ctx, folder, |app| {
             let app = app.delivering(file_dialog::save()).choosing(Some(file_dialog::choose()));
             let mut app = app.working_with(team::team(Software::Refused, ctx));
@@ -139,14 +127,14 @@ fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
     eframe::run_native(ID, options, creator)
 }
 
-fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Context) -> App {
+fn listening(app: App, Listening { source, scenario }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default(), keep));
+        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario), keep));
+    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app

@@ -88,29 +88,6 @@ fn a_session_that_cannot_be_read_is_said_and_kept() {
 }
 
 #[test]
-fn a_crash_is_said_with_the_session_that_was_saved_last() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut screen = started(folder.path());
-    set_seed(&mut screen, 77);
-    save(&mut screen);
-    std::fs::write(folder.path().join("crash.txt"), "“the device is lost”, at a place.").expect("it can be written");
-    let mut screen = started(folder.path());
-    let said = notice(&mut screen);
-    assert!(said.contains("has stopped with an error: “the device is lost”, at a place. Please add "), "{said}");
-    assert_eq!(seed(&mut screen), 77);
-    assert_eq!(notice(&mut started(folder.path())), "", "it is said once");
-}
-
-#[test]
-fn an_end_forgets_the_note_of_a_thread_that_has_failed() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut screen = started(folder.path());
-    std::fs::write(folder.path().join("crash.txt"), "“x”, at y.").expect("it can be written");
-    eframe::App::on_exit(screen.state_mut(), None);
-    assert_eq!(notice(&mut started(folder.path())), "");
-}
-
-#[test]
 fn a_missing_place_is_said_and_the_explorer_starts() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join("file");
