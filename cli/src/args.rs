@@ -51,9 +51,6 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
     )]
     Tune(TuneArgs),
-    /// Find the posterior of a filter's parameters, whatever its shape, and compare the filter's ±2σ with it
-    #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
-    Posterior(PosteriorArgs),
 }
 
 #[derive(Debug, Args)]
@@ -138,18 +135,15 @@ pub(crate) struct InputArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
     /// Filter this record instead of a simulated one; `-` for standard input. What its columns mean is taken from `[record]`
-    /// in the scenario or from --map, or else guessed from their names
+    /// in the scenario, or else guessed from their names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
-    /// What the record's columns mean: a file with the contents of `[record]` in a scenario
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
 }
 
 impl InputArgs {
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map } = self;
-        [places("the scenario", [scenario]), places("--record", record), places("--map", map)].concat()
+        let Self { scenario, record } = self;
+        [places("the scenario", [scenario]), places("--record", record)].concat()
     }
 }
 
@@ -263,18 +257,6 @@ pub(crate) struct TuneArgs {
     pub(crate) goal: Goal,
     /// Write the scenario with the tuned filter
     #[arg(long, value_name = "SCENARIO.toml")]
-    pub(crate) out: Option<PathBuf>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct PosteriorArgs {
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    /// The filter [default: the first one]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) filter: Option<String>,
-    /// Write the points of the posterior, one per row
-    #[arg(long, value_name = "POINTS.csv")]
     pub(crate) out: Option<PathBuf>,
 }
 

@@ -11,7 +11,6 @@ mod formats;
 mod guesses;
 mod hostile;
 mod import;
-mod of_filter;
 #[cfg(unix)]
 mod pipes;
 mod population;
@@ -21,6 +20,7 @@ mod report;
 mod run;
 mod stream;
 mod sweep;
+mod tune;
 mod two_files;
 #[cfg(unix)]
 mod words;

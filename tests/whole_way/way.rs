@@ -57,7 +57,7 @@ fn measured(bytes: Vec<u8>, scenario: &Scenario, dice: &mut Dice) -> Option<Meas
 fn results(run: &Run) {
     let wanted = Wanted { bounds: true, ..Wanted::default() };
     let analysis = stage("analysis", || Analysis::new(run, wanted));
-    let causes = stage("causes", || causes(run, &analysis, &mut |_| {}));
+    let causes = stage("causes", || causes(run, &analysis));
     let records = [("its own record", run.record())];
     let results = stage("results", || Results::of_run(run, &analysis, causes).with_free_runs(run, &records));
     require_legible(&stage("table", || results.table(true)));
