@@ -9,6 +9,7 @@ use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::view::ViewContext;
 use crate::views::view;
+use crate::widgets::named;
 
 /// Limits the height below which views are in one column \[points\].
 const LOW: f32 = 340.0;
@@ -132,7 +133,7 @@ pub(crate) fn help_ui(ui: &mut Ui, name: &str, help: [&str; 3]) {
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
     let help = if is_open { help } else { help.on_hover_ui(lines) };
-    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {name}")));
+    named(help, format!("About {name}"));
 }
 
 struct Panes<'a> {
@@ -191,18 +192,15 @@ impl Panes<'_> {
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
             help_ui(ui, view.name, view.help);
             let side = bar_height(ui);
-            let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
+            let small = |ui: &mut Ui, icon: &str, hint: &str, verb: &str| {
+                let button = Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
+                named(ui.add(button).on_hover_text(hint), format!("{verb} {}", view.name)).clicked()
+            };
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let close = ui.add(small("×")).on_hover_text("Hide this view");
-                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name)));
-                if close.clicked() {
+                if small(ui, "×", "Hide this view", "Hide") {
                     self.requests.push(Request::ToggleView(kind));
                 }
-                let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
-                enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
-                    node.set_label(format!("Enlarge {}", view.name));
-                });
-                if enlarge.clicked() || title.double_clicked() {
+                if small(ui, "⛶", "As large as can be, and back", "Enlarge") || title.double_clicked() {
                     self.requests.push(Request::ToggleEnlarged(kind));
                 }
             });
@@ -210,9 +208,7 @@ impl Panes<'_> {
         })
         .inner
     }
-}
 
-impl Panes<'_> {
     /// The name of a view, or the row of its tabs.
     fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind, sense: Sense) -> Response {
         let name = |kind: ViewKind| RichText::new(view(kind).name).small();
@@ -330,22 +326,6 @@ mod tests {
     use egui::vec2;
 
     use super::*;
-
-    #[test]
-    fn the_plant_keeps_its_height_whatever_else_is_shown() {
-        use ViewKind::{Errors, Innovations, Oscillator, Parameters, States};
-        let others = [Parameters, States, Errors, Innovations];
-        for room in [vec2(370.0, 660.0), vec2(370.0, 340.0), vec2(824.0, 290.0)] {
-            for count in 1..=others.len() {
-                let kinds: Vec<ViewKind> = [Oscillator].into_iter().chain(others).take(1 + count).collect();
-                let Heights { heights, scrolls } = Heights::new(&kinds, room, 44.0, 5.0);
-                let sum: f32 = heights.iter().map(|height| height + 5.0).sum();
-                assert!(heights[0] >= 44.0 + LEAST_FLAT_IN_COLUMN, "{room} {count}: {heights:?}");
-                assert!(heights[1..].iter().all(|height| *height >= 160.0), "{room} {count}: {heights:?}");
-                assert!(scrolls || sum <= room.y, "{room} {count}: {heights:?}");
-            }
-        }
-    }
 
     #[test]
     fn a_tall_view_is_not_cut_off() {
