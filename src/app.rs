@@ -6,6 +6,7 @@ mod import;
 mod lesson;
 pub mod link;
 mod panels;
+mod screen_state;
 mod standstill;
 pub mod state;
 mod window;
@@ -29,7 +30,6 @@ use crate::layout::Layout;
 use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
-use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
 use crate::sensor::Sensors;
@@ -229,11 +229,6 @@ impl App {
     pub fn twin(&self) -> Twin {
         let Self { session, visible, axis, layout, .. } = self;
         Twin::new(session, visible, axis, layout, self.notice())
-    }
-
-    pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step + 1));
-        ScreenState::new(&self.session, lesson, self.laboratory.shown(), ctx)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use egui::{Context, Id, Popup, Ui};
-use kalmanscope_cli::{Parts, Results, day, report, write_estimates};
+use kalmanscope_cli::{Parts, Results, report, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::DocumentError;
@@ -159,8 +159,7 @@ fn results_of(session: &Session) -> Results<'_> {
 /// The report as one page for a browser or a printer.
 fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     let title = record_name(session).unwrap_or_else(|| "A simulated oscillator".to_owned());
-    let day = now().map(day).unwrap_or_default();
-    let parts = Parts { title: &title, day: &day, reasons: &session.library().reasons, figures };
+    let parts = Parts { title: &title, reasons: &session.library().reasons, figures };
     report(&results_of(session), &parts).map_err(reason)
 }
 
@@ -176,17 +175,6 @@ fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>
 
 fn reason(error: impl Display) -> String {
     error.to_string()
-}
-
-#[cfg(not(target_arch = "wasm32"))]
-fn now() -> Option<f64> {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    now.ok().map(|now| now.as_secs_f64())
-}
-
-#[cfg(target_arch = "wasm32")]
-fn now() -> Option<f64> {
-    Some(js_sys::Date::now() / 1e3)
 }
 
 /// Writes the results as JSON beside the frames.

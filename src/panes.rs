@@ -137,7 +137,7 @@ pub(crate) fn help_ui(ui: &mut Ui, name: &str, help: [&str; 3]) {
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
     let help = if is_open { help } else { help.on_hover_ui(lines) };
-    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {name}")));
+    named(help, format!("About {name}"));
 }
 
 struct Panes<'a> {
@@ -358,22 +358,6 @@ mod tests {
     use egui::vec2;
 
     use super::*;
-
-    #[test]
-    fn the_plant_keeps_its_height_whatever_else_is_shown() {
-        use ViewKind::{Errors, Innovations, Oscillator, Parameters, States};
-        let others = [Parameters, States, Errors, Innovations];
-        for room in [vec2(370.0, 660.0), vec2(370.0, 340.0), vec2(824.0, 290.0)] {
-            for count in 1..=others.len() {
-                let kinds: Vec<ViewKind> = [Oscillator].into_iter().chain(others).take(1 + count).collect();
-                let Heights { heights, scrolls } = Heights::new(&kinds, room, 44.0, 5.0);
-                let sum: f32 = heights.iter().map(|height| height + 5.0).sum();
-                assert!(heights[0] >= 44.0 + LEAST_FLAT_IN_COLUMN, "{room} {count}: {heights:?}");
-                assert!(heights[1..].iter().all(|height| *height >= 160.0), "{room} {count}: {heights:?}");
-                assert!(scrolls || sum <= room.y, "{room} {count}: {heights:?}");
-            }
-        }
-    }
 
     #[test]
     fn a_tall_view_is_not_cut_off() {

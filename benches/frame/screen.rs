@@ -81,36 +81,14 @@ pub(crate) fn edit(app: &mut App, edit: impl FnOnce(&mut Scenario)) {
 }
 
 /// The frames of one phase.
-#[derive(Default)]
 pub(crate) struct Phase {
     frames: Vec<Frame>,
 }
 
 impl Phase {
     /// Draws `frames` frames, each after a change that is given the frame's number.
-    pub(crate) fn of(
-        screen: &mut Screen,
-        frames: usize,
-        mut change: impl FnMut(&mut App, usize, &mut RawInput),
-    ) -> Self {
+    pub(crate) fn of(screen: &mut Screen, frames: usize, change: impl Fn(&mut App, usize, &mut RawInput)) -> Self {
         Self { frames: (0..frames).map(|i| screen.frame(|app, input| change(app, i, input))).collect() }
-    }
-
-    /// Draws frames after a change until all is computed, and one more.
-    pub(crate) fn until_complete(screen: &mut Screen, change: impl FnOnce(&mut App, &mut RawInput)) -> Self {
-        let mut frames = vec![screen.frame(change)];
-        while screen.app.session().behind() {
-            frames.push(screen.frame(|_, _| {}));
-        }
-        frames.push(screen.frame(|_, _| {}));
-        Self { frames }
-    }
-
-    /// One thing that is no frame.
-    pub(crate) fn once(elapsed: Elapsed) -> Self {
-        let mut frame = Frame::default();
-        frame[0] = elapsed;
-        Self { frames: vec![frame] }
     }
 
     pub(crate) fn head() {

@@ -77,15 +77,9 @@ fn frames(mode: Mode, change: Change) -> Vec<Frame> {
 fn scenario() -> Scenario {
     let mut scenario = Scenario::default();
     let sensor_std = scenario.true_sensor_std();
-    for (name, kind, fading) in [("EKF, λ 1.005", FilterKind::EKF, 1.005), ("UKF, λ 1.005", FilterKind::UKF, 1.005)] {
-        let sensor_std = sensor_std.clone();
-        scenario.filters.push(FilterSettings {
-            name: name.to_owned(),
-            kind,
-            fading,
-            sensor_std,
-            ..FilterSettings::default()
-        });
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        let (name, sensor_std) = (format!("{}, λ 1.005", kind.name()), sensor_std.clone());
+        scenario.filters.push(FilterSettings { name, kind, fading: 1.005, sensor_std, ..FilterSettings::default() });
     }
     assert_eq!((scenario.filters.len(), scenario.samples()), (4, 6001));
     scenario

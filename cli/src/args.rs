@@ -138,18 +138,15 @@ pub(crate) struct InputArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
     /// Filter this record instead of a simulated one; `-` for standard input. What its columns mean is taken from `[record]`
-    /// in the scenario or from --map, or else guessed from their names
+    /// in the scenario, or else guessed from their names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
-    /// What the record's columns mean: a file with the contents of `[record]` in a scenario
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
 }
 
 impl InputArgs {
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map } = self;
-        [places("the scenario", [scenario]), places("--record", record), places("--map", map)].concat()
+        let Self { scenario, record } = self;
+        [places("the scenario", [scenario]), places("--record", record)].concat()
     }
 }
 

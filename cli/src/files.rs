@@ -3,86 +3,65 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read as _, StdoutLock, Write};
 use std::path::{Path, PathBuf};
-use std::string::FromUtf8Error;
 
 use kalmanscope_cli::output;
-use kalmanscope_core::import::ImportError;
-use kalmanscope_core::{RunError, ScenarioError, scenario};
+use kalmanscope_core::scenario;
 use thiserror::Error;
 
 /// Limits the size of a record's file \[bytes\].
 pub(crate) const LARGEST: u64 = 1_000_000_000;
 
-/// Limits the size of a scenario or a map \[bytes\].
+/// Limits the size of a scenario \[bytes\].
 const LARGEST_TEXT: u64 = 1_000_000;
 
+pub(crate) const NO_FILE: &str = "it is neither a file nor a pipe";
+
+/// The reason why a command ends: an input that cannot be used, or an output that cannot be written.
 #[derive(Debug, Error)]
-pub(crate) enum InputError {
-    #[error("{}: {error}", shown(.file))]
-    Read { file: PathBuf, error: io::Error },
-    #[error("{}: {error}", shown(.file))]
-    Scenario { file: PathBuf, error: ScenarioError },
-    #[error("{}: no start values could be found: {error}", shown(.file))]
-    StartValues { file: PathBuf, error: ScenarioError },
-    #[error("{}: {error}", shown(.file))]
-    Import { file: PathBuf, error: ImportError },
-    #[error("{}: {reason}", shown(.file))]
-    Laboratory { file: PathBuf, reason: String },
-    #[error("{}: it has {megabytes} MB, more than the {} MB that are read; cut it first", shown(.file), LARGEST / 1_000_000)]
-    TooLarge { file: PathBuf, megabytes: u64 },
-    #[error("{}: it has more than 1 MB, too much for a scenario or a map; `import` reads records", shown(.file))]
-    LongText { file: PathBuf },
-    #[error("{}: it is neither a file nor a pipe", shown(.file))]
-    NoFile { file: PathBuf },
-    #[error("standard input is named twice, as {first} and as {second}, but can be read once")]
-    Twice { first: String, second: String },
-    #[error("{}: {output} would overwrite {other}; nothing was done", .file.display())]
-    Overwrites { file: PathBuf, output: String, other: String },
-    #[error("{}: {reason}", written(.file))]
-    Output { file: PathBuf, reason: String },
-    #[error("{}: {error}", shown(.file))]
-    Run { file: PathBuf, error: RunError },
-    #[error("{}: the simulation has more than {most} samples; shorten `duration` or enlarge `dt`", shown(.file))]
-    TooLong { file: PathBuf, most: usize },
+#[error("{sentence}")]
+pub(crate) struct InputError {
+    sentence: String,
+    is_of_output: bool,
 }
 
 impl InputError {
     pub(crate) fn bad(file: &Path, reason: &dyn ToString) -> Self {
-        Self::Laboratory { file: file.to_owned(), reason: reason.to_string() }
+        let name = if is_standard_input(file) { "standard input".into() } else { file.to_string_lossy() };
+        Self { sentence: format!("{name}: {}", reason.to_string()), is_of_output: false }
     }
 
     pub(crate) fn unwritten(file: &Path, reason: &dyn ToString) -> Self {
-        Self::Output { file: file.to_owned(), reason: reason.to_string() }
+        let name = if file.as_os_str() == "-" { "standard output".into() } else { file.to_string_lossy() };
+        Self { sentence: format!("{name}: {}", reason.to_string()), is_of_output: true }
     }
 
     /// The exit code: 1 for a result that could not be written, 2 for the rest.
     pub(crate) fn code(&self) -> u8 {
-        if matches!(self, Self::Output { .. }) { 1 } else { 2 }
+        if self.is_of_output { 1 } else { 2 }
     }
 }
 
-pub(crate) fn read_text(file: &Path) -> Result<String, InputError> {
-    to_text(file, read_short(file)?)
-}
-
 pub(crate) fn to_text(file: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
-    let bad = |error: FromUtf8Error| io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
-    String::from_utf8(bytes).map_err(|error| InputError::Read { file: file.to_owned(), error: bad(error) })
+    String::from_utf8(bytes).map_err(|error| InputError::bad(file, &error.utf8_error()))
 }
 
 pub(crate) fn read_short(file: &Path) -> Result<Vec<u8>, InputError> {
-    read_limited(file, LARGEST_TEXT)?.map_err(|_| InputError::LongText { file: file.to_owned() })
+    let reason = "it has more than 1 MB, too much for a scenario; `import` reads records";
+    read_limited(file, LARGEST_TEXT)?.map_err(|_| InputError::bad(file, &reason))
 }
 
 /// The bytes of a record: a file, a pipe, or standard input where the file is `-`. Each is read once.
 pub(crate) fn read_record(file: &Path) -> Result<Vec<u8>, InputError> {
-    let too_large = |size| InputError::TooLarge { file: file.to_owned(), megabytes: size / 1_000_000 };
-    read_limited(file, LARGEST)?.map_err(too_large)
+    let reason = |size| {
+        let (megabytes, most) = (size / 1_000_000, LARGEST / 1_000_000);
+        format!("it has {megabytes} MB, more than the {most} MB that are read; cut it first")
+    };
+    read_limited(file, LARGEST)?.map_err(|size| InputError::bad(file, &reason(size)))
 }
 
 /// The bytes of a file, or else its size if it has more than `most`; `most` + 1 if the file does not report its size.
 fn read_limited(file: &Path, most: u64) -> Result<Result<Vec<u8>, u64>, InputError> {
-    let unread = |error| InputError::Read { file: file.to_owned(), error };
+    let unread = |error: io::Error| InputError::bad(file, &error);
     let mut bytes = Vec::new();
     if is_standard_input(file) {
         io::stdin().take(most + 1).read_to_end(&mut bytes).map_err(unread)?;
@@ -92,7 +71,7 @@ fn read_limited(file: &Path, most: u64) -> Result<Result<Vec<u8>, u64>, InputErr
             return Ok(Err(kind.len()));
         }
         if !kind.is_file() && !is_pipe(&kind) {
-            return Err(InputError::NoFile { file: file.to_owned() });
+            return Err(InputError::bad(file, &NO_FILE));
         }
         File::open(file).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(unread)?;
     }
@@ -113,14 +92,6 @@ pub(crate) fn is_standard_input(file: &Path) -> bool {
     ["-", "/dev/stdin"].iter().any(|name| file.as_os_str() == *name)
 }
 
-fn written(file: &Path) -> String {
-    if file.as_os_str() == "-" { "standard output".to_owned() } else { file.display().to_string() }
-}
-
-fn shown(file: &Path) -> String {
-    if is_standard_input(file) { "standard input".to_owned() } else { file.display().to_string() }
-}
-
 /// Files by the words of the arguments that name them.
 pub(crate) type Places<'a> = Vec<(&'static str, &'a Path)>;
 
@@ -132,7 +103,8 @@ pub(crate) fn places<'a>(word: &'static str, files: impl IntoIterator<Item = &'a
 pub(crate) fn check(inputs: &Places<'_>, outputs: &Places<'_>) -> Result<(), InputError> {
     let mut standard = inputs.iter().filter(|(_, file)| is_standard_input(file));
     if let (Some((first, _)), Some((second, _))) = (standard.next(), standard.next()) {
-        return Err(InputError::Twice { first: (*first).to_owned(), second: (*second).to_owned() });
+        let sentence = format!("standard input is named twice, as {first} and as {second}, but can be read once");
+        return Err(InputError { sentence, is_of_output: false });
     }
     for (place, (word, file)) in outputs.iter().enumerate() {
         let is_same = |other: &Path| match (is_standard_output(file), is_standard_output(other)) {
@@ -147,7 +119,8 @@ pub(crate) fn check(inputs: &Places<'_>, outputs: &Places<'_>) -> Result<(), Inp
         let written = outputs[..place].iter().find(|(_, other)| is_same(other));
         let written = written.map(|(other, _)| format!("what {other} writes"));
         if let Some(other) = read.or(written) {
-            return Err(InputError::Overwrites { file: (*file).to_owned(), output: (*word).to_owned(), other });
+            let sentence = format!("{}: {word} would overwrite {other}; nothing was done", file.display());
+            return Err(InputError { sentence, is_of_output: false });
         }
     }
     Ok(())

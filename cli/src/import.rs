@@ -55,7 +55,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         (table, hash) = two_files(&table, (with, &columns_of(with)?.0), joined, args)?;
         file = joined;
     }
-    let bad = |error| InputError::Import { file: file.clone(), error };
+    let bad = |error: ImportError| InputError::bad(file, &error);
     let (mut mapping, kind, guesses) = mapping(&table, args);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
@@ -85,9 +85,9 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let suggestion = suggest(&scenario, &imported.record);
     drop(progress);
     // Nothing is written that `run` would refuse.
-    let unsound = |error| InputError::StartValues { file: file.clone(), error };
+    let unsound = |error| InputError::bad(file, &format!("no start values could be found: {error}"));
     suggestion.scenario.validate().map_err(unsound)?;
-    let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
+    let toml = suggestion.scenario.to_toml().map_err(|error| InputError::bad(file, &error))?;
     let mut text = format!("# {}\n", table.form);
     for remark in remark.iter().chain(&imported.remarks).chain(&suggestion.problem).chain(&suggestion.reasons) {
         text.push_str(&shown(&format!("# {remark}\n")));
@@ -141,7 +141,7 @@ fn written(text: String, to: &Path) -> Result<(Table, String), InputError> {
     let bytes = text.into_bytes();
     write_bytes(to, &bytes)?;
     let hash = import::hash(&bytes);
-    let table = import::read(bytes, None).map_err(|error| InputError::Import { file: to.to_owned(), error })?;
+    let table = import::read(bytes, None).map_err(|error| InputError::bad(to, &error))?;
     Ok((table, hash))
 }
 
@@ -228,7 +228,7 @@ fn two_files(
     to: &Path,
     args: &ImportArgs,
 ) -> Result<(Table, String), InputError> {
-    let bad = |error| InputError::Import { file: other.to_owned(), error };
+    let bad = |error: ImportError| InputError::bad(other, &error);
     // A cubic through a number that is no reading would spoil its neighbours.
     let [first, second] = &[first, second].map(|table| match args.missing {
         Some(Missing(None)) => table.clone(),

@@ -6,7 +6,7 @@ use kalmanscope_core::{
     Analysis, CramerRao, Diagnosis, Diagnostics, Hindsight, Pass, Record, Run, RunError, Scenario, Summary, Wanted,
 };
 
-use crate::causes::{FilterProgress, Work, causes_of};
+use crate::causes::causes_of;
 use crate::free_run::{FreeRuns, fits_of};
 use crate::results::{FilterResults, Results, over_bound};
 
@@ -19,23 +19,16 @@ impl<'a> Results<'a> {
     /// [`Results::of_run`], but memory holds at most one history, without covariances; a filter with a smoother keeps
     /// all covariances of its history.
     ///
-    /// `report` is called after each piece of work.
-    ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible or the record lacks one of its sensors.
-    pub fn in_turn(
-        scenario: &Scenario,
-        run: &'a Run,
-        records: &[(&str, &Record)],
-        report: &mut dyn FnMut(FilterProgress<'_>),
-    ) -> Result<Self, RunError> {
+    pub fn in_turn(scenario: &Scenario, run: &'a Run, records: &[(&str, &Record)]) -> Result<Self, RunError> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let mut results = Self::empty(scenario.clone(), run);
         results.free_runs = records.iter().map(|(name, record)| FreeRuns::new(name, record, run.record())).collect();
         let mut bounds = Vec::new();
         for place in 0..scenario.filters.len() {
-            let one = one((&scenario, place, run), &mut results.free_runs, records, &mut bounds, report)?;
+            let one = one((&scenario, place, run), &mut results.free_runs, records, &mut bounds)?;
             results.filters.push(one);
             results.smoothers.extend(smoothed(&scenario, place, run.record())?);
         }
@@ -50,35 +43,24 @@ fn one(
     free_runs: &mut [FreeRuns],
     records: &[(&str, &Record)],
     bounds: &mut Vec<LastBound>,
-    report: &mut dyn FnMut(FilterProgress<'_>),
 ) -> Result<FilterResults, RunError> {
     let record = run.record();
     let mut pass = Pass::new(scenario, place, record)?;
     let mut history = Pass::history_over(scenario, place, record)?;
     let mut diagnostics = Diagnostics::new(&history, record);
-    let name = history.name().to_owned();
     while pass.done() < record.len() && pass.stop().is_none() {
         pass.follow(record, pass.done() + CHUNK, &mut history);
         diagnostics.follow(&history, record);
         history.drop_matrices();
-        report(FilterProgress {
-            place,
-            name: &name,
-            work: Work::Filter,
-            share: pass.done() as f64 / record.len() as f64,
-        });
     }
     let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
-    let mut report_causes = |share: f64| report(FilterProgress { place, name: &name, work: Work::Causes, share });
-    let of = (diagnosis.as_ref(), &diagnostics, &history, record);
-    let causes = causes_of(scenario, place, of, &mut report_causes);
+    let causes = causes_of(scenario, place, diagnosis.as_ref(), &diagnostics, &history, record);
     drop(diagnostics);
     for (runs, (_, other)) in free_runs.iter_mut().zip(records) {
         runs.fits.extend(fits_of(scenario, place, &history, other, runs.is_own));
     }
-    let mut report_bound = |share: f64| report(FilterProgress { place, name: &name, work: Work::Bound, share });
-    let bound = bound_for(scenario, place, record, bounds, &mut report_bound);
+    let bound = bound_for(scenario, place, record, bounds);
     let over_bound = bound.map_or_else(Vec::new, |bound| over_bound(&history, bound));
     Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec() })
 }
@@ -90,15 +72,11 @@ fn bound_for<'b>(
     place: usize,
     record: &Record,
     bounds: &'b mut Vec<LastBound>,
-    report: &mut dyn FnMut(f64),
 ) -> Option<&'b CramerRao> {
     if !bounds.iter().any(|(_, bound)| bound.is_for(scenario, place)) {
         bounds.clear();
         let mut bound = CramerRao::new(scenario, place, record.dt())?;
-        for end in (0..record.len()).step_by(CHUNK) {
-            report(end as f64 / record.len() as f64);
-            bound.follow_to((end + CHUNK).min(record.len()), record);
-        }
+        bound.follow_to(record.len(), record);
         bounds.push((place, bound));
     }
     bounds.last().map(|(_, bound)| bound)

@@ -31,11 +31,11 @@ use std::sync::Arc;
 
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
-pub use causes::{FilterProgress, Work, causes};
+pub use causes::causes;
 pub use estimates_csv::{harmless, write_estimates};
 pub use number::{significant, with_spread};
 pub use plot::{pages, svg};
-pub use report::{Parts, day, report};
+pub use report::{Parts, report};
 pub use results::Results;
 
 /// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.

@@ -6,13 +6,14 @@
 mod args;
 mod files;
 mod import;
-mod of_filter;
 mod population;
+mod posterior;
 mod prepared;
 mod progress;
 mod run;
 mod stream;
 mod sweep;
+mod tune;
 
 use std::process::ExitCode;
 
@@ -27,8 +28,8 @@ fn main() -> ExitCode {
         Command::Stream(args) => stream::stream(&args).map(|has_filter| u8::from(!has_filter)),
         Command::Sweep(args) => sweep::sweep(&args).map(|()| 0),
         Command::Population(args) => population::population(&args).map(|()| 0),
-        Command::Posterior(args) => of_filter::posterior(&args).map(|()| 0),
-        Command::Tune(args) => of_filter::tune(&args).map(|()| 0),
+        Command::Posterior(args) => posterior::posterior(&args).map(|()| 0),
+        Command::Tune(args) => tune::tune(&args).map(|()| 0),
     };
     ExitCode::from(code.unwrap_or_else(|error| {
         files::report_error(&error);

@@ -11,7 +11,7 @@ use kalmanscope_core::{Quantity, Record, Run, RunError, Scenario, Source};
 use kalmanscope_lessons::records;
 
 use crate::args::{InputArgs, SourceArgs};
-use crate::files::{InputError, Places, check, places, read_record, read_short, read_text, say, to_text};
+use crate::files::{InputError, NO_FILE, Places, check, places, read_record, read_short, say, to_text};
 use crate::progress::Progress;
 
 /// Limits the samples of a run: at 100 Hz more than five hours, and less than a gigabyte for a filter without outputs of its
@@ -43,7 +43,8 @@ impl Prepared {
         }
         let imported = measured(input, *no_input, &mut scenario)?;
         if imported.is_none() && scenario.samples() > MOST {
-            return Err(InputError::TooLong { file: file.clone(), most: MOST });
+            let reason = format!("the simulation has more than {MOST} samples; shorten `duration` or enlarge `dt`");
+            return Err(InputError::bad(file, &reason));
         }
         let is_measured = imported.is_some();
         let (record, remarks) =
@@ -57,8 +58,8 @@ impl Prepared {
     }
 
     pub(crate) fn run(&self, quiet: bool) -> Result<Run, InputError> {
-        let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(error))?;
-        let mut progress = Progress::new(run.samples(), quiet);
+        let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(&error))?;
+        let progress = Progress::new(run.samples(), quiet);
         while run.advance_to(run.done() + CHUNK) > 0 {
             progress.show(run.done(), "filters");
         }
@@ -69,7 +70,7 @@ impl Prepared {
         let scenario = Scenario { filters: Vec::new(), ..self.scenario.clone() };
         let run = self.scenario.validate().map_err(RunError::from);
         let run = run.and_then(|()| Run::from_source(&scenario, self.source.clone()));
-        let mut run = run.map_err(|error| self.bad_run(error))?;
+        let mut run = run.map_err(|error| self.bad_run(&error))?;
         run.finish();
         Ok(run)
     }
@@ -81,8 +82,8 @@ impl Prepared {
         own.into_iter().chain(self.held_out.iter().map(|(name, record)| (name.as_str(), record))).collect()
     }
 
-    pub(crate) fn bad_run(&self, error: RunError) -> InputError {
-        InputError::Run { file: self.file.clone(), error }
+    pub(crate) fn bad_run(&self, error: &RunError) -> InputError {
+        InputError::bad(&self.file, error)
     }
 }
 
@@ -107,7 +108,7 @@ pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputE
     }
     let text = to_text(file, bytes)?;
     let read = Scenario::from_toml_with_remarks(&text);
-    let (scenario, remarks) = read.map_err(|error| InputError::Scenario { file: file.to_owned(), error })?;
+    let (scenario, remarks) = read.map_err(|error| InputError::bad(file, &error))?;
     remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
     Ok(scenario)
 }
@@ -132,11 +133,7 @@ pub(crate) const READY: &str = "# a measured record as the filters read it: SI u
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
 fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
-    let InputArgs { scenario: file, record, map } = input;
-    if let Some(map) = map {
-        let bad = |error| InputError::Scenario { file: map.clone(), error };
-        scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(|error| bad(error.into()))?);
-    }
+    let InputArgs { scenario: file, record } = input;
     if no_input && (record.is_some() || scenario.record.is_some()) {
         let mapping = scenario.record.get_or_insert_default();
         (mapping.no_input, mapping.input) = (true, None);
@@ -156,13 +153,12 @@ fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Resul
         && let Some(mapping) = &scenario.record
         && let Some(bytes) = records::record(mapping)
     {
-        let bad = |error| InputError::Import { file: path.clone(), error };
-        let table = import::read(bytes, mapping.dialect).map_err(bad)?;
+        let table = columns(&path, bytes, mapping.dialect)?;
         return of_table(&path, &table, scenario).map(Some);
     }
     // A scenario may come from an untrusted source: it must not open a device or a pipe.
     if record.is_none() && path.exists() && !path.is_file() {
-        return Err(InputError::NoFile { file: path });
+        return Err(InputError::bad(&path, &NO_FILE));
     }
     if record.is_none()
         && let Some(mapping) = scenario.record.as_ref().filter(|mapping| !mapping.hash.is_empty())
@@ -192,7 +188,6 @@ fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
 
 /// The record of a file's columns, with the meaning that the scenario gives them.
 fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
-    let bad = |error| InputError::Import { file: path.to_owned(), error };
     let mapping = scenario.record.clone().unwrap_or_default();
     let mut left_out = None;
     let mapping = if mapping.sensors.is_empty() {
@@ -224,11 +219,11 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     };
     let imported = Builder::new(table, &mapping, scenario.input, scenario.hold);
     let imported = imported.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
-    let mut imported = imported.map_err(bad)?;
+    let mut imported = imported.map_err(|error| InputError::bad(path, &error))?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);
     if let Some(missing) = scenario.sensors.iter().find(|s| !imported.record.sensors().contains(&s.measures)) {
-        return Err(InputError::Run { file: path.to_owned(), error: RunError::MissingSensor(missing.measures) });
+        return Err(InputError::bad(path, &RunError::MissingSensor(missing.measures)));
     }
     Ok(imported)
 }
@@ -240,7 +235,7 @@ pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
 }
 
 fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
-    import::read(bytes, dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
+    import::read(bytes, dialect).map_err(|error| InputError::bad(path, &error))
 }
 
 fn meaning(mapping: &Mapping) -> String {

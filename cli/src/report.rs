@@ -15,8 +15,6 @@ use crate::table::{NO_VERDICT, heading, origin, stop};
 pub struct Parts<'a> {
     /// Its title.
     pub title: &'a str,
-    /// The day on which it is made; empty to leave it out.
-    pub day: &'a str,
     /// The reasons of start values, one sentence each.
     pub reasons: &'a [String],
     /// The figures, as SVG.
@@ -34,13 +32,12 @@ const STYLE: &str = include_str!("report.css");
 /// # Errors
 /// [`ScenarioError`] where the scenario cannot be written.
 pub fn report(results: &Results<'_>, parts: &Parts<'_>) -> Result<String, ScenarioError> {
-    let Parts { title, day, reasons, figures } = *parts;
+    let Parts { title, reasons, figures } = *parts;
     let Results { scenario, record, truth_stop, story, filters, smoothers, free_runs, command: _ } = results;
     let mut page = Html::page(title, STYLE);
     page.element("h1", title);
     page.element("p", story);
-    let made = (!day.is_empty()).then(|| format!("made on {day}"));
-    page.list(made.into_iter().chain(origin(record, *truth_stop)));
+    page.list(origin(record, *truth_stop));
     if !reasons.is_empty() {
         page.element("h2", "Start values");
         page.list(reasons.iter().cloned());
@@ -170,20 +167,6 @@ impl Html {
     }
 }
 
-/// The day of a time in seconds since 1970, UTC: `2026-11-25`.
-///
-/// Source: Hinnant (2013), chrono-compatible low-level date algorithms, `civil_from_days`.
-pub fn day(seconds: f64) -> String {
-    let days = (seconds / 86_400.0).floor() as i64 + 719_468;
-    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let (day, month) = (of_year - (153 * shifted + 2) / 5 + 1, if shifted < 10 { shifted + 3 } else { shifted - 9 });
-    let year = year + 400 * era + i64::from(month <= 2);
-    format!("{year}-{month:02}-{day:02}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,18 +181,5 @@ mod tests {
         assert!(!text.contains("<script>") && !text.contains("<b>"), "{text}");
         assert_eq!(text.matches("</table>").count(), 1);
         assert!(text.contains("<p>a &lt; b &amp; &quot;c&quot; &#39;d&#39;\u{fffd}</p>"), "{text}");
-    }
-
-    #[test]
-    fn days_are_those_of_the_calendar() {
-        for (seconds, expected) in [
-            (0.0, "1970-01-01"),
-            (-1.0, "1969-12-31"),
-            (951_782_400.0, "2000-02-29"),
-            (951_868_800.0, "2000-03-01"),
-            (1_795_564_800.0, "2026-11-25"),
-        ] {
-            assert_eq!(day(seconds), expected);
-        }
     }
 }

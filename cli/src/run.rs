@@ -2,13 +2,12 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
-use kalmanscope_cli::{FilterProgress, Parts, Results, causes, day, pages, report, svg, write_estimates};
+use kalmanscope_cli::{Parts, Results, causes, pages, report, svg, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Analysis, Record, RecordError, Run, ScenarioError, VerdictKind, Wanted};
+use kalmanscope_core::{Analysis, RecordError, Run, ScenarioError, VerdictKind, Wanted};
 use thiserror::Error;
 
 use crate::args::{InputArgs, RunArgs, SourceArgs};
@@ -81,14 +80,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     let with_history = forms.iter().any(|(_, form)| *form != Form::Scenario);
     let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
     let records = prepared.for_free_runs(&run);
+    let progress = Progress::wait(*quiet, "diagnostics, causes and bounds");
     let results = if with_history {
-        of_history(&run, &records, *quiet)
+        let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
+        Results::of_run(&run, &analysis, causes(&run, &analysis)).with_free_runs(&run, &records)
     } else {
-        let mut progress = Progress::of_results(prepared.scenario.filters.len(), *quiet);
-        let mut report = |now: FilterProgress<'_>| progress.show_results(now);
-        let results = Results::in_turn(&prepared.scenario, &run, &records, &mut report);
-        results.map_err(|error| prepared.bad_run(error))?
+        let results = Results::in_turn(&prepared.scenario, &run, &records);
+        results.map_err(|error| prepared.bad_run(&error))?
     };
+    drop(progress);
     let results = results.by(command(source));
 
     let mut well = true;
@@ -132,26 +132,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     })
 }
 
-/// The results of a whole run, and their free runs over some records.
-fn of_history<'a>(run: &'a Run, records: &[(&str, &Record)], quiet: bool) -> Results<'a> {
-    let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
-    let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
-    drop(progress);
-    let mut progress = Progress::of_results(run.estimates().len(), quiet);
-    let causes = causes(run, &analysis, &mut |now| progress.show_results(now));
-    Results::of_run(run, &analysis, causes).with_free_runs(run, records)
-}
-
 /// The command of a run, without its outputs.
 fn command(source: &SourceArgs) -> String {
-    let SourceArgs { input: InputArgs { scenario, record, map }, holdout: _, no_input, seed } = source;
+    let SourceArgs { input: InputArgs { scenario, record }, holdout: _, no_input, seed } = source;
     let path = |path: &PathBuf| {
         let path = path.display().to_string();
         if path.contains(char::is_whitespace) { format!("'{path}'") } else { path }
     };
     let mut words = vec!["kalmanscope-cli run".to_owned(), path(scenario)];
     words.extend(record.iter().map(|record| format!("--record {}", path(record))));
-    words.extend(map.iter().map(|map| format!("--map {}", path(map))));
     words.extend(no_input.then(|| "--no-input".to_owned()));
     words.extend(seed.map(|seed| format!("--seed {seed}")));
     words.join(" ")
@@ -166,9 +155,7 @@ fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<()
 
 fn page(prepared: &Prepared, run: &Run, results: &Results<'_>) -> Result<String, ScenarioError> {
     let title = prepared.file.file_stem().map_or_else(|| "Kalmanscope".into(), |stem| stem.to_string_lossy());
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let parts = Parts { title: &title, day: &day(now.as_secs_f64()), reasons: &[], figures: &pages(run) };
-    report(results, &parts)
+    report(results, &Parts { title: &title, reasons: &[], figures: &pages(run) })
 }
 
 /// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.

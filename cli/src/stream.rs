@@ -32,7 +32,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     check(&both.into_iter().filter(|(_, file)| is_standard_input(file)).collect(), &Vec::new())?;
     let scenario = read_scenario(file, false)?;
     let mut filters = followed(file, &scenario, *late)?;
-    let unread = |error: io::Error| InputError::Read { file: source.clone(), error };
+    let unread = |error: io::Error| InputError::bad(source, &error);
     let written = |error: io::Error| InputError::unwritten(Path::new("-"), &error);
     let mut input = open(&source.to_string_lossy()).map_err(unread)?;
     let mut lines = Lines::new(&scenario);
@@ -90,7 +90,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
 
 /// The filters of a scenario that can follow events. Reports the others; it is an error if none can.
 fn followed(file: &Path, scenario: &Scenario, late: f64) -> Result<Vec<Followed>, InputError> {
-    let bad = |error: RunError| InputError::Run { file: file.to_owned(), error };
+    let bad = |error: RunError| InputError::bad(file, &error);
     let mut filters = Vec::new();
     let mut left_out = Vec::new();
     for place in 0..scenario.filters.len() {

@@ -12,13 +12,14 @@ use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing, UnknownMeasure};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
+use thiserror::Error;
 
 use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
 use crate::progress::Progress;
 
-pub(crate) const MOST_THREADS: usize = 256;
+const MOST_THREADS: usize = 256;
 
 /// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
 /// sweep, or row by row on standard output.
@@ -39,7 +40,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     }
     let ensemble = runner.ensemble();
     let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
-    run_cells(args, &runner, cells, done, &mut |slice| part.append(ensemble, slice))?;
+    run_cells(args, &runner, cells.start + done..cells.end, &mut |slice| part.append(ensemble, slice))?;
     part.finish(out).map_err(|error| InputError::unwritten(out, &error))
 }
 
@@ -49,7 +50,7 @@ fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result
     let mut run = Ok(());
     let written: io::Result<()> = write(&args.out, |table| {
         writeln!(table, "{}", heading(ensemble))?;
-        run = run_cells(args, runner, cells, 0, &mut |slice| {
+        run = run_cells(args, runner, cells, &mut |slice| {
             write_rows(table, ensemble, slice)?;
             table.flush()
         });
@@ -62,32 +63,48 @@ fn run_cells(
     args: &SweepArgs,
     runner: &Arc<Runner>,
     cells: Range<usize>,
-    done: usize,
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
-    let SweepArgs { input: InputArgs { scenario: file, .. }, out, threads, .. } = args;
-    let threads = (*threads).min(MOST_THREADS).min(cells.len().max(1));
-    let team = Threads::new(threads, 0).map_err(|error| InputError::bad(file, &error))?;
-    let mut progress = Progress::new(cells.len() - done, false);
-    let order: Vec<usize> = (cells.start + done..cells.end).collect();
-    let work = team.rows(Priority::Map, runner, order, |_| {});
-    // Rows come in any order, and are written in the order of the cells.
-    let mut waiting = BTreeMap::new();
-    let mut next = cells.start + done;
-    let mut finished = 0;
+    run_in_order(runner, cells, args.threads, (false, "runs"), append).map_err(|error| match error {
+        RunError::Append(error) => InputError::unwritten(&args.out, &error),
+        error => InputError::bad(&args.input.scenario, &error),
+    })
+}
+
+/// The reason why cells could not be run.
+#[derive(Debug, Error)]
+pub(crate) enum RunError {
+    #[error(transparent)]
+    Append(#[from] io::Error),
+    #[error(transparent)]
+    Threads(io::Error),
+    #[error("a thread ended before its work was done")]
+    Lost,
+}
+
+/// Runs some cells on threads, and takes their rows in the order of the cells: rows come in any order.
+pub(crate) fn run_in_order(
+    runner: &Arc<Runner>,
+    cells: Range<usize>,
+    threads: usize,
+    (quiet, what): (bool, &str),
+    append: &mut dyn FnMut(&Slice) -> io::Result<()>,
+) -> Result<(), RunError> {
+    let threads = threads.min(MOST_THREADS).min(cells.len().max(1));
+    let team = Threads::new(threads, 0).map_err(RunError::Threads)?;
+    let progress = Progress::new(cells.len(), quiet);
+    let work = team.rows(Priority::Map, runner, cells.clone().collect(), |_| {});
+    let (mut waiting, mut next, mut finished) = (BTreeMap::new(), cells.start, 0);
     while let Some(slice) = work.wait() {
         finished += slice.cells.len();
-        progress.show(finished, "runs");
+        progress.show(finished, what);
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
-            append(&slice).map_err(|error| InputError::unwritten(out, &error))?;
+            append(&slice)?;
         }
     }
-    if next != cells.end {
-        return Err(InputError::bad(file, &"a thread ended before its work was done"));
-    }
-    Ok(())
+    if next == cells.end { Ok(()) } else { Err(RunError::Lost) }
 }
 
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {

@@ -90,15 +90,3 @@ fn a_foreign_file_is_not_part_of_a_sweep() {
     assert!(error.contains("belongs to another sweep, so the table begins again"), "{error}");
     assert_eq!((folder.read("table.csv").lines().count(), folder.names().len()), (4, 2));
 }
-
-#[test]
-fn extreme_axes_are_drawn() {
-    let folder = Folder::of("[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 1.0\n");
-    let record: String =
-        (0..40).map(|k| format!("{k},0,{}\n", if k % 2 == 0 { "1.7e308" } else { "-1.7e308" })).collect();
-    folder.file("record.csv", &format!("t,force,displacement\n{record}"));
-    let (code, _, error) =
-        folder.call(&["run", "scenario.toml", "--record", "record.csv", "--quiet", "--out", "a.svg"]);
-    assert!(code < 2, "{code} {error}");
-    assert!(folder.read("a.svg").ends_with("</svg>\n"));
-}

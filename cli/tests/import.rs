@@ -35,23 +35,6 @@ fn a_record_is_imported_identified_and_runs_freely() {
 }
 
 #[test]
-fn another_meaning_of_the_columns_comes_from_a_file_of_its_own() {
-    let folder = folder(&[("a.csv", "5")]);
-    let run = ["run", "--record", "a.csv", "--map", "map.toml", "scenario.toml"];
-    folder.file(
-        "map.toml",
-        "to = 20.0\n[time]\ncolumn = \"Zeit\"\n[input]\ncolumn = \"Kraft\"\n[sensors.displacement]\ncolumn = \"Weg\"\nunit = \"mm\"\n",
-    );
-    let (table, _) = folder.succeeds(&run);
-    assert!(table.starts_with("501 samples from 0 s to 20 s, 0.04 s apart"), "{table}");
-    for (map, reason) in [("[time]\nrate = -1.0\n", "record.time.rate"), ("speed = 3\n", "unknown field `speed`")] {
-        folder.file("map.toml", map);
-        let said = folder.refused(&run);
-        assert!(said.contains(reason), "{said}");
-    }
-}
-
-#[test]
 fn a_column_that_is_left_out_is_no_input_and_each_is_explained() {
     let folder = Folder::new();
     let mut text = "Time (s),Linear Acceleration x (m/s^2),Linear Acceleration y (m/s^2),spare\n".to_owned();

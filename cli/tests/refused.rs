@@ -37,7 +37,6 @@ const REFUSED: &[(&str, &str)] = &[
     ("run /dev/zero", "neither a file nor a pipe"),
     ("run .", "neither a file nor a pipe"),
     ("run two.toml --record /dev/zero", "neither a file nor a pipe"),
-    ("run two.toml --record two.toml --map /dev/zero", "neither a file nor a pipe"),
     ("run device.toml", "neither a file nor a pipe"),
     ("run word.csv", "this is a record, not a scenario: `kalmanscope-cli import"),
     ("import nowhere.csv", "error: nowhere.csv: "),

@@ -1,7 +1,5 @@
 //! Reports, pictures and estimates of the built command.
 
-use std::path::Path;
-
 use crate::Folder;
 
 /// A filter that is too sure of its sensor, so that it has a verdict, evidence and causes.
@@ -41,20 +39,6 @@ fn a_report_is_one_page_without_scripts() {
     let names: std::collections::BTreeSet<&str> = ids.iter().filter_map(|id| id.split('>').next()).collect();
     assert!(names.len() == ids.len() && ids.len() >= 3, "{ids:?}");
     assert!(page.len() < 1_500_000, "{} bytes", page.len());
-}
-
-#[test]
-fn a_report_on_a_measured_record_has_the_free_run() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/tests/data");
-    let [scenario, record] =
-        ["ekf-acceleration-only.toml", "ekf-acceleration-only.record.csv"].map(|name| data.join(name));
-    let folder = Folder::of("");
-    let [scenario, record] = [&scenario, &record].map(|path| path.to_str().unwrap());
-    folder.succeeds(&["run", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
-    let page = folder.read("report.html");
-    assert!(page.contains("Over its own record: ") && page.contains("one step ahead"), "there is a free run");
-    assert!(page.contains("ekf-acceleration-only.record.csv: "), "there is another");
-    assert!(page.contains("predicted acceleration"), "the only sensor has a plot");
 }
 
 #[test]

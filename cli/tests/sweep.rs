@@ -93,13 +93,6 @@ fn two_programs_do_not_write_one_table() {
 }
 
 #[test]
-fn many_threads_are_cut_to_the_work() {
-    let folder = Folder::of(SCENARIO);
-    let grid = ["--vary", "filters.EKF.fading=1:1.1:3", "--threads", "100000000"];
-    assert_eq!(table(&folder, "t.csv", &grid).lines().count(), 4);
-}
-
-#[test]
 fn a_dash_is_standard_output_and_the_table_is_that_of_the_file() {
     let folder = Folder::of(SCENARIO);
     let whole = table(&folder, "a.csv", &GRID);
@@ -112,19 +105,4 @@ fn a_dash_is_standard_output_and_the_table_is_that_of_the_file() {
     let heading = whole.lines().next().unwrap();
     assert_eq!(shards[0].clone() + shards[1].strip_prefix(heading).unwrap().trim_start(), whole);
     assert_eq!(folder.names(), before, "no part is left");
-}
-
-#[test]
-fn a_record_comes_from_standard_input() {
-    let folder = Folder::of(SCENARIO);
-    folder.succeeds(&["run", "scenario.toml", "--quiet", "--record-out", "record.csv"]);
-    let grid = ["--vary", "filters.*.process_std=0.1:10:3:log", "--score", "nis"];
-    let of_file = [&grid[..], &["--record", "record.csv"]].concat();
-    let expected = table(&folder, "a.csv", &of_file);
-    let piped = [&grid[..], &["--record", "-"]].concat();
-    let bytes = std::fs::read(folder.path("record.csv")).unwrap();
-    let (code, text, error) = folder.fed(&sweep("-", &piped), &bytes);
-    assert_eq!((code, text), (0, expected), "{error}");
-    let (code, _, error) = folder.fed(&[&["sweep", "-", "--out", "-"], &piped[..]].concat(), &bytes);
-    assert!(code == 2 && error.contains("standard input is named twice"), "{error}");
 }

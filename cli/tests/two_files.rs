@@ -62,29 +62,3 @@ fn numbers_that_are_no_readings_are_not_moved_into_others() {
     let largest = readings.map(f64::abs).fold(0.0, f64::max);
     assert!(largest > 10.0 && largest < 500.0, "{largest}");
 }
-
-#[test]
-fn columns_with_times_of_their_own_are_one_record() {
-    let folder = Folder::new();
-    let [force, sensor] = loggers();
-    let mut sensors = sensor.lines().skip(1).map(|line| {
-        let (time, reading) = line.split_once(';').expect("two cells");
-        format!("{},{reading}", time.parse::<f64>().expect("a number") + 2500.0)
-    });
-    let rows = force.lines().skip(1).map(|line| format!("{line},{}\n", sensors.next().unwrap_or(",".to_owned())));
-    let head = "t [s],force over mass [m/s²],t2 [ms],displacement [mm]\n";
-    folder.file("both.csv", &(head.to_owned() + &rows.collect::<String>()));
-    let (_, said) = folder.succeeds(&["import", "both.csv", "--out", "both.toml"]);
-    assert!(said.contains("column `t2`: another clock"), "{said}");
-    assert!(said.contains("the filters take each reading at its own time"), "{said}");
-    let (_, said) = folder.succeeds(&["import", "both.csv", "--even", "--out", "even.toml"]);
-    assert!(said.contains("s in common, at the steps of the clock `t`"), "{said}");
-    assert!(folder.read("even.toml").contains("even = true"));
-    let (_, table, _) = folder.call(&["run", "both.toml"]);
-    assert!((value(&table, "natural frequency") / 8.0 - 1.0).abs() < 0.003, "{table}");
-    assert!(!table.contains("delivers nothing"), "it measures seldom: {table}");
-    // A filter that jumps cannot follow the times, and its remark says this.
-    folder.file("both.toml", &folder.read("both.toml").replace("kind = \"ekf\"", "kind = \"ekf\"\njump = true"));
-    let (_, table, _) = folder.call(&["run", "both.toml"]);
-    assert!(table.contains("each reading counts at the sample after it"), "{table}");
-}

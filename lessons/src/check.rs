@@ -92,10 +92,6 @@ impl Check {
     }
 
     /// Validates the check against a scenario.
-    ///
-    /// # Errors
-    /// [`LessonError`] where the scenario lacks a filter or sensor of the check, or the check lacks a limit or a
-    /// setting of its measure.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         for (name, smoothed) in [(self.filter.as_str(), self.smoothed), self.reference_filter()] {
             if !scenario.filters.iter().any(|filter| filter.name == name && (filter.smoother || !smoothed)) {

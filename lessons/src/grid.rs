@@ -10,18 +10,12 @@ use crate::LessonError;
 const MOST: usize = 256;
 
 /// The axis in a text, with 2 to 256 values.
-///
-/// # Errors
-/// [`LessonError::Axis`] where the text is none.
 fn axis(text: &str) -> Result<Axis, LessonError> {
     let axis = Axis::parse(text).ok().filter(|axis| (2..=MOST).contains(&axis.count));
     axis.ok_or_else(|| LessonError::Axis(text.to_owned()))
 }
 
 /// The scenarios of all cells of a grid, those of the last axis next to each other.
-///
-/// # Errors
-/// [`LessonError`] where the scenario has no such setting, or a cell is impossible.
 pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>, LessonError> {
     let mut cells = vec![scenario.clone()];
     for axis in axes {
@@ -38,9 +32,6 @@ pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>,
 }
 
 /// Checks that the corners of a grid are possible scenarios.
-///
-/// # Errors
-/// As [`cells`].
 fn check_corners(scenario: &Scenario, axes: &[Axis]) -> Result<(), LessonError> {
     let ends: Vec<Axis> = axes.iter().map(|axis| Axis { count: 2, ..axis.clone() }).collect();
     cells(scenario, &ends).map(|_| ())
@@ -73,9 +64,6 @@ pub struct Map {
 
 impl Map {
     /// Checks that the scenario has filters and settings of the map.
-    ///
-    /// # Errors
-    /// [`LessonError`] where the scenario lacks one of them.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         if let Some(name) = self.missing_filter(scenario) {
             return Err(LessonError::UnknownFilter(name.clone()));
@@ -115,18 +103,11 @@ impl Cells {
     }
 
     /// The axes.
-    ///
-    /// # Errors
-    /// [`LessonError::Axis`] where a text is not an axis.
     pub(crate) fn axes(&self) -> Result<Vec<Axis>, LessonError> {
         [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| axis(text)).collect()
     }
 
     /// Checks that all cells can be run.
-    ///
-    /// # Errors
-    /// [`LessonError`] where a text is not an axis, or an axis varies something that the scenario lacks, or the seed,
-    /// which is varied anyway.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let axes = self.axes()?;
         if axes.iter().any(|axis| axis.key == SEED.key) {

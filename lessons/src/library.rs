@@ -80,12 +80,13 @@ impl File {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use crate::BUILT_IN;
 
     use super::*;
 
-    fn files(folder: &str) -> Vec<String> {
+    /// The names of the files in a folder of the assets, without their ending.
+    pub(crate) fn files(folder: &str) -> Vec<String> {
         let folder = format!("{}/assets/{folder}", env!("CARGO_MANIFEST_DIR"));
         let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
         let mut names: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();

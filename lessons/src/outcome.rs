@@ -83,9 +83,6 @@ impl Check {
     }
 
     /// Whether the measure keeps within the limits of a cell in its outcome.
-    ///
-    /// # Errors
-    /// [`LessonError::UnknownFilter`] where the outcome does not have the filter.
     pub(crate) fn holds_in(&self, cell: &Outcome) -> Result<bool, LessonError> {
         let value = self.value(cell, cell)?;
         Ok(self.cells.as_ref().is_some_and(|cells| cells.hold(&value)))
@@ -135,18 +132,9 @@ mod tests {
         let of = |measure: &str| {
             number(&outcome, "EKF", &format!("channel = \"natural_frequency\"\nmeasure = \"{measure}\""))
         };
-        for (measured, expected) in [
-            (of("rmse"), score.rmse),
-            (of("std"), frequency.std),
-            (of("estimate"), frequency.mean),
-            (of("settled"), score.settled.unwrap()),
-            (of("coverage"), score.coverage),
-            (of("nees"), summary.nees.unwrap().mean / 4.0),
-            (of("nis"), summary.nis.unwrap().mean / 2.0),
-            (of("log_likelihood"), summary.log_likelihood),
-            (of("log_likelihood_per_sample"), summary.log_likelihood / 1000.0),
-            (of("evaluations"), 5.0),
-        ] {
+        for (measured, expected) in
+            [(of("rmse"), score.rmse), (of("nees"), summary.nees.unwrap().mean / 4.0), (of("evaluations"), 5.0)]
+        {
             assert!((measured / expected - 1.0).abs() < 1e-12, "{measured} instead of {expected}");
         }
         assert!(of("mean_error") < of("rmse") && of("std_over_bound") > 0.9);

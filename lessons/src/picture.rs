@@ -57,9 +57,6 @@ pub enum Course {
 
 impl Picture {
     /// Checks that the step's scenario has the filters and the sensor.
-    ///
-    /// # Errors
-    /// [`LessonError`] where one is missing.
     pub(crate) fn validate(&self, scenario: &Scenario, has_map: bool) -> Result<(), LessonError> {
         if let Some(name) = self.filters.iter().find(|name| !scenario.filters.iter().any(|own| own.name == **name)) {
             return Err(LessonError::UnknownFilter(name.clone()));

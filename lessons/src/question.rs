@@ -37,9 +37,6 @@ impl Question {
     }
 
     /// Validates the question of a step that begins with this scenario.
-    ///
-    /// # Errors
-    /// [`LessonError::Question`] with the key and what is allowed.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let Self { ask, choices, answer, because, until } = self;
         let blank = |text: &String| text.trim().is_empty();

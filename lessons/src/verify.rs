@@ -99,9 +99,6 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
 
 /// The shares of the cells in which checks hold, of those checks that have cells. Each cell of a grid is run once for all checks
 /// over the same grid.
-///
-/// # Errors
-/// [`LessonError`] where a cell cannot be run.
 fn shares(
     checks: &[&Check],
     scenario: &Scenario,

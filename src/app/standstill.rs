@@ -7,6 +7,7 @@ use egui::Context;
 use super::App;
 use crate::export::Exporting;
 use crate::import::Import;
+use crate::laboratory::Laboratory;
 use crate::notice::Notice;
 use crate::request::ViewKind;
 
@@ -17,56 +18,49 @@ const PATIENCE: f64 = 10.0;
 /// was hidden is no standstill \[s\].
 const BETWEEN: f64 = 1.0;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Work {
-    Import,
-    Picture,
-    Map,
-    Seeds,
-    Tuning,
-    Causes,
-    FreeRuns,
-    Spectrogram,
-    Export,
-}
+/// The name of a work, its share while it is under way, and how it is stopped.
+type Work = (&'static str, Option<f64>, fn(&mut App));
+
+const IMPORT: &str = "The import";
 
 #[derive(Default)]
 pub(super) struct Standstill {
-    /// The works with their names, their shares, and the times for which these have stood still.
-    works: Vec<((Work, &'static str), f64, f64)>,
+    /// The names of the works, their shares, and the times for which these have stood still.
+    works: Vec<(&'static str, f64, f64)>,
     /// The time of the last frame \[s\].
     last: f64,
 }
 
 impl Standstill {
-    pub(super) fn first(&self) -> Option<(Work, &'static str)> {
-        self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(work, ..)| *work)
+    pub(super) fn first(&self) -> Option<&'static str> {
+        self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(name, ..)| *name)
     }
 }
 
 impl App {
     /// Reports work that makes no progress, until it does or has ended.
     pub(super) fn follow_standstill(&mut self, ctx: &Context) {
-        let under_way = self.under_way();
+        let under_way = self.works();
         let Standstill { works, last } = &mut self.standstill;
         let now = ctx.input(|input| input.time);
         let elapsed = (now - *last).clamp(0.0, BETWEEN);
         *last = now;
-        let still = |work, share| {
-            let before = works.iter().find(|before| (before.0, before.1) == (work, share));
+        let still = |name, share| {
+            let before = works.iter().find(|before| (before.0, before.1) == (name, share));
             before.map_or(0.0, |before| before.2 + elapsed)
         };
-        *works = under_way.into_iter().map(|(work, share)| (work, share, still(work, share))).collect();
+        let under_way = under_way.into_iter().filter_map(|(name, share, _)| Some((name, share?)));
+        *works = under_way.map(|(name, share)| (name, share, still(name, share))).collect();
         if !works.is_empty() {
             ctx.request_repaint_after(Duration::from_secs_f64(BETWEEN));
         }
         let first = self.standstill.first();
         if let Some(import) = &mut self.importing {
-            import.is_still = first.is_some_and(|(work, _)| work == Work::Import);
+            import.is_still = first.is_some_and(|name| name == IMPORT);
         }
         let is_said = self.notice.as_ref().is_some_and(|notice| notice.is_of_standstill);
-        match first.filter(|(work, _)| *work != Work::Import) {
-            Some((_, name)) if !is_said => {
+        match first.filter(|name| *name != IMPORT) {
+            Some(name) if !is_said => {
                 let sentence = format!("{name} has made no progress for {PATIENCE} s. Esc stops it.");
                 self.notice = Some(Notice::of_standstill(sentence));
             }
@@ -75,40 +69,27 @@ impl App {
         }
     }
 
-    fn under_way(&self) -> Vec<((Work, &'static str), f64)> {
+    fn works(&self) -> [Work; 6] {
         let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
-        let (map, seeds) = (laboratory, &laboratory.seeds);
-        let works = [
-            ((Work::Import, "The import"), importing.as_ref().and_then(Import::progress)),
-            ((Work::Picture, "The computation of the plots"), session.progress()),
-            ((Work::Map, "The map"), map.progress().filter(|_| map.is_working() && !map.state.is_stopped)),
-            (
-                (Work::Seeds, "The runs with many seeds"),
-                seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64),
-            ),
-            ((Work::Tuning, "The tuning"), map.tuning.progress().filter(|_| is_in_sight(ViewKind::Tune))),
-            ((Work::Causes, "The search for causes"), session.trials_beside().filter(|_| !session.behind())),
-            ((Work::FreeRuns, "The free run"), session.free_run_beside()),
-            ((Work::Spectrogram, "The spectrogram"), session.spectrogram_beside()),
-            ((Work::Export, "The export"), exporting.as_ref().map(Exporting::progress)),
-        ];
-        works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
+        let Laboratory { seeds, tuning, state, .. } = laboratory;
+        let map = laboratory.progress().filter(|_| laboratory.is_working() && !state.is_stopped);
+        let runs = seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64);
+        let tuning = tuning.progress().filter(|_| is_in_sight(ViewKind::Tune));
+        [
+            (IMPORT, importing.as_ref().and_then(Import::progress), |app| app.importing = None),
+            ("The computation of the plots", session.progress(), |app| _ = app.session.cancel()),
+            ("The map", map, |app| _ = app.laboratory.set_stopped(true)),
+            ("The runs with many seeds", runs, |app| _ = app.laboratory.seeds.set_stopped(true)),
+            ("The tuning", tuning, |app| _ = app.laboratory.tuning.cancel()),
+            ("The export", exporting.as_ref().map(Exporting::progress), |app| app.exporting = None),
+        ]
     }
 
     pub(super) fn stop_standing_still(&mut self) {
-        let Some((work, _)) = self.standstill.first() else { return };
-        let Self { session, laboratory, importing, exporting, .. } = self;
-        match work {
-            Work::Import => *importing = None,
-            Work::Picture => _ = session.cancel(),
-            Work::Map => _ = laboratory.set_stopped(true),
-            Work::Seeds => _ = laboratory.seeds.set_stopped(true),
-            Work::Tuning => _ = laboratory.tuning.cancel(),
-            Work::Causes => session.give_up_trials(),
-            Work::FreeRuns => session.give_up_free_runs(),
-            Work::Spectrogram => session.give_up_spectrogram(),
-            Work::Export => *exporting = None,
+        let Some(first) = self.standstill.first() else { return };
+        for (.., stop) in self.works().into_iter().filter(|(name, ..)| *name == first) {
+            stop(self);
         }
         self.standstill.works.clear();
     }

@@ -8,7 +8,6 @@ use egui::{Context, Ui};
 use kalmanscope::App;
 use kalmanscope_core::RunError;
 
-use super::crash;
 use super::shelf::Folder;
 use super::state_file::StateFile;
 
@@ -27,7 +26,6 @@ impl Desktop {
         folder: Result<&Path, String>,
         equip: impl FnOnce(App) -> App,
     ) -> Result<Self, RunError> {
-        let crash = folder.as_ref().ok().and_then(|folder| crash::last(folder));
         let (last, file) = match folder.and_then(StateFile::open) {
             Ok((file, last)) => (last, Some(file)),
             Err(reason) => (Err(format!("This session is not saved when the window closes: {reason}.")), None),
@@ -35,9 +33,6 @@ impl Desktop {
         let mut app = App::resumed(ctx, last)?;
         if let Some(file) = &file {
             app = app.keeping_records(Box::new(Folder::of(&file.folder)), ctx);
-        }
-        if let Some(sentence) = crash {
-            app.report(&sentence);
         }
         Ok(Self { app: equip(app), file, due: None })
     }
@@ -73,12 +68,6 @@ impl eframe::App for Desktop {
 
     fn auto_save_interval(&self) -> Duration {
         if self.due.is_some_and(|due| due <= Instant::now()) { Duration::ZERO } else { Duration::MAX }
-    }
-
-    fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        if let Some(file) = &self.file {
-            crash::forget(&file.folder);
-        }
     }
 }
 

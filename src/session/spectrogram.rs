@@ -32,14 +32,6 @@ impl Session {
         self.spectrograms.next.is_some()
     }
 
-    pub(crate) fn spectrogram_beside(&self) -> Option<f64> {
-        self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| next.seen)
-    }
-
-    pub(crate) fn give_up_spectrogram(&mut self) {
-        self.spectrograms.made = self.spectrograms.next.take().map(|(of, _)| (of, None));
-    }
-
     pub(crate) fn is_spectrogram_behind_here(&self) -> bool {
         self.spectrograms.next.as_ref().is_some_and(|(_, next)| !next.is_beside())
     }

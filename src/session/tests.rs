@@ -1,40 +1,11 @@
 //! Playback, edits and long records.
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{FilterKind, FilterSettings};
 
 use super::*;
 
 fn session() -> Session {
     Session::new(Scenario { duration: 4.0, ..Scenario::default() }).unwrap()
-}
-
-#[test]
-fn live_mode_shows_as_much_as_has_been_played() {
-    let mut session = session();
-    assert_eq!(session.run().len(), 1);
-    session.advance(0.5);
-    assert_eq!((session.position(), session.run().len()), (100, 101));
-    session.advance(99.0);
-    assert!(!session.playing());
-    assert_eq!(session.run().len(), session.run().samples());
-}
-
-#[test]
-fn diagnostics_are_as_deep_as_is_wanted() {
-    let mut session = session();
-    session.set_mode(Mode::Whole);
-    let all = session.diagnostics()[0].log_likelihood();
-    let want = |session: &mut Session, diagnostics| session.want(Wanted { diagnostics, ..Wanted::NOTHING });
-    want(&mut session, None);
-    assert!(session.diagnostics().is_empty());
-    want(&mut session, Some(Depth::Consistency));
-    assert_eq!(session.diagnostics().len(), session.run().estimates().len());
-    assert!(session.diagnostics()[0].whiteness().is_empty());
-    assert_eq!(session.diagnostics()[0].log_likelihood().to_bits(), all.to_bits());
-    want(&mut session, Some(Depth::All));
-    assert!(!session.diagnostics()[0].whiteness().is_empty());
-    assert_eq!(session.diagnostics()[0].len(), session.run().len());
 }
 
 #[test]
@@ -231,15 +202,6 @@ fn a_new_edit_begins_again() {
 }
 
 #[test]
-fn a_cheap_edit_does_not_wait_for_the_next_frame() {
-    let mut session = heavy();
-    session.set_budget(Budget::FRAME);
-    session.set_scenario(with(&session, |scenario| scenario.filters.truncate(2)));
-    assert!(!session.behind());
-    assert_eq!(session.diagnostics().len(), 2);
-}
-
-#[test]
 fn what_is_kept_follows_from_where_the_run_stands() {
     let mut played = long();
     played.set_speed(1770.0);
@@ -285,18 +247,6 @@ fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
 }
 
 #[test]
-fn a_truth_without_a_first_sample_does_no_harm() {
-    let mut scenario = Scenario::default();
-    scenario.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.1));
-    scenario.plant.initial.displacement = 1e308;
-    let mut session = Session::new(scenario).unwrap();
-    session.advance(1.0);
-    session.step();
-    assert_eq!((session.position(), session.index(), session.end()), (0, 0, 0.0));
-    assert!(session.run().truth_stop().is_some() && !session.behind());
-}
-
-#[test]
 fn play_at_the_end_begins_again() {
     let mut session = session();
     session.seek(99.0);
@@ -305,15 +255,6 @@ fn play_at_the_end_begins_again() {
     session.toggle_play();
     assert!(session.playing());
     assert_eq!(session.position(), 0);
-}
-
-#[test]
-fn records_that_come_along_are_opened_without_a_file() {
-    for entry in kalmanscope_lessons::BUILT_IN.iter().chain(kalmanscope_lessons::EQUATIONS) {
-        let scenario = entry.scenario().unwrap();
-        let session = Session::new(scenario.clone()).unwrap();
-        assert_eq!((session.is_measured(), session.problem()), (scenario.record.is_some(), None), "{}", entry.title);
-    }
 }
 
 #[test]

@@ -82,17 +82,6 @@ impl Session {
         !self.trying.wanted.is_empty() && !self.trying.is_done
     }
 
-    pub(crate) fn trials_beside(&self) -> Option<f64> {
-        let shares = self.trying.attempts.iter().filter(|attempt| attempt.is_beside()).map(|attempt| attempt.progress);
-        shares.reduce(|sum, share| sum + share)
-    }
-
-    pub(crate) fn give_up_trials(&mut self) {
-        for attempt in &mut self.trying.attempts {
-            (attempt.search, attempt.is_complete) = (None, true);
-        }
-    }
-
     /// Whether the frames have trials to do: threads wake the screen when they have got further.
     pub(crate) fn is_trying_here(&self) -> bool {
         self.is_trying() && !self.trying.attempts.iter().any(Attempt::is_beside)

@@ -72,50 +72,44 @@ impl Outline {
     }
 
     pub(crate) fn has(&self, view: ViewKind) -> bool {
-        let mut views = Vec::new();
-        self.collect(&mut views);
-        views.contains(&view)
+        self.views().contains(&view)
     }
 
     pub(crate) fn validate(&self) -> Result<(), String> {
-        let mut views = Vec::new();
-        self.collect(&mut views);
-        for (place, view) in views.iter().enumerate() {
-            if views[..place].contains(view) {
-                return Err(format!("{view:?} is there twice"));
-            }
-        }
-        self.validate_tile(0)
+        let views = self.views();
+        let twice = views.iter().enumerate().find(|(place, view)| views[..*place].contains(view));
+        twice.map_or_else(|| self.validate_tile(0), |(_, view)| Err(format!("{view:?} is there twice")))
     }
 
     fn validate_tile(&self, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
             return Err(format!("more than {DEEPEST} containers are inside each other"));
         }
-        let children: Vec<&Self> = match self {
-            Self::View(_) => return Ok(()),
-            Self::Rows(children) | Self::Columns(children) => {
-                if let Some((share, _)) = children.iter().find(|(share, _)| !SHARES.contains(share)) {
-                    let (low, high) = SHARES.into_inner();
-                    return Err(format!("a share is {share}, but must be from {low} to {high}"));
-                }
-                children.iter().map(|(_, child)| child).collect()
-            }
-            Self::Tabs(_, children) | Self::Grid(children) => children.iter().collect(),
-        };
-        if children.is_empty() {
+        if let Self::Rows(children) | Self::Columns(children) = self
+            && let Some((share, _)) = children.iter().find(|(share, _)| !SHARES.contains(share))
+        {
+            let (low, high) = SHARES.into_inner();
+            return Err(format!("a share is {share}, but must be from {low} to {high}"));
+        }
+        let children = self.children();
+        if children.is_empty() && !matches!(self, Self::View(_)) {
             return Err("a container is empty".to_owned());
         }
         children.into_iter().try_for_each(|child| child.validate_tile(depth + 1))
     }
 
-    fn collect(&self, views: &mut Vec<ViewKind>) {
+    fn children(&self) -> Vec<&Self> {
         match self {
-            Self::View(view) => views.push(*view),
-            Self::Rows(children) | Self::Columns(children) => {
-                children.iter().for_each(|(_, child)| child.collect(views));
-            }
-            Self::Tabs(_, children) | Self::Grid(children) => children.iter().for_each(|child| child.collect(views)),
+            Self::View(_) => Vec::new(),
+            Self::Rows(children) | Self::Columns(children) => children.iter().map(|(_, child)| child).collect(),
+            Self::Tabs(_, children) | Self::Grid(children) => children.iter().collect(),
+        }
+    }
+
+    fn views(&self) -> Vec<ViewKind> {
+        match self {
+            Self::View(view) => vec![*view],
+            _ => self.children().into_iter().flat_map(Self::views).collect(),
         }
     }
 }

@@ -41,11 +41,6 @@ impl Driver {
         Self { child, port, profile }
     }
 
-    /// The id of the process whose descendants are the browser's processes.
-    pub(crate) fn process(&self) -> u32 {
-        self.child.id()
-    }
-
     pub(crate) fn downloads(&self) -> PathBuf {
         let folder = self.profile.join("downloads");
         fs::create_dir_all(&folder).expect("a folder can be made");

@@ -1,7 +1,5 @@
 //! Long filters in the page's workers.
 
-use std::time::{Duration, Instant};
-
 use kalmanscope::App;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
@@ -79,28 +77,4 @@ pub(crate) async fn the_page_computes_where_workers_do_not(page: &Page, address:
     assert_eq!(told(page, "filter").await, u64::from(is_begun));
     assert_eq!(told(page, "failures").await, u64::from(is_begun));
     reports_no_problems(page, address).await;
-}
-
-/// Prints how long a heavy particle filter takes on the page, and the page's own time in its frames meanwhile.
-pub(crate) async fn time_of_a_long_filter(page: &Page, address: &str, name: &str) {
-    let (light, checksum) = picture(1, 10.0, 20);
-    starts(page, &format!("{address}{light}")).await;
-    shows(page, &checksum).await;
-    let (heavy, checksum) = picture(2, 50.0, 2000);
-    page.value("Object.assign(busy, { sum: 0, longest: 0, begin: performance.now() })").await;
-    let begun = Instant::now();
-    page.value(&format!("location.hash = '{heavy}'")).await;
-    let script = format!(
-        "(() => {{
-            const look = () => {{
-                if (JSON.parse(wasmBindings.kalmanscope_summary()).checksum !== '{checksum}') return setTimeout(look, 200);
-                window.over = [performance.now() - busy.begin, busy.sum, busy.longest];
-            }};
-            look();
-        }})()"
-    );
-    page.value(&script).await;
-    page.wait_until("window.over !== undefined", Duration::from_secs(200)).await.unwrap();
-    let times = page.value("over.map(Math.round)").await;
-    println!("{name}: all, in frames, longest frame [ms] {times}; seen after {:.1} s", begun.elapsed().as_secs_f64());
 }

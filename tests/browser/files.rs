@@ -122,26 +122,6 @@ pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &s
     reports_no_problems(page, address).await;
 }
 
-/// Prints how long reading a large file and making its start values takes, and the page's own time in its frames meanwhile.
-pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path, name: &str) {
-    let text = sheet(40_000.0, 0.0);
-    fs::write(folder.join("large.csv"), &text).unwrap();
-    starts(page, address).await;
-    page.click("Whole record", 0.5).await;
-    page.settle().await;
-    let begin = "Object.assign(busy, { sum: 0, longest: 0, begin: performance.now() })";
-    let spent = "[performance.now() - busy.begin, busy.sum, busy.longest].map(Math.round)";
-    page.value(begin).await;
-    page.choose_file("#file", &folder.join("large.csv")).await;
-    is_asked(page).await;
-    println!("{name}, {} MB: all, in frames, longest frame [ms] {}", text.len() / 1_000_000, page.value(spent).await);
-    page.settle().await;
-    page.value(begin).await;
-    page.click("Open the record", 0.5).await;
-    page.wait_until(&format!("!({})", has("Cancel the import")), 4 * PATIENCE).await.unwrap();
-    println!("{name}, start values: all, in frames, longest frame [ms] {}", page.value(spent).await);
-}
-
 fn checksum(name: &str, bytes: &[u8]) -> String {
     let table = read(bytes, None).unwrap();
     let (mapping, input) = Mapping::guess(&table);

@@ -79,28 +79,6 @@ async fn has_the_bits_of_this_machine(page: &Page) {
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));
 }
 
-/// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\]. It asks
-/// seldom after the picture, since each answer describes the whole screen.
-pub(crate) const STOPWATCH: &str = "
-    window.rows = {};
-    const look = () => {
-        const map = window.wasmBindings?.kalmanscope_summary && JSON.parse(wasmBindings.kalmanscope_summary()).map;
-        const note = (name, least) => { if (map?.done >= least) window.rows[name] ??= performance.now(); };
-        note('first', 1);
-        note('coarse', map?.cells / 256);
-        note('picture', map?.cells / 64);
-        note('last', map?.cells);
-        setTimeout(look, window.rows.picture ? 250 : 20);
-    };
-    look();";
-
-/// The link to a map of 128 × 128 runs of 2 001 samples by this filter of the usual scenario.
-pub(crate) fn large_map(filter: &str) -> String {
-    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
-    scenario.filters.retain(|other| other.name == filter);
-    map_of(scenario, 128)
-}
-
 /// A link that opens the usual map of a scenario's first filter. The map has `cells` rows and as many columns.
 fn map_of(scenario: Scenario, cells: usize) -> String {
     let mut app = App::with_scenario(scenario).unwrap();
@@ -112,13 +90,6 @@ fn map_of(scenario: Scenario, cells: usize) -> String {
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().pause();
     app.link().unwrap()
-}
-
-pub(crate) async fn time_of_a_map(page: &Page, filter: &str) {
-    page.wait_until("window.rows.last !== undefined", PATIENCE).await.unwrap();
-    let times = "(frame => ['first', 'coarse', 'picture', 'last'].map(name => window.rows[name] - frame))\
-                 (performance.getEntriesByName('first frame')[0].startTime)";
-    println!("{filter}: first rows, first picture, the next one and all rows after [ms] {}", page.value(times).await);
 }
 
 /// Chromium's arguments for WebGPU without a graphics processor.

@@ -111,7 +111,6 @@ fn a_phone_keeps_its_plots_in_sight() {
         phone::opens(page, address).await;
         phone::fingers_are_expected(page).await;
         phone::a_lesson_leaves_the_plots_their_room(page).await;
-        phone::the_menu_of_views_scrolls(page).await;
         phone::a_late_permission_begins_nothing(page).await;
         phone::a_decay_is_identified(page).await;
         phone::filters_are_watched(page).await;
@@ -164,82 +163,28 @@ fn large_records_are_read_in_workers() {
     });
 }
 
-/// `cargo test --test browser -- --ignored --nocapture`: the time of a long filter and of a large import, in a worker and without
-/// one.
-#[test]
-#[ignore = "a measurement, which wants the machine for itself"]
-fn long_filters_and_large_imports_in_workers() {
-    for (name, script) in [("in a worker", ""), ("in the frames", elsewhere::NONE)] {
-        visit(&dist(), &[frames::STOPWATCH, script], &[], async |page, address, driver| {
-            elsewhere::time_of_a_long_filter(page, address, name).await;
-            files::time_of_an_import(page, address, &driver.downloads(), name).await;
-        });
-    }
-}
-
-/// `cargo test --test browser -- --ignored --nocapture`: frames a second on a slow phone while it measures.
-#[test]
-#[ignore = "a measurement, which wants the machine for itself"]
-fn frames_while_a_phone_measures() {
-    for rate in [60, 400] {
-        visit(&dist(), &[frames::STOPWATCH], &[], async |page, address, driver| {
-            phone::opens(page, address).await;
-            page.throttle(4.0).await;
-            phone::stream(page, rate).await;
-            for what in ["not watched", "watched"] {
-                if what == "watched" {
-                    phone::watch(page).await;
-                }
-                let wait = tokio::time::sleep(Duration::from_secs(20));
-                let frames::Frames { per_second, page: own, longest, .. } =
-                    frames::during(page, driver.process(), wait).await;
-                println!(
-                    "{rate} readings a second, {what}: {per_second:.1} frames a second, {own:.1} ms each, {longest:.1} ms at most"
-                );
-            }
-        });
-    }
-}
-
-/// `cargo test --test browser -- --ignored --nocapture`: the time of large maps.
-#[test]
-#[ignore = "a measurement, which wants the machine for itself"]
-fn large_maps_in_workers() {
-    for filter in ["EKF", "UKF"] {
-        visit(&dist(), &[laboratory::STOPWATCH], &[], async |page, address, _| {
-            starts(page, &format!("{address}{}", laboratory::large_map(filter))).await;
-            laboratory::time_of_a_map(page, filter).await;
-        });
-    }
-}
-
-/// `cargo test --test browser -- --ignored --nocapture`: frames a second over the whole record, and where the time goes.
+/// `cargo test --test browser -- --ignored --nocapture`: frames a second over the whole record.
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]
 fn frames_while_a_slider_is_dragged() {
-    visit(&dist(), &[frames::STOPWATCH], &[], async |page, address, driver| {
+    visit(&dist(), &[frames::STOPWATCH], &[], async |page, address, _| {
         starts(page, address).await;
         page.click("Whole record", 0.5).await;
-        println!("{:<50} {:>6} {:>9} {:>9}  processor [ms]", "", "1/s", "page [ms]", "most [ms]");
-        frames_of_each_slider(page, driver.process(), "default views").await;
+        println!("{:<50} {:>6} {:>9} {:>9}", "", "1/s", "page [ms]", "most [ms]");
+        frames_of_each_slider(page, "default views").await;
         page.click("Views", 0.5).await;
         for view in ["Errors", "Innovations", "Scores"] {
             page.click(view, 0.5).await;
         }
         page.click("Views", 0.5).await;
-        frames_of_each_slider(page, driver.process(), "six views").await;
+        frames_of_each_slider(page, "six views").await;
     });
 }
 
-async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
+async fn frames_of_each_slider(page: &Page, views: &str) {
     for (slider, between) in [("λ of fading EKF", (0.05, 0.6)), ("Loss of stiffness", (0.3, 0.7))] {
-        let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
-        let frames::Frames { per_second, page, longest, processes } = frames;
-        print!("{:<50} {per_second:>6.1} {page:>9.1} {longest:>9.1} ", format!("{views}, {slider}"));
-        for (kind, time) in processes.iter().filter(|(_, time)| *time >= 0.1) {
-            print!(" {kind} {time:.1}");
-        }
-        println!();
+        let [per_second, own, longest] = frames::drag(page, slider, between, Duration::from_secs(5)).await;
+        println!("{:<50} {per_second:>6.1} {own:>9.1} {longest:>9.1}", format!("{views}, {slider}"));
     }
 }
 

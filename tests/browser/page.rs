@@ -225,11 +225,6 @@ impl Page {
         self.execute("Emulation.setEmulatedMedia", params).await;
     }
 
-    pub(crate) async fn throttle(&self, times: f64) {
-        let params = json!({ "rate": times });
-        self.execute("Emulation.setCPUThrottlingRate", params).await;
-    }
-
     /// Makes the network as slow as this: bits per second, and the time to an answer.
     pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
         let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));

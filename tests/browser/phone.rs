@@ -1,5 +1,5 @@
-//! A phone: fingers are expected from the first frame, a swipe on a lesson leaves the plots in sight, menus scroll, and a free decay
-//! is measured with the accelerometer and the microphone.
+//! A phone: fingers are expected from the first frame, a swipe on a lesson leaves the plots in sight, and a free decay is
+//! measured with the accelerometer and the microphone.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -21,6 +21,7 @@ const FOR_PLOTS: f64 = 0.45;
 const FINGER: f64 = 39.5;
 
 pub(crate) async fn opens(page: &Page, address: &str) {
+    page.prepare(TELL).await;
     page.become_phone(SIZE).await;
     page.go(address).await;
     page.wait_until(OVER, START).await.expect("the page starts");
@@ -57,36 +58,29 @@ pub(crate) async fn a_lesson_leaves_the_plots_their_room(page: &Page) {
     page.save("phone-lesson.png").await;
 }
 
-pub(crate) async fn the_menu_of_views_scrolls(page: &Page) {
-    page.tap("Views").await;
-    let button = page.rect("Views").await;
-    let last = "Predict and update";
-    for _ in 0..6 {
-        page.touch((button.x + 40.0, 700.0), (button.x + 40.0, 350.0)).await;
-    }
-    page.save("phone-views.png").await;
-    let rect = page.rect(last).await;
-    assert!(rect.y > button.y + button.height && rect.y + rect.height <= f64::from(SIZE.1), "{rect:?}");
-    page.tap(last).await;
-    page.tap("Views").await;
-    page.settle().await;
-}
-
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Half a minute of a swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest: what a phone's browser tells.
-const SWING: &str = "(() => {
-    for (let k = 0; k < 1800; k += 1) {
-        const t = (k + 0.4 * Math.sin(91.7 * k)) / 60;
+/// `tell(k, rate)` sends the k-th motion event of a swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest: what a
+/// phone's browser sends, with jitter.
+const TELL: &str = "window.tell = (k, rate) => {
+        const t = (k + 0.4 * Math.sin(91.7 * k)) / rate;
         const a = t < 2 ? 0 : 2 * Math.exp(-0.06 * (t - 2)) * Math.cos(6 * (t - 2));
         const noise = n => 0.05 * Math.sin(12.9898 * (k + 1) * n);
         const accelerationIncludingGravity = { x: 0.3 + 0.6 * a + noise(3), y: 9.7 + 0.8 * a + noise(5), z: noise(7) };
-        const event = new DeviceMotionEvent('devicemotion', { accelerationIncludingGravity, interval: 16 });
+        const event = new DeviceMotionEvent('devicemotion', { accelerationIncludingGravity, interval: 1000 / rate });
         Object.defineProperty(event, 'timeStamp', { value: 1000 * t });
         window.dispatchEvent(event);
-    }
-    return true;
-})()";
+    };";
+
+/// Half a minute of it at once.
+const SWING: &str = "(() => { for (let k = 0; k < 1800; k += 1) tell(k, 60); return true; })()";
+
+/// The same from now on, some events at once.
+const STREAM: &str = "(begin => {
+        let k = 0;
+        setInterval(() => { for (; k < 0.06 * (performance.now() - begin); k += 1) tell(k, 60); }, 10);
+        return true;
+    })(performance.now())";
 
 async fn begin_to_measure(page: &Page) {
     page.tap("Scenario").await;
@@ -161,38 +155,11 @@ async fn identified_if_heard(page: &Page) -> Option<[f64; 2]> {
     Some(["natural_frequency", "damping_ratio"].map(|channel| estimate(&summary["filters"][0], channel, "mean")))
 }
 
-/// Motion events of a swing at some rate from now on, four at once.
-const STREAM: &str = "(rate => {
-    const begin = performance.now();
-    let k = 0;
-    setInterval(() => {
-        for (; k < rate * 1e-3 * (performance.now() - begin); k += 1) {
-            const t = k / rate;
-            const a = t < 2 ? 0 : 2 * Math.exp(-0.06 * (t - 2)) * Math.cos(6 * (t - 2));
-            const noise = n => 0.05 * Math.sin(12.9898 * (k + 1) * n);
-            const accelerationIncludingGravity = { x: 0.3 + 0.6 * a + noise(3), y: 9.7 + 0.8 * a + noise(5), z: noise(7) };
-            const event = new DeviceMotionEvent('devicemotion', { accelerationIncludingGravity, interval: 1000 / rate });
-            Object.defineProperty(event, 'timeStamp', { value: 1000 * t });
-            window.dispatchEvent(event);
-        }
-    }, 10);
-    return true;
-})";
-
-/// Begins to measure while readings come at this rate \[1/s\], and waits until it swings.
-pub(crate) async fn stream(page: &Page, rate: u32) {
-    begin_to_measure(page).await;
-    page.value(&format!("{STREAM}({rate})")).await;
-    page.wait_until(&has("Watch the filters"), PATIENCE).await.expect("it swings");
-}
-
-pub(crate) async fn watch(page: &Page) {
-    page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
-}
-
 pub(crate) async fn filters_are_watched(page: &Page) {
-    stream(page, 60).await;
-    watch(page).await;
+    begin_to_measure(page).await;
+    page.value(STREAM).await;
+    page.wait_until(&has("Watch the filters"), PATIENCE).await.expect("it swings");
+    page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
     for samples in [300, 420] {
         let grows = format!(
             "(it => it.mode === 'live' && it.samples > {samples})(JSON.parse(wasmBindings.kalmanscope_summary()))"

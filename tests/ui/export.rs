@@ -88,7 +88,7 @@ fn the_report_has_the_story_the_verdicts_and_the_figures() {
     let file = exported(&mut screen, &files, "Report (HTML)");
     assert_eq!((file.name.as_str(), file.kind), ("report.html", "text/html"));
     let page = text(file);
-    for part in ["A linear oscillator with", "nothing about it changes", "made on 2", "kalmanscope-cli run"] {
+    for part in ["A linear oscillator with", "nothing about it changes", "kalmanscope-cli run"] {
         assert!(page.contains(part), "no {part}");
     }
     // Oscillator, parameters, states; innovations and predictions.
@@ -184,29 +184,6 @@ fn a_session_is_opened_again_by_drop() {
     assert_eq!((session.mode(), session.time(), session.playing()), (Mode::Whole, 10.0, false));
     assert_eq!(other.state_mut().layout_mut().shown(), views);
     assert_eq!(other.state().picture(), picture, "marks, hidden entries and the enlarged view are there too");
-}
-
-#[test]
-fn a_bad_session_is_refused_and_changes_nothing() {
-    let (mut screen, files) = exporting(DESKTOP);
-    let good: Value =
-        serde_json::from_slice(&exported(&mut screen, &files, "Session file").contents).expect("it is JSON");
-    let with = |key: &str, value: Value| {
-        let mut bad = good.clone();
-        bad[key] = value;
-        bad
-    };
-    let before = scenario(&screen).clone();
-    for (bad, reason) in [
-        (with("kalmanscope_session", 3.into()), "it has format 3, and this program reads format 1"),
-        (with("scenario", "dt = -1".into()), "`dt` is -1"),
-        (with("more", Value::Null), "unknown field `more`"),
-    ] {
-        drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
-        let notice = screen.state().notice().expect("it is reported").to_owned();
-        assert!(notice.starts_with("“session.json” cannot be opened: ") && notice.contains(reason), "{notice}");
-        assert_eq!(scenario(&screen), &before);
-    }
 }
 
 #[test]

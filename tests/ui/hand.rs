@@ -158,13 +158,6 @@ fn side_by_side() -> Screen {
 }
 
 #[test]
-fn filters_stand_side_by_side_with_their_numbers() {
-    let screen = side_by_side();
-    assert_eq!(scenario(&screen).filters[1].process_std[Channel::NATURAL_FREQUENCY], 0.003);
-    assert_eq!(scenario(&screen).filters[0].process_std[Channel::NATURAL_FREQUENCY], 1e-4);
-}
-
-#[test]
 fn page_keys_go_from_view_to_view() {
     let mut screen = whole();
     let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name);
@@ -211,14 +204,6 @@ fn a_stranger_sees_something_happen_within_five_seconds() {
 }
 
 #[test]
-fn a_phone_on_its_side_shows_plots() {
-    let screen = screen(Vec2::new(844.0, 390.0), Theme::Light);
-    assert!(screen.query_by_label("EKF fading factor").is_none(), "settings would leave no room");
-    let plot = screen.get_by_label("Plot of the natural frequency").rect();
-    assert!(plot.height() > 80.0 && plot.bottom() < 390.0, "{plot}");
-}
-
-#[test]
 fn where_no_view_is_shown_arrangements_are_offered() {
     let mut screen = whole();
     for kind in [ViewKind::Oscillator, ViewKind::Parameters, ViewKind::States] {
@@ -227,26 +212,6 @@ fn where_no_view_is_shown_arrangements_are_offered() {
     screen.run_steps(3);
     click(&mut screen, "Compare");
     assert!(screen.query_by_label("About Scores").is_some());
-}
-
-#[test]
-fn a_finger_finds_targets_of_its_size() {
-    let mut screen = screen(PHONE, Theme::Light);
-    let touch = |phase| egui::Event::Touch {
-        device_id: egui::TouchDeviceId(1),
-        id: egui::TouchId(1),
-        phase,
-        pos: egui::pos2(200.0, 700.0),
-        force: None,
-    };
-    screen.event(touch(egui::TouchPhase::Start));
-    screen.run_steps(2);
-    screen.event(touch(egui::TouchPhase::End));
-    screen.run_steps(4);
-    for label in ["Restart", "Lessons", "About Parameters", "Hide Parameters"] {
-        let rect = screen.get_by_label(label).rect();
-        assert!(rect.height() >= 39.5, "{label}: {rect}");
-    }
 }
 
 #[test]

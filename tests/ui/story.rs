@@ -205,19 +205,6 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
     screen.get_by_label("About Innovations");
 }
 
-#[test]
-fn many_views_keep_their_heights_and_scroll() {
-    let mut screen = first_visit(DESKTOP);
-    for kind in [ViewKind::States, ViewKind::Errors, ViewKind::Innovations, ViewKind::Consistency, ViewKind::Gain] {
-        screen.state_mut().layout_mut().toggle(kind);
-    }
-    screen.run_steps(5);
-    for name in ["natural frequency", "damping ratio"] {
-        let rect = screen.get_by_label(&format!("Plot of the {name}")).rect();
-        assert!(rect.height() > 80.0, "{name}: {rect}");
-    }
-}
-
 /// A place on a plot where the pointer is a hand, which it is over a line of a filter.
 fn on_a_line(screen: &mut Screen, plot: &str) -> egui::Pos2 {
     let rect = screen.get_by_label(plot).rect();

@@ -94,9 +94,6 @@ pub(crate) fn spoil(document: &mut Value, dice: &mut Dice) {
         }
         place += 1;
     });
-    if dice.one_in(10) {
-        empty_a_list(document, dice);
-    }
 }
 
 fn visit(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
@@ -104,25 +101,6 @@ fn visit(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
         Value::Array(values) => values.iter_mut().for_each(|value| visit(value, change)),
         Value::Table(entries) => entries.iter_mut().for_each(|(_, value)| visit(value, change)),
         Value::Integer(_) | Value::Float(_) => change(document),
-        _ => {}
-    }
-}
-
-fn empty_a_list(document: &mut Value, dice: &mut Dice) {
-    match document {
-        Value::Array(values) if values.is_empty() || dice.one_in(2) => values.clear(),
-        Value::Array(values) => {
-            let place = dice.below(values.len());
-            empty_a_list(&mut values[place], dice);
-        }
-        Value::Table(entries) => {
-            let is_list = |value: &&mut Value| matches!(value, Value::Array(_) | Value::Table(_));
-            let mut lists: Vec<&mut Value> = entries.iter_mut().map(|(_, value)| value).filter(is_list).collect();
-            if !lists.is_empty() {
-                let place = dice.below(lists.len());
-                empty_a_list(lists[place], dice);
-            }
-        }
         _ => {}
     }
 }

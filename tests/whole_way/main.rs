@@ -5,7 +5,7 @@
 //! ```text
 //! cargo test --test whole_way                                    a fixed number of cases
 //! cargo test --test whole_way -- --seconds 3600 --first 100000   as many as fit into an hour, others than usual
-//! cargo test --test whole_way -- --case 17                       one case, with its files
+//! cargo test --test whole_way -- --case 17                       one case, with its file
 //! ```
 //! Each case follows from its number alone. The files of cases that fail are kept in `target/tmp/whole-way`.
 

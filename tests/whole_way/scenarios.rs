@@ -52,7 +52,7 @@ fn change(scenario: &mut Scenario, dice: &mut Dice) {
             }
         }
         2 => scenario.filters.truncate(dice.below(2)),
-        3 => scenario.force = force(dice),
+        3 => scenario.force = Force::Sine { amplitude: 3.0, frequency: 6.0 },
         4 => scenario.hold = Hold::First,
         5 => scenario.input = InputKind::GroundAcceleration,
         6 => scenario.plant.initial = Motion { displacement: 0.1, velocity: -0.5 },
@@ -70,17 +70,6 @@ fn change(scenario: &mut Scenario, dice: &mut Dice) {
             scenario.filters.push(filter);
             scenario.number_filters();
         }
-    }
-}
-
-fn force(dice: &mut Dice) -> Force {
-    match dice.below(6) {
-        0 => Force::None,
-        1 => Force::WhiteNoise { std: dice.pick(&[0.0, 1.0, 100.0]) },
-        2 => Force::Sine { amplitude: 3.0, frequency: 6.0 },
-        3 => Force::Chirp { amplitude: 3.0, from: 1.0, to: 20.0, sweep: 2.0 },
-        4 => Force::ImpulseTrain { impulse: 1.0, period: 0.5 },
-        _ => Force::Step { amplitude: 5.0, at: 0.1 },
     }
 }
 

@@ -14,7 +14,7 @@ use kalmanscope::session::{Budget, Mode, RecordFile};
 use kalmanscope_core::Scenario;
 
 use crate::dice::Dice;
-use crate::findings::Findings;
+use crate::findings::stage;
 use crate::way::Measured;
 
 /// The size of the window, in which each view has room \[points\].
@@ -34,15 +34,22 @@ struct Screen {
 }
 
 impl Screen {
-    fn new() -> Option<Self> {
+    fn new() -> Self {
         let ctx = Context::default();
         kalmanscope::theme::install(&ctx);
         ctx.set_theme(Theme::Light);
         ctx.enable_accesskit();
-        let mut app = App::with_scenario(Scenario { duration: 1.0, ..Scenario::default() }).ok()?;
+        let scenario = Scenario { duration: 1.0, ..Scenario::default() };
+        let mut app = App::with_scenario(scenario).expect("the first scenario can be run");
         app.session_mut().set_budget(BUDGET);
         *app.layout_mut() = Layout::column(&ViewKind::ALL);
-        Some(Self { app, ctx, frame: eframe::Frame::_new_kittest(), frames: 0 })
+        Self { app, ctx, frame: eframe::Frame::_new_kittest(), frames: 0 }
+    }
+
+    fn open(&mut self, scenario: Scenario) {
+        let session = self.app.session_mut();
+        session.set_scenario(scenario);
+        session.play_from_start();
     }
 
     fn frame(&mut self, size: Vec2, events: Vec<Event>) {
@@ -54,7 +61,7 @@ impl Screen {
             ..RawInput::default()
         };
         *frames += 1;
-        // A panic goes on after the frame: textures that nobody takes would panic too.
+        // A panic continues after the frame: textures that nobody takes would panic too.
         let mut drawn = Ok(());
         let mut output = ctx.run_ui(input, |root| {
             drawn = catch_unwind(AssertUnwindSafe(|| {
@@ -71,54 +78,41 @@ impl Screen {
 }
 
 /// Shows a scenario as one that a link brings, whole and live, and then a measured record.
-pub(crate) fn show(scenario: &Scenario, measured: Option<Measured>, dice: &mut Dice, findings: &mut Findings) {
-    let Some(Some(mut screen)) = findings.stage("opening the explorer", Screen::new) else { return };
+pub(crate) fn show(scenario: &Scenario, measured: Option<Measured>, dice: &mut Dice) {
+    let mut screen = stage("opening the explorer", Screen::new);
     let modes = if dice.one_in(2) { [Mode::Whole, Mode::Live] } else { [Mode::Live, Mode::Whole] };
-    let shown = open("opening a scenario", &mut screen, scenario.clone(), findings)
-        && modes.into_iter().all(|mode| play(&mut screen, mode, dice, findings));
-    if let (true, Some(Measured { bytes, read, scenario })) = (shown, measured) {
+    stage("opening a scenario", || screen.open(scenario.clone()));
+    modes.into_iter().for_each(|mode| play(&mut screen, mode, dice));
+    if let Some(Measured { bytes, read, scenario }) = measured {
         let file =
             RecordFile { name: "case.csv".to_owned(), hash: kalmanscope_core::import::hash(&bytes), table: read.table };
         screen.app.session_mut().keep_file(Arc::new(file));
-        if open("opening a record", &mut screen, scenario, findings) {
-            play(&mut screen, Mode::Whole, dice, findings);
-        }
+        stage("opening a record", || screen.open(scenario));
+        play(&mut screen, Mode::Whole, dice);
     }
-    findings.stage("closing the explorer", || drop(screen));
+    stage("closing the explorer", || drop(screen));
 }
 
-fn open(stage: &'static str, screen: &mut Screen, scenario: Scenario, findings: &mut Findings) -> bool {
-    findings
-        .stage(stage, || {
-            let session = screen.app.session_mut();
-            session.set_scenario(scenario);
-            session.play_from_start();
-        })
-        .is_some()
-}
-
-/// Plays frames until all is computed, with the pointer here and there. Returns whether none panics.
-fn play(screen: &mut Screen, mode: Mode, dice: &mut Dice, findings: &mut Findings) -> bool {
-    let is_set = findings.stage("choosing the mode", || {
+/// Plays frames until all is computed, with the pointer here and there.
+fn play(screen: &mut Screen, mode: Mode, dice: &mut Dice) {
+    stage("choosing the mode", || {
         let session = screen.app.session_mut();
         session.set_mode(mode);
         session.seek(dice.pick(&[0.0, 0.01, 1.0, 1e9]));
     });
     // The work between two drawn frames is that of frames, without the drawing.
     for _ in 0..FRAMES {
-        if is_set.is_none() || findings.stage("a slice", || screen.app.session_mut().advance(0.1)).is_none() {
-            return false;
-        }
+        stage("a slice", || screen.app.session_mut().advance(0.1));
         if !screen.app.session().behind() {
             break;
         }
     }
     let sizes = [SIZE, SIZE, if dice.one_in(4) { Vec2::new(390.0, 844.0) } else { SIZE }];
-    let is_well = sizes.into_iter().all(|size| {
+    for size in sizes {
         let events = events(size, dice);
-        findings.stage("a frame", || screen.frame(size, events)).is_some()
-    });
-    is_well && findings.stage("the screen in words", || screen.app.twin()).is_some()
+        stage("a frame", || screen.frame(size, events));
+    }
+    stage("the screen in words", || drop(screen.app.twin()));
 }
 
 fn events(size: Vec2, dice: &mut Dice) -> Vec<Event> {

@@ -69,48 +69,6 @@ fn a_frame_is_saved_after_two_seconds_and_then_all_rests() {
 }
 
 #[test]
-fn a_session_that_cannot_be_read_is_said_and_kept() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut screen = started(folder.path());
-    let first = seed(&mut screen);
-    set_seed(&mut screen, 5);
-    save(&mut screen);
-    let text = std::fs::read_to_string(folder.path().join(NAME)).expect("it is there");
-    std::fs::write(folder.path().join(NAME), &text[..text.len() / 2]).expect("it can be written");
-    let mut screen = started(folder.path());
-    let said = notice(&mut screen);
-    assert!(said.contains("The last session cannot be opened: ") && said.contains("state-kept-1.json"), "{said}");
-    assert_eq!(seed(&mut screen), first);
-    save(&mut screen);
-    let kept = std::fs::read_to_string(folder.path().join("state-kept-1.json")).expect("it is kept");
-    assert_eq!(kept, text[..text.len() / 2]);
-    assert_eq!(notice(&mut started(folder.path())), "", "what is saved now can be read");
-}
-
-#[test]
-fn a_crash_is_said_with_the_session_that_was_saved_last() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut screen = started(folder.path());
-    set_seed(&mut screen, 77);
-    save(&mut screen);
-    std::fs::write(folder.path().join("crash.txt"), "“the device is lost”, at a place.").expect("it can be written");
-    let mut screen = started(folder.path());
-    let said = notice(&mut screen);
-    assert!(said.contains("has stopped with an error: “the device is lost”, at a place. Please add "), "{said}");
-    assert_eq!(seed(&mut screen), 77);
-    assert_eq!(notice(&mut started(folder.path())), "", "it is said once");
-}
-
-#[test]
-fn an_end_forgets_the_note_of_a_thread_that_has_failed() {
-    let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut screen = started(folder.path());
-    std::fs::write(folder.path().join("crash.txt"), "“x”, at y.").expect("it can be written");
-    eframe::App::on_exit(screen.state_mut(), None);
-    assert_eq!(notice(&mut started(folder.path())), "");
-}
-
-#[test]
 fn a_missing_place_is_said_and_the_explorer_starts() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join("file");
