@@ -297,26 +297,6 @@ fn a_truth_without_a_first_sample_does_no_harm() {
 }
 
 #[test]
-fn play_at_the_end_begins_again() {
-    let mut session = session();
-    session.seek(99.0);
-    session.advance(0.1);
-    assert!(!session.playing());
-    session.toggle_play();
-    assert!(session.playing());
-    assert_eq!(session.position(), 0);
-}
-
-#[test]
-fn records_that_come_along_are_opened_without_a_file() {
-    for entry in kalmanscope_lessons::BUILT_IN.iter().chain(kalmanscope_lessons::EQUATIONS) {
-        let scenario = entry.scenario().unwrap();
-        let session = Session::new(scenario.clone()).unwrap();
-        assert_eq!((session.is_measured(), session.problem()), (scenario.record.is_some(), None), "{}", entry.title);
-    }
-}
-
-#[test]
 fn a_record_that_is_not_here_is_asked_for() {
     let entry = kalmanscope_lessons::BuiltIn::named("earthquake").unwrap();
     let mut scenario = entry.scenario().unwrap();

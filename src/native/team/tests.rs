@@ -5,13 +5,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope::session::{Budget, Mode, ModelTime, Session};
-use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay, Running};
+use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay};
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::import::{ImportError, Loaded, Loading};
 use kalmanscope_core::simulate;
-use kalmanscope_core::suggest::Suggest;
-use kalmanscope_core::{Axis, FilterKind, FilterSettings, Measure, Scenario, Source, Task, Wanted};
-use kalmanscope_lab::tune::{Goal, Tuner};
+use kalmanscope_core::{Axis, FilterKind, FilterSettings, Measure, Scenario, Source, Wanted};
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::*;
@@ -83,34 +80,6 @@ fn long_filters_on_threads_have_the_bits_of_those_in_the_frames() {
 }
 
 #[test]
-fn files_start_values_and_tunings_come_from_threads_as_from_the_frames() {
-    let team = desktop();
-    let mut text = "t,force,displacement\n".to_owned();
-    let scenario = Scenario { duration: 200.0, ..Scenario::default() };
-    let record = simulate(&scenario);
-    for k in 0..record.len() {
-        text.push_str(&format!("{},{},{}\n", record.time(k), record.force(k), record.measured(0)[k]));
-    }
-    let loading = || Loading::new(text.clone().into_bytes());
-    let (loaded, shares) = outcome(&*team, loading());
-    let words = |loaded: Result<Loaded, ImportError>| loaded.map_err(|error| error.to_string());
-    assert_eq!(words(loaded), words(loading().run()));
-    assert!(shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
-    let (bad, _) = outcome(&*team, Loading::new(Vec::new()));
-    assert!(bad.is_err());
-
-    let suggest = || Suggest::new(&scenario, record.clone());
-    assert_eq!(outcome(&*team, suggest()).0, suggest().run());
-
-    let record = Arc::new(record.clone());
-    let axes = vec![Axis::parse("filters.EKF.process_std=0.1:10:5:log").expect("it is an axis")];
-    let tuner = || {
-        Tuner::new(scenario.clone(), 0, Arc::clone(&record), axes.clone(), Goal::Likelihood).expect("it is possible")
-    };
-    assert_eq!(outcome(&*team, tuner()).0.path, tuner().run().path);
-}
-
-#[test]
 fn causes_free_runs_and_spectrograms_come_from_threads_as_from_the_frames() {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     scenario.filters.truncate(1);
@@ -148,20 +117,6 @@ fn a_filter_that_cannot_be_run_is_lost() {
     let mut none = team.filter(&Scenario::default(), 99, &record).expect("there is a thread");
     let begin = Instant::now();
     while none.take().map(|tape| assert!(tape.is_none())) != Err(Lost) {
-        assert!(begin.elapsed() < PATIENCE);
-    }
-}
-
-fn outcome<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T) -> (T::Outcome, Vec<f64>) {
-    let mut task = Running::begin(team, Priority::Hand, task, T::progress);
-    assert!(task.is_beside());
-    let (mut shares, begin) = (vec![task.seen], Instant::now());
-    loop {
-        if let Some(outcome) = task.advance(&mut || false).expect("it is not lost") {
-            return (outcome, shares);
-        }
-        shares.push(task.seen);
-        thread::sleep(Duration::from_millis(1));
         assert!(begin.elapsed() < PATIENCE);
     }
 }
