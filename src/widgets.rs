@@ -1,6 +1,6 @@
 //! Texts over widgets, blocks that do not shrink, and the ring of the keyboard's focus.
 
-use egui::{Context, CornerRadius, Id, Key, LayerId, Order, Response, Stroke, StrokeKind, Ui};
+use egui::{Button, Context, CornerRadius, Id, Key, LayerId, Order, Response, RichText, Stroke, StrokeKind, Ui};
 
 use crate::theme::Palette;
 
@@ -18,6 +18,11 @@ pub(crate) fn named(response: Response, name: impl Into<String>) -> Response {
     let name = name.into();
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
     response
+}
+
+/// The one button of the next step.
+pub(crate) fn primary(text: &str, palette: &Palette) -> Button<'static> {
+    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }
 
 /// The time for which blocks keep their heights after the pointer has left, or the finger \[s\].

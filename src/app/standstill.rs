@@ -65,7 +65,7 @@ impl App {
         if let Some(import) = &mut self.importing {
             import.is_still = first.is_some_and(|(work, _)| work == Work::Import);
         }
-        let is_said = self.notice.as_ref().is_some_and(|notice| notice.is_of_standstill);
+        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
         match first.filter(|(work, _)| *work != Work::Import) {
             Some((_, name)) if !is_said => {
                 let sentence = format!("{name} has made no progress for {PATIENCE} s. Esc stops it.");

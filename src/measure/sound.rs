@@ -47,7 +47,7 @@ impl Listener {
         Ring::in_samples(rate, &samples)
             .ok_or("nothing rings in it: a line that is louder than the room and fades is looked for".to_owned())?;
         let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
-        Ok(RawFile { name: FILE.to_owned(), bytes })
+        Ok(RawFile { name: FILE.to_owned(), bytes, is_measured: true })
     }
 }
 

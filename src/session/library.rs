@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
+use kalmanscope_core::import::{Builder, Imported, Mapping, Table, hash, read};
 use kalmanscope_core::{Hold, InputKind, Record, Scenario, Source};
 use kalmanscope_lessons::records;
 
@@ -89,9 +89,7 @@ impl Library {
         let file = self
             .file(mapping)
             .ok_or_else(|| format!("the record “{name}” is not here: drop the file on the window"))?;
-        let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
-        let built = built.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
-        let built = built.map_err(|error| format!("“{name}”: {error}"))?;
+        let built = built(file, mapping, scenario)?;
         let samples = built.record.len();
         if samples > Session::LONGEST_WHOLE + 1 {
             return Err(format!(
@@ -147,10 +145,7 @@ impl Library {
     pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
         let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
         let mapping = Mapping { from: None, to: None, ..mapping.clone() };
-        let built = Builder::new(&file.table, &mapping, scenario.input, scenario.hold);
-        let built = built.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
-        let built = built.map_err(|error| format!("“{}”: {error}", file.name))?;
-        self.held_out = Some((file.name.clone(), Arc::new(built.record)));
+        self.held_out = Some((file.name.clone(), Arc::new(built(file, &mapping, scenario)?.record)));
         Ok(())
     }
 
@@ -158,6 +153,12 @@ impl Library {
         let made = self.made.iter().find(|made| std::ptr::eq(&raw const *made.record, record));
         made.map_or(&[], |made| &made.remarks)
     }
+}
+
+fn built(file: &RecordFile, mapping: &Mapping, scenario: &Scenario) -> Result<Imported, String> {
+    let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
+    let built = built.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
+    built.map_err(|error| format!("“{}”: {error}", file.name))
 }
 
 pub fn name_of(mapping: &Mapping) -> &str {

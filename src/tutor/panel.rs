@@ -7,7 +7,7 @@ use super::{Catalogue, Tutor};
 use crate::drawer::close_ui;
 use crate::request::{Answer, Request};
 use crate::theme::Palette;
-use crate::widgets::named;
+use crate::widgets::{named, primary};
 use crate::{probe, theme};
 
 /// The text of the step. It has the keyboard's focus when a step begins, so that Tab goes to its first control.
@@ -176,11 +176,6 @@ fn change_ui(ui: &mut Ui, change: &Adjustment, changed: bool, palette: &Palette,
         requests.push(Request::ChangeLesson);
     }
     ui.add_space(6.0);
-}
-
-/// The one button of the next step.
-fn primary(text: &str, palette: &Palette) -> Button<'static> {
-    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }
 
 fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
