@@ -1,5 +1,6 @@
 //! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
+mod figures;
 mod parts;
 mod peaks;
 mod scene;
@@ -8,6 +9,7 @@ mod stage;
 use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
+use self::figures::Figure;
 use self::peaks::{Peak, masses};
 use self::scene::Scene;
 use self::stage::Stage;
@@ -92,12 +94,16 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let strip = strip.map(|height| rect.with_max_y(rect.top() + height));
     let stage = strip.map_or(whole, |strip| stage(rect.with_min_y(strip.bottom())));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
-    scene.masses(peak.force);
-    let equation = session.run().scenario().plant.kind.equation();
+    let figure = Figure::of(run.scenario(), masses);
+    if figure == Figure::Masses {
+        scene.masses(peak.force);
+    }
+    let equation = run.scenario().plant.kind.equation();
     let place = scene.captions(strip);
-    for (number, (slice, id, name)) in scene.slices().into_iter().enumerate() {
+    let at = ["on the mass", "on the pendulum", "in the circuit", ""][figure as usize];
+    for (number, (slice, id, name)) in figure.draw(&scene, last).into_iter().enumerate() {
         let mass = ui.interact(slice, response.id.with(("slice", number)), Sense::click());
-        mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} on the mass")));
+        mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} {at}")));
         if mass.on_hover_text(format!("{name}: click for its numbers and settings")).clicked() {
             requests.push(Request::Diagnose(id));
         }
