@@ -6,7 +6,7 @@ mod peaks;
 mod scene;
 mod stage;
 
-use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
 use self::figures::Figure;
@@ -111,8 +111,16 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     // If there is no room for the equation, a click anywhere in the picture counts as one on it.
     let target = place.map_or(rect, touchable);
     let edit = ui.interact(target, response.id.with("equation"), Sense::click());
-    edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation over the oscillator"));
+    edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation"));
     let edit = edit.on_hover_cursor(egui::CursorIcon::PointingHand);
+    if let Some(place) = place {
+        // It is a button: a pencil, and a line under it for the pointer.
+        let color = if edit.hovered() { context.palette.accent } else { context.palette.weak };
+        painter.text(place.right_top() + vec2(5.0, 0.0), Align2::LEFT_TOP, "✏", FontId::proportional(11.0), color);
+        if edit.hovered() {
+            painter.hline(place.x_range(), place.bottom(), Stroke::new(1.0, color));
+        }
+    }
     let hidden = if place.is_some() { String::new() } else { format!("{equation}\n") };
     if edit.on_hover_text(format!("{hidden}Click to edit the equation")).clicked() {
         requests.push(Request::EditEquation);
