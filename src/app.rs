@@ -193,8 +193,8 @@ impl App {
 
     /// Shows a sentence about a failure, after those on screen.
     pub fn report(&mut self, sentence: &str) {
-        let before = self.notice().map(|before| format!("{before} ")).unwrap_or_default();
-        self.notice = Some(format!("{before}{sentence}").into());
+        let before = self.notice.take().unwrap_or(Notice::done(""));
+        self.notice = Some(Notice { is_failure: true, ..before.with(sentence) });
     }
 
     /// Shows a sentence that is no failure for a while, if no other is on screen.

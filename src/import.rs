@@ -3,7 +3,7 @@
 mod columns;
 mod dialog;
 mod draft;
-mod spectra;
+mod summary;
 
 use std::borrow::Borrow;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use egui::Context;
 use kalmanscope_core::import::{Loaded, Loading, Mapping, Table};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Hold, InputKind, Record, Scenario, Task};
+use kalmanscope_core::{Hold, InputKind, Scenario, Task};
 
 use crate::session::RecordFile;
 use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
@@ -32,6 +32,8 @@ pub struct Import {
     name: String,
     stage: Stage,
     team: Rc<dyn Team>,
+    /// Whether the record opens without a question, if nothing has to be asked.
+    at_once: bool,
     pub(crate) is_still: bool,
 }
 
@@ -65,14 +67,16 @@ pub struct Opened {
     pub scenario: Scenario,
     pub reasons: Vec<String>,
     pub problem: Option<String>,
+    /// A sentence about a record that opened without a question.
+    pub summary: Option<String>,
 }
 
 impl Import {
-    pub fn new(name: &str, bytes: Vec<u8>, team: Rc<dyn Team>) -> Self {
+    pub fn new(name: &str, bytes: Vec<u8>, at_once: bool, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
         let worker = if is_long { team.load(&bytes) } else { None };
         let stage = Stage::Reading(Box::new(running(&*team, worker, Reading(Loading::new(bytes)), is_long)));
-        Self::at(name.to_owned(), stage, team)
+        Self { at_once, ..Self::at(name.to_owned(), stage, team) }
     }
 
     pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, team: Rc<dyn Team>) -> Self {
@@ -81,7 +85,7 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        Self { name, stage, team, is_still: false }
+        Self { name, stage, team, at_once: false, is_still: false }
     }
 
     /// Continues until `while_time` returns false. Returns the outcome once there is one.
@@ -102,7 +106,8 @@ impl Import {
                 Ok(Some(suggestion)) => match suggestion.scenario.validate() {
                     Ok(()) => {
                         let Suggestion { scenario, reasons, problem, .. } = suggestion;
-                        return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem });
+                        let summary = self.at_once.then(|| draft.summary());
+                        return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem, summary });
                     }
                     Err(error) => Stage::Failed(format!("no start values can be made of it: {error}")),
                 },
@@ -110,11 +115,12 @@ impl Import {
             },
             Stage::Asking(mut draft) => {
                 draft.advance(while_time);
+                self.at_once &= !draft.is_unfolded && (draft.is_behind() || draft.is_possible());
                 Stage::Asking(draft)
             }
             Stage::Failed(reason) => Stage::Failed(reason),
         };
-        None
+        if self.at_once { self.open() } else { None }
     }
 
     pub(crate) fn progress(&self) -> Option<f64> {
@@ -129,7 +135,7 @@ impl Import {
         let (is_busy, is_beside) = match &self.stage {
             Stage::Reading(reading) => (true, reading.is_beside()),
             Stage::Suggesting(_, suggest) => (true, suggest.is_beside()),
-            Stage::Asking(draft) => (draft.is_busy(), false),
+            Stage::Asking(draft) => (draft.is_behind(), false),
             Stage::Failed(_) => (false, false),
         };
         if is_beside {
@@ -146,7 +152,14 @@ impl Import {
         }
     }
 
-    fn accept(&mut self, record: Record, scenario: Scenario) -> Option<Opened> {
+    /// Opens the record, or begins to make its start values, if there is a record.
+    fn open(&mut self) -> Option<Opened> {
+        let Stage::Asking(draft) = &self.stage else { return None };
+        let (scenario, made) = (draft.scenario()?, draft.outcome()?.ok()?);
+        if !draft.is_possible() {
+            return None;
+        }
+        let record = made.record.clone();
         let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else {
             return None;
         };
@@ -157,7 +170,7 @@ impl Import {
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
-        Some(Opened { file: Arc::clone(&draft.file), scenario, reasons: Vec::new(), problem: None })
+        Some(Opened { file: Arc::clone(&draft.file), scenario, reasons: Vec::new(), problem: None, summary: None })
     }
 }
 

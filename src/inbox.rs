@@ -110,7 +110,9 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     }
     let bytes = match bytes {
         Ok(bytes) if bytes.len() > LARGEST => Err(TOO_LARGE.to_owned()),
-        Ok(bytes) if !is_toml(name) => return Request::ImportFile(Box::new(RawFile { name: name.to_owned(), bytes })),
+        Ok(bytes) if !is_toml(name) => {
+            return Request::ImportFile(Box::new(RawFile { name: name.to_owned(), bytes, is_measured: false }));
+        }
         bytes => bytes,
     };
     let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));

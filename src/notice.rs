@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
+use crate::probe;
 use crate::request::Request;
 use crate::theme::Palette;
 use crate::widgets::named;
@@ -12,24 +13,37 @@ const STAYS: f64 = 8.0;
 /// The distance of a message from the foot and the sides of the plots \[points\].
 const APART: f32 = 12.0;
 
+/// The room for the buttons of a message that has one \[points\].
+const BUTTON: f32 = 120.0;
+
 /// Limits the width of a message \[points\].
 const WIDEST: f32 = 560.0;
 
 pub(crate) struct Notice {
     pub(crate) sentence: String,
     pub(crate) is_failure: bool,
-    pub(crate) is_of_standstill: bool,
+    /// A button: its text, and its request.
+    pub(crate) button: Option<(&'static str, Request)>,
     /// The time of the first frame with the message, if there has been one \[s\].
-    since: Option<f64>,
+    pub(crate) since: Option<f64>,
 }
 
 impl Notice {
     pub(crate) fn done(sentence: &str) -> Self {
-        Self { sentence: sentence.to_owned(), is_failure: false, is_of_standstill: false, since: None }
+        Self { sentence: sentence.to_owned(), is_failure: false, button: None, since: None }
+    }
+
+    /// The same message with another sentence at its end.
+    pub(crate) fn with(self, more: &str) -> Self {
+        Self { sentence: format!("{} {more}", self.sentence).trim().to_owned(), since: None, ..self }
     }
 
     pub(crate) fn of_standstill(sentence: String) -> Self {
-        Self { is_of_standstill: true, ..Self::from(sentence) }
+        Self { button: Some(("Stop", Request::Leave)), ..Self::from(sentence) }
+    }
+
+    pub(crate) fn is_of_standstill(&self) -> bool {
+        self.button.as_ref().is_some_and(|(_, request)| *request == Request::Leave)
     }
 
     /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
@@ -48,7 +62,7 @@ impl Notice {
 
 impl From<String> for Notice {
     fn from(sentence: String) -> Self {
-        Self { sentence, is_failure: true, is_of_standstill: false, since: None }
+        Self { sentence, is_failure: true, button: None, since: None }
     }
 }
 
@@ -68,11 +82,14 @@ pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &P
                 let text = RichText::new(&notice.sentence).color(color);
                 let font = egui::TextStyle::Body.resolve(ui.style());
                 let whole = ui.painter().layout_no_wrap(notice.sentence.clone(), font, color).size().x;
-                ui.allocate_ui(vec2(whole.min(width - 2.0 * side) + 1.0, 0.0), |ui| {
+                let beside = if notice.button.is_some() { BUTTON } else { 2.0 * side };
+                ui.allocate_ui(vec2(whole.min(width - beside) + 1.0, 0.0), |ui| {
                     ui.add(Label::new(text).wrap());
                 });
-                if notice.is_of_standstill && ui.button("Stop").clicked() {
-                    requests.push(Request::Leave);
+                if let Some((text, request)) = &notice.button {
+                    let button = ui.button(*text);
+                    probe::remember(ui.ctx(), text, button.rect);
+                    requests.extend(button.clicked().then(|| request.clone()));
                 }
                 let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));
                 let dismiss = named(ui.add(dismiss).on_hover_text("Dismiss"), "Dismiss");

@@ -131,6 +131,7 @@ pub enum FigureFormat {
 pub struct RawFile {
     pub name: String,
     pub bytes: Vec<u8>,
+    pub is_measured: bool,
 }
 
 impl fmt::Debug for RawFile {

@@ -10,6 +10,16 @@ pub fn significant(x: f64, digits: usize) -> String {
     kalmanscope_cli::significant(x, digits, 6).replace('-', "−")
 }
 
+/// A count with a comma between its thousands.
+pub(crate) fn grouped(count: usize) -> String {
+    let (millions, thousands, rest) = (count / 1_000_000, count / 1000 % 1000, count % 1000);
+    match count {
+        0..10_000 => count.to_string(),
+        10_000..1_000_000 => format!("{thousands},{rest:03}"),
+        _ => format!("{millions},{thousands:03},{rest:03}"),
+    }
+}
+
 /// The same, padded with zeros so that its width is constant.
 pub fn fixed(x: f64, decimals: usize) -> String {
     if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }

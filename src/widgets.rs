@@ -14,15 +14,15 @@ pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Respo
     })
 }
 
-/// A button for the next step; there is at most one in a window.
-pub(crate) fn primary<'a>(text: &str, palette: &Palette) -> Button<'a> {
-    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
-}
-
 pub(crate) fn named(response: Response, name: impl Into<String>) -> Response {
     let name = name.into();
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
     response
+}
+
+/// The one button of the next step.
+pub(crate) fn primary(text: &str, palette: &Palette) -> Button<'static> {
+    Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }
 
 /// The time for which blocks keep their heights after the pointer has left, or the finger \[s\].

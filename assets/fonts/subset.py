@@ -18,7 +18,7 @@ TEXT = [*range(0x20, 0x7F), *range(0xA0, 0x180), *range(0x384, 0x3CF), *[ord(c) 
 # Headings are English with Greek symbols; other letters come from the regular font.
 BOLD = [c for c in TEXT if not (0x100 <= c < 0x180 or 0x384 <= c < 0x391 or 0x3CA <= c < 0x3CF or 0x400 <= c < 0x460)]
 SYMBOLS = ([ord(c) for c in "±×·−√∞≈≤≥≠→←↑↓↔∑∫∂∆∈∝∼⟂ᵀ⋅…∥∣≪≫"],
-           [ord(c) for c in "▶◀⏵⏴⏶⏷⏸⏹⏺⏭⏮↺↻⟲⟳↶↷⇄☀☾🌙☰✕✖✔✓⚠●○◆◇■□◻▲▼▸▾▴◂⚙🔗⛶⌨➕➖"])
+           [ord(c) for c in "▶◀⏵⏴⏶⏷⏸⏹⏺⏭⏮↺↻⟲⟳↶↷⇄☀☾🌙☰✕✖✔✓⚠●○◆◇■□◻▲▼▸▾▴◂⚙🔗⛶⌨➕➖✏"])
 FONTS = {"NotoSans-Regular": TEXT, "NotoSans-Bold": BOLD,
          "NotoSansMath-Regular": SYMBOLS[0] + SYMBOLS[1], "NotoSansSymbols2-Regular": SYMBOLS[1],
          "NotoSansSymbols-Regular": SYMBOLS[1]}

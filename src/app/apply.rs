@@ -50,7 +50,7 @@ impl App {
             Request::Measure => self.measure(),
             // Within another page this one shows plots only.
             Request::EditEquation if self.embedded => {}
-            Request::EditEquation => self.editor = Some(Editor::new(session.scenario(), ctx.pointer_latest_pos())),
+            Request::EditEquation => self.editor = Some(Editor::new(session.scenario())),
             Request::HoldOut => self.hold_out(),
             Request::CancelImport => self.importing = None,
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),

@@ -48,10 +48,11 @@ impl App {
                 // It is opened without questions, or not at all.
                 Arrival::Kept(name, bytes) if self.waits_for(&name, &bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
-                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(|notice| notice.is_failure) => {
-                    self.report(&sentence);
+                Arrival::Done(sentence) => {
+                    let stays = |notice: &Notice| notice.is_failure || notice.button.is_some();
+                    let before = self.notice.take().filter(stays).unwrap_or(Notice::done(""));
+                    self.notice = Some(before.with(&sentence));
                 }
-                Arrival::Done(sentence) => self.notice = Some(Notice::done(&sentence)),
                 Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
             }
         }

@@ -6,9 +6,11 @@ use egui::{Context, Frame, Panel, Ui};
 use kalmanscope_core::import::hash;
 
 use super::App;
+use super::window::NARROW;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
 use crate::measure::{Measure, News};
+use crate::notice::Notice;
 use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
 use crate::session::{Mode, name_of};
@@ -21,10 +23,11 @@ const MEASURED: &str = "measured.csv";
 const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations];
 
 impl App {
-    pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
+    pub(super) fn import(&mut self, RawFile { name, bytes, is_measured }: RawFile) {
         self.inviting = false;
         self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
-        self.importing = Some(Import::new(&name, bytes, Rc::clone(self.session.team())));
+        let at_once = is_measured || self.width < NARROW;
+        self.importing = Some(Import::new(&name, bytes, at_once, Rc::clone(self.session.team())));
     }
 
     /// The explorer with a place that keeps the record's file. It fetches the file that the scenario waits for.
@@ -160,7 +163,7 @@ impl App {
         }
     }
 
-    fn open_record(&mut self, Opened { file, scenario, reasons, problem }: Opened, ctx: &Context) {
+    fn open_record(&mut self, Opened { file, scenario, reasons, problem, summary }: Opened, ctx: &Context) {
         self.importing = None;
         self.tutor = None;
         self.session.keep_file(file);
@@ -178,6 +181,10 @@ impl App {
         }
         let problem = problem.map(|problem| format!("{}.", sentence(&problem)));
         self.notice = problem.clone().map(Into::into);
+        if let Some(summary) = summary {
+            let notice = self.notice.get_or_insert_with(|| Notice::done(&summary));
+            notice.button = Some(("Columns…", Request::ChangeColumns));
+        }
         self.shelve(ctx);
         self.session.explain(reasons, problem);
     }

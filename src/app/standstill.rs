@@ -58,7 +58,7 @@ impl App {
         if let Some(import) = &mut self.importing {
             import.is_still = first.is_some_and(|name| name == IMPORT);
         }
-        let is_said = self.notice.as_ref().is_some_and(|notice| notice.is_of_standstill);
+        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
         match first.filter(|name| *name != IMPORT) {
             Some(name) if !is_said => {
                 let sentence = format!("{name} has made no progress for {PATIENCE} s. Esc stops it.");

@@ -1,21 +1,23 @@
 //! The window in which the equation of the plant is edited.
 
-use egui::{Button, ComboBox, Context, DragValue, FontId, Key, Pos2, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
-use kalmanscope_core::channel::Sign;
+use std::collections::BTreeMap;
+
+use egui::{Align2, Context, DragValue, FontId, Key, Popup, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::equation::{Equation, EquationSettings, Numbers, ParameterSettings, Symbol};
 use kalmanscope_core::setting::Change;
-use kalmanscope_core::{PlantKind, Scenario};
+use kalmanscope_core::{PlantKind, Scenario, Signal};
 
+use super::near::{near, no_function};
 use super::{job, typed};
 use crate::request::Request;
 use crate::text::{parse, significant};
 use crate::theme::Palette;
-use crate::widgets::named;
+use crate::widgets::{named, primary};
 
 const LENGTH: usize = 1000;
 
 /// The width of the window, if there is room \[points\].
-const WIDTH: f32 = 760.0;
+const WIDTH: f32 = 640.0;
 
 /// The distance of the window from the sides of the screen \[points\].
 const MARGIN: f32 = 24.0;
@@ -23,30 +25,32 @@ const MARGIN: f32 = 24.0;
 /// The size of the typeset equation \[points\].
 const LARGE: f32 = 19.0;
 
-/// An equation that is being edited. The plant has it once it is complete: with Enter, or when a field is left.
+/// Truth and guess of a new parameter: apart, so that there is something to find.
+const NEW: [f64; 2] = [1.0, 1.3];
+
+/// An equation that is being edited. The plant has it once it is used; the numbers of an equation in use change at once.
 pub(crate) struct Editor {
     /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
     symbols: Vec<Symbol>,
+    /// The true values of new parameters, by their keys.
+    truths: BTreeMap<String, f64>,
     printed: String,
-    accepted: Vec<String>,
     fault: Option<String>,
-    at: Option<Pos2>,
     is_new: bool,
 }
 
 impl Editor {
-    pub(crate) fn new(scenario: &Scenario, at: Option<Pos2>) -> Self {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
         let kind = &scenario.plant.kind;
         Self {
             taken: kind.own_equation().map(|own| own.settings().clone()),
             draft: typed(kind),
             symbols: Vec::new(),
+            truths: BTreeMap::new(),
             printed: String::new(),
-            accepted: Vec::new(),
             fault: None,
-            at,
             is_new: true,
         }
     }
@@ -62,15 +66,10 @@ impl Editor {
         let mut open = true;
         let room = ctx.content_rect().size();
         let width = (room.x - 2.0 * MARGIN).clamp(1.0, WIDTH);
-        let mut window = Window::new("The plant's equation").collapsible(false).resizable(false).open(&mut open);
-        if let Some(at) = self.at {
-            window = window.default_pos(at + vec2(0.0, 12.0));
-        }
-        window.show(ctx, |ui| {
+        let window = Window::new("The plant's equation").collapsible(false).resizable(false).open(&mut open);
+        window.pivot(Align2::CENTER_CENTER).default_pos(ctx.content_rect().center()).show(ctx, |ui| {
             ui.set_width(width);
-            if self.contents_ui(ui, scenario, palette, 0.5 * room.y) {
-                self.take(requests);
-            }
+            self.contents_ui(ui, scenario, palette, (0.5 * room.y, requests));
         });
         open
     }
@@ -78,40 +77,66 @@ impl Editor {
     fn follow(&mut self, scenario: &Scenario) {
         let now = scenario.plant.kind.own_equation().map(Equation::settings);
         if now != self.taken.as_ref() {
-            let (at, is_new) = (self.at, self.is_new);
-            *self = Self { is_new, ..Self::new(scenario, at) };
+            *self = Self { is_new: self.is_new, ..Self::new(scenario) };
         }
     }
 
-    fn contents_ui(&mut self, ui: &mut Ui, scenario: &Scenario, palette: &Palette, height: f32) -> bool {
+    fn contents_ui(
+        &mut self,
+        ui: &mut Ui,
+        scenario: &Scenario,
+        palette: &Palette,
+        (height, requests): (f32, &mut Vec<Request>),
+    ) {
         let symbols = self.draft.symbols();
-        let problem = symbols.as_ref().err().map(ToString::to_string);
+        let problem = symbols.as_ref().err().map(ToString::to_string).or_else(|| no_function(&self.draft.equation));
         if let Ok(symbols) = symbols {
             self.printed.clone_from(&self.draft.equation);
             self.symbols = symbols;
+            self.begin_new(scenario);
         }
         let color = if problem.is_some() { palette.weak } else { palette.text };
         let mut printed = job(&self.printed, &FontId::proportional(LARGE), color);
         printed.wrap.max_width = ui.available_width();
         ui.label(printed);
-        let mut done = self.text_ui(ui);
-        let news = self.news();
-        let (said, color) = match (problem.or_else(|| self.fault.clone()), asked(&news)) {
-            (Some(problem), _) => (problem, palette.warning),
-            (None, Some(question)) => (question, palette.text),
-            (None, None) => (HINT.to_owned(), palette.weak),
-        };
-        ui.label(RichText::new(said).small().color(color));
-        ScrollArea::vertical().max_height(height).show(ui, |ui| done |= self.rows_ui(ui));
-        let note = if scenario.record.is_some() {
-            "Filters begin with the guesses. “Columns…” makes start values of them from the record."
-        } else {
-            "Filters begin with the guesses; ± is how sure they are of them."
-        };
-        ui.label(RichText::new(note).small().weak());
-        done
+        let is_entered = self.text_ui(ui);
+        let hint = near(&self.draft.equation).unwrap_or_else(|| HINT.to_owned());
+        ui.label(RichText::new(hint).small().color(palette.weak));
+        let is_in_use = self.taken.as_ref().is_some_and(|taken| taken.equation == self.draft.equation.trim());
+        let scroll = ScrollArea::vertical().max_height(height);
+        let changed = scroll.show(ui, |ui| self.rows_ui(ui, scenario, is_in_use, requests)).inner;
+        ui.weak("Filters begin with the guesses; ± is how sure they are of them.");
+        self.fault = self.fault.take().filter(|_| !changed);
+        let reason = problem.or_else(|| self.fault.clone());
+        let is_usable = reason.is_none() && !is_in_use;
+        let is_clicked = ui.horizontal_wrapped(|ui| {
+            let button = ui.add_enabled(is_usable, primary("Use it", palette));
+            match reason {
+                Some(reason) => _ = ui.colored_label(palette.warning, reason),
+                None if is_in_use => _ = ui.weak("It is in use."),
+                None => {}
+            }
+            button.clicked()
+        });
+        let is_pressed = is_entered && is_usable || is_clicked.inner;
+        if is_pressed || changed && is_in_use {
+            self.take(scenario, requests);
+        }
     }
 
+    /// Gives new parameters their first numbers. A parameter that leaves the equation keeps its numbers for its return.
+    fn begin_new(&mut self, scenario: &Scenario) {
+        let before = self.taken.as_ref().and_then(|taken| taken.symbols().ok()).unwrap_or_default();
+        let is_new = |symbol: &&Symbol| symbol.is_parameter && symbol.known.is_none() && !before.contains(symbol);
+        for symbol in self.symbols.iter().filter(is_new) {
+            self.truths.entry(symbol.key.clone()).or_insert(NEW[0]);
+            // Nobody knows the truth of a measured record.
+            let guess = NEW[usize::from(scenario.record.is_none())];
+            self.draft.parameter_mut(&symbol.key).guess.get_or_insert(guess);
+        }
+    }
+
+    /// Returns whether Enter was pressed, in the field or where no widget has the focus.
     fn text_ui(&mut self, ui: &mut Ui) -> bool {
         let text = &mut self.draft.equation;
         let field = TextEdit::multiline(text).desired_width(f32::INFINITY).desired_rows(2).char_limit(LENGTH);
@@ -122,47 +147,57 @@ impl Editor {
         if field.changed() {
             self.fault = None;
         }
-        field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+        let is_free = ui.memory(|memory| memory.focused().is_none()) && !Popup::is_any_open(ui.ctx());
+        (field.has_focus() || is_free) && ui.input(|input| input.key_pressed(Key::Enter))
     }
 
-    fn rows_ui(&mut self, ui: &mut Ui) -> bool {
-        let news = self.news();
-        let mut done = false;
+    fn rows_ui(&mut self, ui: &mut Ui, scenario: &Scenario, is_in_use: bool, requests: &mut Vec<Request>) -> bool {
+        let mut changed = false;
         for symbol in &self.symbols {
-            let is_new = news.contains(&symbol.shown);
-            let Done { changed, accepted } = row_ui(ui, symbol, &mut self.draft, is_new);
-            if accepted {
-                self.accepted.push(symbol.key.clone());
+            let mut truth = self.truth(scenario, symbol);
+            let before = truth;
+            changed |= row_ui(ui, symbol, &mut self.draft, &mut truth);
+            let Some(now) = truth.filter(|_| truth != before) else { continue };
+            self.truths.insert(symbol.key.clone(), now);
+            if is_in_use {
+                let mut change = Change::default();
+                change.put(format!("plant.{}", symbol.key), &now);
+                requests.push(Request::Edit(change));
             }
-            done |= changed || accepted;
         }
-        done
+        changed
     }
 
-    fn news(&self) -> Vec<String> {
-        let before = self.taken.as_ref().and_then(|taken| taken.symbols().ok()).unwrap_or_default();
-        let is_new = |symbol: &&Symbol| {
-            symbol.is_parameter
-                && symbol.known.is_none()
-                && !self.accepted.contains(&symbol.key)
-                && !before.iter().any(|one| one.key == symbol.key)
-        };
-        self.symbols.iter().filter(is_new).map(|symbol| symbol.shown.clone()).collect()
+    /// The true value of a parameter. `None` where it is not known, or changes.
+    fn truth(&self, scenario: &Scenario, symbol: &Symbol) -> Option<f64> {
+        if scenario.record.is_some() || !symbol.is_parameter {
+            return None;
+        }
+        match scenario.plant.parameters().find(|channel| channel.key() == symbol.key) {
+            None => self.truths.get(&symbol.key).copied(),
+            Some(channel) => match scenario.plant.parameter(channel)? {
+                Signal::Constant(value) => Some(value),
+                _ => None,
+            },
+        }
     }
 
-    /// Makes the draft the plant's equation, if it is one without new symbols.
-    fn take(&mut self, requests: &mut Vec<Request>) {
+    /// Makes the draft the plant's equation, with the true values of its new parameters.
+    fn take(&mut self, scenario: &Scenario, requests: &mut Vec<Request>) {
         let draft = EquationSettings { equation: self.draft.equation.trim().to_owned(), ..self.draft.clone() };
         // Drops the numbers of parameters that the equation no longer has.
         let Ok(kept) = draft.checked() else { return };
-        if self.taken.as_ref() == Some(&kept) || !self.news().is_empty() {
-            return;
-        }
         match PlantKind::of_equation(&kept) {
             Ok(kind) => {
-                (self.taken, self.fault) = (Some(kept), None);
                 let mut change = Change::default();
                 change.set_plant(kind);
+                let is_there = |key: &str| scenario.plant.parameters().any(|channel| channel.key() == key);
+                let news = self.symbols.iter().filter(|symbol| symbol.known.is_none() && !is_there(&symbol.key));
+                for (symbol, truth) in news.filter_map(|symbol| Some((symbol, self.truths.get(&symbol.key)?))) {
+                    change.put(format!("plant.{}", symbol.key), truth);
+                }
+                self.draft.equation.clone_from(&kept.equation);
+                (self.taken, self.fault) = (Some(kept), None);
                 requests.push(Request::Edit(change));
             }
             Err(error) => self.fault = Some(error.to_string()),
@@ -171,34 +206,17 @@ impl Editor {
 }
 
 const HINT: &str = "x'' or ẍ; z' = … is an internal state; f is the force over mass; sin cos tan exp log sqrt abs sign tanh; \
-                    ; parts equations. Enter takes it.";
+                    ; parts equations.";
 
-fn asked(news: &[String]) -> Option<String> {
-    match news {
-        [] => None,
-        [one] => Some(format!("{one} is new: make it a parameter below, or mend the equation")),
-        [others @ .., last] => {
-            let others = others.join(", ");
-            Some(format!("{others} and {last} are new: make each a parameter below, or mend the equation"))
-        }
-    }
-}
+/// The widths of symbols, names, units and numbers \[points\].
+const WIDTHS: [f32; 4] = [40.0, 160.0, 64.0, 70.0];
 
-/// The widths of symbols, names, units, numbers and signs \[points\].
-const WIDTHS: [f32; 5] = [40.0, 130.0, 56.0, 58.0, 110.0];
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Done {
-    pub(super) changed: bool,
-    pub(super) accepted: bool,
-}
-
-pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettings, is_new: bool) -> Done {
-    let shown = &symbol.shown;
-    let mut done = Done::default();
+/// Shows the numbers of a symbol, with its true value where there is one. Returns whether a change is complete.
+fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettings, truth: &mut Option<f64>) -> bool {
+    let mut changed = false;
     ui.horizontal_wrapped(|ui| {
         let height = ui.spacing().interact_size.y;
-        let text = RichText::new(shown).size(15.0).strong();
+        let text = RichText::new(&symbol.shown).size(15.0).strong();
         ui.add_sized(vec2(WIDTHS[0], height), egui::Label::new(text)).on_hover_text(&symbol.key);
         if let Some(channel) = symbol.known {
             let unit = Some(channel.unit()).filter(|unit| !unit.is_empty()).map(|unit| format!(" in {unit}"));
@@ -208,31 +226,17 @@ pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettin
         let usual = ParameterSettings::default();
         let before = settings.parameter(&symbol.key).unwrap_or(&usual);
         let mut now = before.clone();
-        if is_new {
-            done.accepted = offer_ui(ui, shown, height);
-        } else {
-            done.changed = words_ui(ui, symbol, &mut now);
+        changed = words_ui(ui, symbol, &mut now);
+        if let Some(truth) = truth {
+            ui.weak("truth");
+            number_ui(ui, truth, format!("Truth of {}", symbol.shown));
         }
-        done.changed |= numbers_ui(ui, symbol, &mut now);
-        let is_touched = now != *before;
-        if is_touched || done.accepted {
-            let one = settings.parameter_mut(&symbol.key);
-            *one = now;
-            if done.accepted {
-                // A file then names it.
-                one.guess.get_or_insert(1.0);
-            }
+        changed |= numbers_ui(ui, symbol, &mut now);
+        if now != *before {
+            *settings.parameter_mut(&symbol.key) = now;
         }
     });
-    done
-}
-
-/// The button that makes a new symbol a parameter, in the place of name and unit. Returns whether it was clicked.
-fn offer_ui(ui: &mut Ui, shown: &str, height: f32) -> bool {
-    let width = WIDTHS[1] + WIDTHS[2] + ui.spacing().item_spacing.x;
-    let button = ui.add_sized(vec2(width, height), Button::new("Make it a parameter"));
-    let button = named(button, format!("Make {shown} a parameter"));
-    button.clicked()
+    changed
 }
 
 fn words_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
@@ -246,7 +250,7 @@ fn words_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
 
 fn numbers_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
     let Symbol { shown, is_parameter, .. } = symbol;
-    let Numbers { mut mean, mut std, range: [mut low, mut high] } = one.numbers(*is_parameter);
+    let Numbers { mut mean, mut std, .. } = one.numbers(*is_parameter);
     let mut done = false;
     let mut number = |ui: &mut Ui, word: &str, name: String, value: &mut f64| {
         ui.weak(word);
@@ -259,13 +263,6 @@ fn numbers_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool
     }
     if number(ui, "±", format!("σ of the guess of {shown}"), &mut std) {
         one.std = Some(std.max(0.0));
-    }
-    if *is_parameter {
-        let from = number(ui, "from", format!("Least {shown}"), &mut low);
-        if number(ui, "to", format!("Largest {shown}"), &mut high) | from {
-            one.range = Some([low, high]);
-        }
-        done |= sign_ui(ui, &mut one.sign, shown);
     }
     done
 }
@@ -286,17 +283,4 @@ fn number_ui(ui: &mut Ui, value: &mut f64, name: String) -> bool {
     let response = named(ui.add_sized(vec2(WIDTHS[3], ui.spacing().interact_size.y), field), name);
     let is_at_once = response.changed() && !response.dragged() && !response.has_focus();
     response.drag_stopped() || response.lost_focus() || is_at_once
-}
-
-fn sign_ui(ui: &mut Ui, sign: &mut Sign, shown: &str) -> bool {
-    let before = *sign;
-    let words = [(Sign::Any, "any sign"), (Sign::NotNegative, "not negative"), (Sign::Positive, "positive")];
-    let text = words.iter().find(|(one, _)| one == sign).map_or("", |(_, word)| word);
-    let combo = ComboBox::from_id_salt(("sign", shown)).selected_text(text).width(WIDTHS[4]).show_ui(ui, |ui| {
-        for (one, word) in words {
-            ui.selectable_value(sign, one, word);
-        }
-    });
-    named(combo.response, format!("Sign of {shown}"));
-    *sign != before
 }

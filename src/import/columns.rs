@@ -4,22 +4,20 @@ use std::sync::Arc;
 
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use kalmanscope_core::import::{MappedColumn, Offset, Table, Time};
-use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity};
+use kalmanscope_core::{InputKind, PlantKind, Quantity};
 
 use super::draft::{Draft, Role};
 use crate::equation;
-use crate::text::significant;
 use crate::theme::Palette;
 use crate::widgets::named;
 
-const FIRST: usize = 3;
 const MOST: usize = 60;
 
 pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let count = draft.file.table.columns.len();
     ScrollArea::horizontal().id_salt("columns").show(ui, |ui| {
-        Grid::new("columns").num_columns(10).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
-            for title in ["column", "is", "", "begins with", "unit", "gain", "offset", "late by", "missing is"] {
+        Grid::new("columns").num_columns(8).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
+            for title in ["column", "is", "", "unit", "gain", "offset", "late by", "missing is"] {
                 ui.weak(title);
             }
             ui.end_row();
@@ -39,7 +37,6 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
     let table = &file.table;
     let column = &table.columns[place];
     let name = column.name.clone();
-    let begins: Vec<String> = column.values.iter().take(FIRST).map(|value| significant(*value, 3)).collect();
     let text = column.text.as_ref().map(|text| format!("line {}: “{}” is not a number", text.line, text.text));
     let is_empty = table.is_without_numbers(place);
     let label = ui.label(RichText::new(&name).strong());
@@ -55,7 +52,6 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
     }
     let color = if role == Role::Unused { palette.weak } else { palette.truth };
     draft.sparks[place].ui(ui, color);
-    ui.weak(begins.join("  "));
     match role {
         Role::Time => unit_ui(ui, &name, &mut draft.mapping.time.unit),
         Role::Input => {
@@ -68,7 +64,7 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
                 mapped_ui(ui, &name, mapped, table);
             }
         }
-        Role::Unused if draft.is_own_clock[place] => {
+        Role::Unused if draft.guesses[place].is_own_clock() => {
             ui.weak("times of the next columns");
         }
         Role::Unused => {}
@@ -77,7 +73,7 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
 
 fn roles(draft: &Draft) -> Vec<(Role, String)> {
     let input = match draft.input {
-        InputKind::Force => "the force over mass",
+        InputKind::Force => "the force",
         InputKind::GroundAcceleration => "the ground's acceleration",
     };
     let quantities = draft.plant.quantities().map(|quantity: Quantity| (Role::Sensor(quantity), quantity.name()));
@@ -98,7 +94,7 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) 
     ui.horizontal(|ui| {
         let mut is_mean = *offset == Offset::MEAN;
         let hint = "Subtract the mean: a constant part is no motion";
-        if ui.checkbox(&mut is_mean, "mean").on_hover_text(hint).changed() {
+        if ui.checkbox(&mut is_mean, "its mean").on_hover_text(hint).changed() {
             *offset = if is_mean { Offset::MEAN } else { Offset::default() };
         }
         if let Offset::Number(number) = offset {
@@ -108,7 +104,7 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) 
     named(ui.add(egui::DragValue::new(delay).suffix(" samples").range(-1000..=1000)), format!("Delay of {name}"));
     ui.horizontal(|ui| {
         let mut on = missing.is_some();
-        let check = ui.checkbox(&mut on, "").on_hover_text("Cells with this number have no reading");
+        let check = ui.checkbox(&mut on, "a number").on_hover_text("Cells with this number have no reading");
         let check = named(check, format!("Missing number in {name}"));
         if check.changed() {
             let found = || table.place(column).and_then(|place| table.sentinel(place));
@@ -132,7 +128,7 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
         }
         ui.label("the input is");
         let kinds = [
-            (Some(InputKind::Force), "a force over mass".to_owned()),
+            (Some(InputKind::Force), "a force".to_owned()),
             (Some(InputKind::GroundAcceleration), "the ground's acceleration".to_owned()),
             (None, "nothing: it was not recorded".to_owned()),
         ];
@@ -140,9 +136,6 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
         if choice_ui(ui, "Kind of input", &mut kind, &kinds) {
             draft.set_input(kind);
         }
-        let holds =
-            [(Hold::First, "linear between samples".to_owned()), (Hold::Zero, "held between samples".to_owned())];
-        choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);
         ui.separator();
         ui.label("the filters assume");
         let own = if draft.plant.own_equation().is_some() { Some(draft.plant.clone()) } else { equation::first() };
@@ -155,7 +148,7 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
 /// The shortest step that can be asked for \[s\].
 const SHORTEST: f64 = 1e-6;
 
-pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
+pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {
     let made = draft.outcome().and_then(Result::ok);
     let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
     let dt = made.map_or(0.01, |imported| imported.record.dt());
@@ -192,14 +185,8 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette)
         ui.horizontal_wrapped(|ui| {
             ui.label("keep one of every").on_hover_text("After a low-pass below the new Nyquist frequency");
             whole_ui(ui, "Keep one of every", &mut mapping.every, 1..=1000);
-            ui.label("samples;  steps in place of one").on_hover_text(
-                "The input is interpolated as a band-limited signal, measurements are missing in between: for few samples in a period",
-            );
-            whole_ui(ui, "Steps in place of one", &mut mapping.interpolate, 1..=8);
+            ui.label("samples");
         });
-        if let Some(spectra) = draft.spectra.as_ref() {
-            spectra.ui(ui, palette);
-        }
     });
 }
 

@@ -1,17 +1,24 @@
 //! The window of an import.
 
-use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec2, Window};
+use egui::{Align2, Button, Context, Grid, Key, Popup, ProgressBar, RichText, ScrollArea, Ui, Vec2, Window};
 
 use kalmanscope_core::free_decay::{Decay, NoDecay};
-use kalmanscope_core::import::{Table, ThreeAxes};
+use kalmanscope_core::import::{Imported, Table, ThreeAxes};
 
 use super::columns::columns_ui;
 use super::columns::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
-use crate::text::{sentence, significant};
-use crate::theme::Palette;
+use crate::text::{grouped, sentence};
+use crate::theme::{self, Palette};
+use crate::widgets::{named, primary};
+
+/// The width of the window, folded and unfolded, if there is room \[points\].
+const WIDTHS: [f32; 2] = [540.0, 940.0];
+
+/// The height of what stands around the columns \[points\].
+const AROUND: f32 = 170.0;
 
 enum Choice {
     Open,
@@ -33,29 +40,24 @@ impl Import {
     ) -> Option<Opened> {
         let size = ctx.content_rect().size();
         let window = Window::new("Open a measured record").collapsible(false).resizable(false);
-        let width = (size.x - 40.0).min(940.0);
-        let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).fixed_size([width, size.y - 120.0]);
+        let is_unfolded = matches!(&self.stage, Stage::Asking(draft) if draft.is_unfolded);
+        let width = (size.x - 40.0).min(WIDTHS[usize::from(is_unfolded)]);
+        let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO);
         let choice = window.show(ctx, |ui| {
-            ScrollArea::vertical()
-                .max_height(size.y - 120.0)
-                .show(ui, |ui| self.stage_ui(ui, palette, can_hold_out))
-                .inner
+            ui.set_width(width);
+            self.stage_ui(ui, palette, can_hold_out, size.y - AROUND)
         });
         let choice = choice.and_then(|shown| shown.inner).flatten().or_else(|| self.pressed(ctx));
         match choice? {
             Choice::Cancel => requests.push(Request::CancelImport),
             Choice::Decay(Ok(csv)) => {
                 let name = format!("{}, free decay.csv", self.name.trim_end_matches(".csv"));
-                requests.push(Request::ImportFile(Box::new(RawFile { name, bytes: csv.into_bytes() })));
+                let file = RawFile { name, bytes: csv.into_bytes(), is_measured: false };
+                requests.push(Request::ImportFile(Box::new(file)));
             }
             Choice::Decay(Err(reason)) => self.stage = Stage::Failed(reason.to_string()),
             Choice::HoldOut => requests.push(Request::HoldOut),
-            Choice::Open => {
-                let Stage::Asking(draft) = &mut self.stage else { return None };
-                let scenario = draft.scenario()?;
-                let record = draft.outcome()?.ok()?.record.clone();
-                return self.accept(record, scenario);
-            }
+            Choice::Open => return self.open(),
         }
         None
     }
@@ -68,16 +70,15 @@ impl Import {
         }
         let has_focus = ctx.memory(|memory| memory.focused().is_some());
         let [escape, enter] = ctx.input(|input| [Key::Escape, Key::Enter].map(|key| input.key_pressed(key)));
-        let is_possible = matches!(&self.stage, Stage::Asking(draft) if draft.is_possible());
-        match (escape, enter && !has_focus && is_possible) {
+        match (escape, enter && !has_focus) {
             (true, _) => Some(Choice::Cancel),
             (false, true) => Some(Choice::Open),
             (false, false) => None,
         }
     }
 
-    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, is_still, .. } = self;
+    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<Choice> {
+        let Self { name, stage, at_once, is_still, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
@@ -89,9 +90,13 @@ impl Import {
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
-                button(ui, "Close", true).then_some(Choice::Cancel)
+                button(ui, Button::new("Close"), "Close", true).then_some(Choice::Cancel)
             }
-            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out),
+            Stage::Asking(_) if *at_once => {
+                ui.label(format!("Reading “{name}”"));
+                None
+            }
+            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out, height),
         }
     }
 }
@@ -101,78 +106,105 @@ fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Op
     if is_still {
         ui.colored_label(palette.warning, "It has made no progress for 10 s. Esc stops it.");
     }
-    button(ui, "Cancel the import", true).then_some(Choice::Cancel)
+    cancel_ui(ui).then_some(Choice::Cancel)
 }
 
-fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
-    let button = ui.add_enabled(enabled, Button::new(text));
-    probe::remember(ui.ctx(), text, button.rect);
+fn cancel_ui(ui: &mut Ui) -> bool {
+    button(ui, Button::new("Cancel"), "Cancel the import", true)
+}
+
+fn button(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
+    let button = named(ui.add_enabled(enabled, button), name);
+    probe::remember(ui.ctx(), name, button.rect);
     button.clicked()
 }
 
 fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
+    const NAME: &str = "Take its free decay";
     let axes = ThreeAxes::of(table)?;
-    let mut choice = None;
-    ui.horizontal_wrapped(|ui| {
-        ui.label("An accelerometer with three axes.");
-        let hint = "Without gravity, along the axis that moves most, from when the hand is gone until it rests; each time that it was plucked";
-        let take = ui.button("Take its free decay").on_hover_text(hint);
-        probe::remember(ui.ctx(), "Take its free decay", take.rect);
-        choice = take.clicked().then(|| Choice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))));
-    });
-    choice
+    let is_taken = button(ui, Button::new(NAME), NAME, true);
+    ui.weak("Along the axis that moves most, without gravity, from when the hand is gone until it rests.");
+    is_taken.then(|| Choice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))))
 }
 
 impl Draft {
-    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let file = std::sync::Arc::clone(&self.file);
-        let table = &file.table;
-        let rows = table.rows();
-        ui.horizontal_wrapped(|ui| {
-            ui.strong(&file.name);
-            ui.weak(format!("{rows} rows, {} columns; {}", table.columns.len(), table.form));
-        });
-        if let Some(choice) = decay_ui(ui, table) {
-            return Some(choice);
-        }
-        if let Some(remark) = &self.remark {
-            ui.label(format!("{}.", sentence(remark)));
-        }
-        ui.add_space(4.0);
-        columns_ui(ui, self, palette);
-        ui.add_space(6.0);
-        meaning_ui(ui, self);
-        conditioning_ui(ui, self, palette);
-        ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
-            .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
-        ui.add_space(4.0);
-        match self.outcome() {
-            None => _ = ui.label("Making the record…"),
-            Some(Ok(imported)) => {
-                let record = &imported.record;
-                let [dt, rate] = [record.dt(), 1.0 / record.dt()].map(|x| significant(x, 5));
-                let [from, to] = [0, record.len() - 1].map(|k| significant(record.time(k), 5));
-                ui.label(format!("{} samples from {from} s to {to} s, {dt} s apart ({rate} Hz)", record.len()));
-                for remark in &imported.remarks {
-                    ui.weak(remark);
-                }
-            }
-            Some(Err(reason)) => _ = ui.colored_label(palette.warning, reason),
-        }
-        ui.add_space(4.0);
-        ui.horizontal(|ui| {
-            let open = button(ui, "Open the record", self.is_possible());
+    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<Choice> {
+        let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        let decay = scroll.show(ui, |ui| self.contents_ui(ui, palette)).inner;
+        ui.separator();
+        let buttons = ui.horizontal_wrapped(|ui| {
+            let open = button(ui, primary("Open the record", palette), "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
             let tests =
                 can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
-            let cancel = button(ui, "Cancel the import", true);
+            let cancel = cancel_ui(ui);
             match (open, tests, cancel) {
                 (true, ..) => Some(Choice::Open),
                 (_, true, _) => Some(Choice::HoldOut),
                 (.., true) => Some(Choice::Cancel),
                 _ => None,
             }
-        })
-        .inner
+        });
+        decay.or(buttons.inner)
+    }
+
+    fn contents_ui(&mut self, ui: &mut Ui, palette: &Palette) -> Option<Choice> {
+        let file = std::sync::Arc::clone(&self.file);
+        ui.label(RichText::new(&file.name).family(theme::strong()).size(15.0));
+        match self.outcome() {
+            None => _ = ui.label("Making the record…"),
+            Some(Ok(imported)) => self.found_ui(ui, imported, palette),
+            Some(Err(reason)) => _ = ui.colored_label(palette.warning, reason),
+        }
+        for doubt in self.doubts() {
+            ui.colored_label(palette.warning, doubt);
+        }
+        let decay = decay_ui(ui, &file.table);
+        ui.add_space(4.0);
+        let mark = if self.is_unfolded { "▾" } else { "▸" };
+        let unfold = Button::new(format!("{mark} Columns…")).frame(false);
+        self.is_unfolded ^= named(ui.add(unfold), "Columns…").clicked();
+        if self.is_unfolded {
+            ui.weak(format!(
+                "{} rows, {} columns; {}",
+                grouped(file.table.rows()),
+                file.table.columns.len(),
+                file.table.form
+            ));
+            columns_ui(ui, self, palette);
+            ui.add_space(6.0);
+            meaning_ui(ui, self);
+            conditioning_ui(ui, self);
+            ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
+                .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
+        }
+        decay
+    }
+
+    fn found_ui(&self, ui: &mut Ui, made: &Imported, palette: &Palette) {
+        ui.label(Self::extent(made));
+        if let Some(remark) = &self.remark {
+            ui.label(format!("{}.", sentence(remark)));
+        }
+        Grid::new("recognised").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+            for (place, column) in self.file.table.columns.iter().enumerate() {
+                let Some(meaning) = self.meaning(place) else { continue };
+                self.sparks[place].ui(ui, palette.truth);
+                ui.vertical(|ui| {
+                    ui.strong(&column.name);
+                    ui.label(meaning);
+                });
+                ui.end_row();
+            }
+        });
+        for missing in self.missing(made) {
+            ui.label(missing);
+        }
+        for remark in &made.remarks {
+            ui.weak(format!("{}.", sentence(remark)));
+        }
+        if self.suggest {
+            ui.weak("Start values are made from the data. A mean that is no motion is removed.");
+        }
     }
 }

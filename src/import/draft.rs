@@ -7,7 +7,6 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::spectra::Spectra;
 use super::{Choices, Shared};
 use crate::session::RecordFile;
 use crate::spark::Spark;
@@ -23,10 +22,11 @@ pub struct Draft {
     /// The scenario that continues with another meaning of the columns, if there is one.
     pub(super) base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
-    pub(super) is_own_clock: Vec<bool>,
+    pub(super) guesses: Vec<ColumnGuess>,
+    /// Whether the choices of engineers are shown: from the start where one of them is in doubt.
+    pub(super) is_unfolded: bool,
     outcome: Option<(Choices, Result<Imported, String>)>,
     making: Option<(Choices, Builder<'static>)>,
-    pub(super) spectra: Option<Spectra>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,13 +40,12 @@ pub enum Role {
 impl Draft {
     pub fn new(file: Arc<RecordFile>) -> Self {
         let (mut mapping, input, guesses) = Mapping::guess_for(&file.table, &[]);
-        let is_own_clock = guesses.iter().map(ColumnGuess::is_own_clock).collect();
         mapping.file.clone_from(&file.name);
         mapping.hash.clone_from(&file.hash);
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let (hold, plant) = (Hold::First, PlantKind::SDOF);
         let remark = Ring::remark(&file.table);
-        Self {
+        let draft = Self {
             file,
             mapping,
             input,
@@ -56,18 +55,20 @@ impl Draft {
             remark,
             base: None,
             sparks,
-            is_own_clock,
+            guesses,
+            is_unfolded: false,
             outcome: None,
             making: None,
-            spectra: None,
-        }
+        };
+        Self { is_unfolded: !draft.doubts().is_empty(), ..draft }
     }
 
     pub fn of_scenario(file: Arc<RecordFile>, scenario: &Scenario) -> Self {
         let draft = Self::new(file);
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
         let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind.clone());
-        Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
+        let base = Some(scenario.clone());
+        Self { mapping, input, hold, plant, suggest: false, base, is_unfolded: true, ..draft }
     }
 
     pub fn role(&self, place: usize) -> Role {
@@ -113,18 +114,12 @@ impl Draft {
         }
     }
 
-    /// Makes the record that follows from the choices, column by column, and then with its spectra, until
-    /// `while_time` returns false.
+    /// Makes the record that follows from the choices, column by column, until `while_time` returns false.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        if self.is_behind() {
-            self.make(while_time);
-        } else if let Some(spectra) = &mut self.spectra {
-            spectra.advance(while_time);
+        if !self.is_behind() {
+            return;
         }
-    }
-
-    fn make(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        let Self { file, mapping, input, hold, plant, outcome, making, spectra, .. } = self;
+        let Self { file, mapping, input, hold, plant, outcome, making, is_unfolded, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
         let begin = || Ok(Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
@@ -137,8 +132,7 @@ impl Draft {
             Ok(None)
         });
         if let Some(built) = built.transpose() {
-            *spectra =
-                built.as_ref().ok().and_then(|made| Spectra::new(Shared(Arc::clone(file)), &choices, &made.record));
+            *is_unfolded |= built.is_err();
             *outcome = Some((choices, built.map_err(|error| error.to_string())));
         }
     }
@@ -159,10 +153,6 @@ impl Draft {
     pub(super) fn is_possible(&self) -> bool {
         let is_fit = |imported: &Imported| !(self.suggest && imported.still.is_some());
         !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))
-    }
-
-    pub(super) fn is_busy(&self) -> bool {
-        self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
     }
 
     pub fn scenario(&self) -> Option<Scenario> {
@@ -226,49 +216,5 @@ mod tests {
         draft.mapping.from = Some(9.0);
         make(&mut draft);
         assert!(draft.outcome().is_some_and(|outcome| outcome.is_err()));
-    }
-
-    #[test]
-    fn an_input_that_was_not_recorded_is_a_choice_and_numbers_for_missing_readings_are_found() {
-        let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,3\n0.3,1,-9999\n0.4,1,1\n0.5,2,1.5\n";
-        let mut draft = draft(text.as_bytes());
-        let missing = |draft: &Draft| draft.mapping.sensors.values().next().and_then(|mapped| mapped.missing);
-        assert_eq!(missing(&draft), Some(-9999.0));
-        draft.set_input(None);
-        assert!(draft.mapping.no_input && draft.mapping.input.is_none());
-        assert_eq!(draft.role(1), Role::Unused);
-        draft.set_role(1, Role::Input);
-        assert!(!draft.mapping.no_input && draft.mapping.input.is_some());
-        draft.set_role(2, Role::Unused);
-        draft.set_role(2, Role::Sensor(Quantity::VELOCITY));
-        assert_eq!(missing(&draft), Some(-9999.0));
-    }
-
-    #[test]
-    fn spectra_are_made_window_by_window_and_show_what_the_band_takes_away() {
-        let tones = |k: f64| (0.05 * k).sin() + 0.1 * (1.5 * k).sin();
-        let rows: String =
-            (0..40_000).map(|k| format!("{},1,{}\n", 0.01 * f64::from(k), tones(f64::from(k)))).collect();
-        let mut draft = draft(format!("t,force,displacement\n{rows}").as_bytes());
-        let pieces = |draft: &mut Draft| {
-            let all = (0..).find(|_| {
-                draft.advance(&mut || false);
-                !draft.is_busy()
-            });
-            all.expect("an end")
-        };
-        assert!(pieces(&mut draft) < 10 && draft.spectra.as_ref().is_none(), "nothing is taken away");
-        draft.mapping.band = Some([2.0, 40.0]);
-        // Two spectra of overlapping windows; each window takes a small part of the time.
-        let windows = 2 * (40_000 - 1024) / 256;
-        assert!(pieces(&mut draft) >= windows);
-        let [before, after] = draft.spectra.as_ref().expect("a band has spectra").curves();
-        let at = |curve: &[[f64; 2]], hertz: f64| {
-            let point = curve.iter().min_by(|a, b| (a[0] - hertz).abs().total_cmp(&(b[0] - hertz).abs()));
-            point.expect("a curve")[1]
-        };
-        let (low, high) = (0.05 / 0.01 / std::f64::consts::TAU, 1.5 / 0.01 / std::f64::consts::TAU);
-        assert!(at(before, low) > -3.0 && at(after, low) < -20.0, "{} {}", at(before, low), at(after, low));
-        assert!((at(before, high) - at(after, high)).abs() < 0.5, "{} {}", at(before, high), at(after, high));
     }
 }

@@ -47,7 +47,7 @@ impl Listener {
         Ring::in_samples(rate, &samples)
             .ok_or("no ringing tone was found: it must be louder than the room, and fade".to_owned())?;
         let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
-        Ok(RawFile { name: FILE.to_owned(), bytes })
+        Ok(RawFile { name: FILE.to_owned(), bytes, is_measured: true })
     }
 }
 

@@ -111,7 +111,8 @@ impl Instrument for Swing {
 
     fn file(&self) -> Option<Result<RawFile, String>> {
         let decays = Decay::alike(&self.readings.readings().readings).map_err(|reason| reason.to_string());
-        Some(decays.map(|decays| RawFile { name: FILE.to_owned(), bytes: Decay::file(&decays).into_bytes() }))
+        let file = |bytes| RawFile { name: FILE.to_owned(), bytes, is_measured: true };
+        Some(decays.map(|decays| file(Decay::file(&decays).into_bytes())))
     }
 }
 

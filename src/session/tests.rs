@@ -247,17 +247,6 @@ fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
 }
 
 #[test]
-fn play_at_the_end_begins_again() {
-    let mut session = session();
-    session.seek(99.0);
-    session.advance(0.1);
-    assert!(!session.playing());
-    session.toggle_play();
-    assert!(session.playing());
-    assert_eq!(session.position(), 0);
-}
-
-#[test]
 fn a_record_that_is_not_here_is_asked_for() {
     let entry = kalmanscope_lessons::BuiltIn::named("earthquake").unwrap();
     let mut scenario = entry.scenario().unwrap();

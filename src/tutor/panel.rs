@@ -178,7 +178,6 @@ fn change_ui(ui: &mut Ui, change: &Adjustment, changed: bool, palette: &Palette,
     ui.add_space(6.0);
 }
 
-/// The one button of the next step.
 fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
     heading_ui(ui, heading);
     ui.label(text);

@@ -1,12 +1,14 @@
 //! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
+mod figures;
 mod parts;
 mod scene;
 mod stage;
 
-use egui::{Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
+use self::figures::Figure;
 use self::scene::Scene;
 use self::stage::{Peak, Stage, masses};
 use crate::request::Request;
@@ -86,12 +88,16 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
 
     let stage = Stage::new(rect, masses, 2_f64.powf(zoom));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
-    scene.masses(peak.force);
-    let equation = session.run().scenario().plant.kind.equation();
+    let figure = Figure::of(run.scenario(), masses);
+    if figure == Figure::Masses {
+        scene.masses(peak.force);
+    }
+    let equation = run.scenario().plant.kind.equation();
     let place = scene.captions();
-    for (number, (slice, id, name)) in scene.slices().into_iter().enumerate() {
+    let at = ["on the mass", "on the pendulum", "in the circuit", ""][figure as usize];
+    for (number, (slice, id, name)) in figure.draw(&scene, last).into_iter().enumerate() {
         let mass = ui.interact(slice, response.id.with(("slice", number)), Sense::click());
-        mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} on the mass")));
+        mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} {at}")));
         if mass.on_hover_text(format!("{name}: click for its numbers and settings")).clicked() {
             requests.push(Request::Diagnose(id));
         }
@@ -99,8 +105,16 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     // If there is no room for the equation, a click anywhere in the picture counts as one on it.
     let target = place.map_or(rect, touchable);
     let edit = ui.interact(target, response.id.with("equation"), Sense::click());
-    edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation over the oscillator"));
+    edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation"));
     let edit = edit.on_hover_cursor(egui::CursorIcon::PointingHand);
+    if let Some(place) = place {
+        // It is a button: a pencil, and a line under it for the pointer.
+        let color = if edit.hovered() { context.palette.accent } else { context.palette.weak };
+        painter.text(place.right_top() + vec2(5.0, 0.0), Align2::LEFT_TOP, "✏", FontId::proportional(11.0), color);
+        if edit.hovered() {
+            painter.hline(place.x_range(), place.bottom(), Stroke::new(1.0, color));
+        }
+    }
     let hidden = if place.is_some() { String::new() } else { format!("{equation}\n") };
     if edit.on_hover_text(format!("{hidden}Click to edit the equation")).clicked() {
         requests.push(Request::EditEquation);

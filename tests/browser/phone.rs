@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::wav;
-use serde_json::Value;
 
 use crate::page::{Page, estimate, has};
 use crate::{OVER, START};
@@ -120,25 +119,21 @@ pub(crate) async fn a_decay_is_identified(page: &Page) {
     page.save("phone-measured.png").await;
 }
 
-/// Opens the record that was measured. Returns ωₙ and ζ of the first filter.
+/// Waits for the record that was measured to open. Returns ωₙ and ζ of the first filter.
 async fn identified(page: &Page) -> [f64; 2] {
     identified_if_heard(page).await.expect("there is something to identify")
 }
 
 /// The same; `None` where the page says that there is nothing to identify.
 async fn identified_if_heard(page: &Page) -> Option<[f64; 2]> {
-    let asks = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => ['Open the record', 'Again'].includes(it.name))";
-    page.wait_until(asks, PATIENCE).await.expect("the record is read, or the reason why not is said");
+    let ends =
+        "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => ['Columns…', 'Again'].includes(it.name))";
+    page.wait_until(ends, PATIENCE).await.expect("the record is open, or the reason why not is said");
     if page.summary().await["controls"].as_array().is_some_and(|all| all.iter().any(|it| it["name"] == "Again")) {
         page.tap("Close").await;
         return None;
     }
     // A busy machine may have heard little: that is for the caller to judge.
-    let is_open = |summary: &Value| {
-        let mut controls = summary["controls"].as_array().into_iter().flatten();
-        summary["mode"] == "whole" && !controls.any(|control| control["name"] == "Open the record")
-    };
-    page.tap_until("Open the record", is_open, PATIENCE).await;
     page.settle().await;
     // The filters go through it in the frames.
     let begin = Instant::now();

@@ -27,21 +27,26 @@ fn an_equation_is_typed_and_identified() {
     // The parameters keep their numbers, and what is estimated is the same.
     assert!(matches!(parameter(&screen, "natural_frequency"), Some(Signal::Step(_))));
     type_into(&mut screen, " - mu x³");
-    assert!(parameter(&screen, "mu").is_none(), "it is taken when it is complete, not while it is typed");
-    // A new symbol is offered.
-    press(&mut screen, Key::Enter);
-    assert!(parameter(&screen, "mu").is_none(), "a new symbol may be a mistake");
-    assert!(screen.query_by_label_contains("μ is new: make it a parameter below").is_some());
-    set(&mut screen, "Guess of μ", 2.0);
+    assert!(parameter(&screen, "mu").is_none(), "it is used when it is complete, not while it is typed");
+    // A name is a parameter at once: truth and guess are apart, so that there is something to find.
+    let number = |screen: &Screen, label: &str| screen.get_by_label(label).value();
+    assert_eq!(number(&screen, "Truth of μ").as_deref(), Some("1"));
+    assert_eq!(number(&screen, "Guess of μ").as_deref(), Some("1.3"));
+    set(&mut screen, "Truth of μ", 2.0);
+    set(&mut screen, "Guess of μ", 2.5);
     assert!(parameter(&screen, "mu").is_none());
-    screen.get_by_label("Make μ a parameter").click();
+    press(&mut screen, Key::Enter);
     screen.run_steps(20);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f - mu x³");
     assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(2.0)));
-    assert!(screen.query_by_label("Make μ a parameter").is_none());
+    let channel = scenario(&screen).channel("mu").expect("a channel");
+    assert_eq!(scenario(&screen).filters[0].initial_mean[channel], 2.5);
     assert_eq!(scenario(&screen).assumed_parameters(), None, "it is named in the file");
-    set(&mut screen, "Parameter μ, value", 1.5);
-    assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(1.5)));
+    screen.get_by_label("It is in use.");
+    for (label, value) in [("Parameter μ, value", 1.5), ("Truth of μ", 1.7)] {
+        set(&mut screen, label, value);
+        assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(value)), "{label}");
+    }
     let session = screen.state().session();
     assert_eq!(session.problem(), None);
     let channels = session.run().estimates()[0].channels();
@@ -49,19 +54,44 @@ fn an_equation_is_typed_and_identified() {
 }
 
 #[test]
-fn new_symbols_are_asked_about_together_each_in_one_row() {
+fn rows_come_and_go_with_the_names_and_a_mistake_is_said() {
     let mut screen = editor();
-    type_into(&mut screen, " - mu x³ + k2 sin(q x)");
-    assert!(screen.query_by_label_contains("μ, k₂ and q are new: make each a parameter below").is_some());
-    for symbol in ["μ", "k₂", "q"] {
-        let row = |label: String| screen.get_by_label(&label).rect().center().y;
-        let [button, guess] = [format!("Make {symbol} a parameter"), format!("Guess of {symbol}")].map(row);
-        assert!((button - guess).abs() < 3.0, "{symbol}: {button} and {guess}");
-        assert!(screen.query_by_label(&format!("Name of {symbol}")).is_none(), "it is named once it is a parameter");
+    let rows = |screen: &Screen| {
+        let there = ["μ", "k₂", "q"].map(|symbol| screen.query_by_label(&format!("Guess of {symbol}")).is_some());
+        there.into_iter().filter(|is| *is).count()
+    };
+    let is_usable = |screen: &Screen| !screen.get_by_label("Use it").accesskit_node().is_disabled();
+    for (text, count, said, usable) in [
+        ("", 0, None, true),
+        (" - mu x³ + k2 sin(q x)", 3, None, true),
+        (" - mu x³", 1, None, true),
+        (" - mu sni(x)", 1, Some("“sni(” is no function: is it sin?"), false),
+        (" - mu tanh(x) tau(x)", 1, None, true),
+        (" - mu Sinh (x)", 1, Some("“Sinh(” is no function: is it sin?"), false),
+        (" - mu X", 1, Some("X is a parameter here; the state is x."), true),
+        (" - mu (2 x", 1, Some("an operator or `)` is expected here"), false),
+        (" - mu x³ + k2 sin(q x)", 3, None, true),
+    ] {
+        let field = screen.get_by_label("Equation of motion");
+        let _ = field.accesskit_node();
+        field.focus();
+        screen.run_steps(2);
+        screen.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        screen.run_steps(2);
+        screen.get_by_label("Equation of motion").type_text(&format!("x'' + ωₙ² x = f{text}"));
+        screen.run_steps(2);
+        assert_eq!((rows(&screen), is_usable(&screen)), (count, usable), "{text}");
+        assert!(said.is_none_or(|said| screen.query_by_label_contains(said).is_some()), "{text}");
+        if count == 3 {
+            // Its number is remembered while the window is open.
+            let value = screen.get_by_label("Guess of q").value();
+            assert!(["1.3", "4"].contains(&value.as_deref().unwrap_or_default()), "{value:?}");
+            set(&mut screen, "Guess of q", 4.0);
+        }
     }
-    click(&mut screen, "Make μ a parameter");
-    assert!(screen.query_by_label("Name of μ").is_some());
-    assert!(screen.query_by_label_contains("k₂ and q are new").is_some());
+    assert_eq!(screen.get_by_label("Guess of q").value().as_deref(), Some("4"));
+    click(&mut screen, "Use it");
+    assert_eq!(equation(&screen), "x'' + ωₙ² x = f - mu x³ + k2 sin(q x)");
 }
 
 #[test]
@@ -75,6 +105,12 @@ fn a_fault_is_said_and_the_equation_from_before_stays() {
     type_into(&mut screen, ")");
     press(&mut screen, Key::Enter);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f + (2 x)");
+}
+
+/// Presses the equation over the oscillator, which comes behind that of the settings.
+fn edit(screen: &mut Screen) {
+    screen.get_all_by_label("Edit the equation").last().expect("the equation").click();
+    screen.run_steps(4);
 }
 
 /// A screen with an equation of a file, whose `k` is named and whose `c` is not.
@@ -92,11 +128,11 @@ const OF_FILE: &str = "duration = 10.0\n[plant]\nequation = \"x'' + c x' + k x =
 fn the_equation_over_the_oscillator_opens_the_editor() {
     let mut screen = of_file(OF_FILE);
     assert!(screen.query_by_label("Equation of motion").is_none());
-    click(&mut screen, "Edit the equation over the oscillator");
+    edit(&mut screen);
     assert!(screen.query_by_label("Equation of motion").is_some());
     // A built-in plant's equation can be gone on with.
     let mut screen = workbench();
-    click(&mut screen, "Edit the equation over the oscillator");
+    edit(&mut screen);
     assert_eq!(scenario(&screen).plant.kind, PlantKind::SDOF, "nothing changes by looking");
     type_into(&mut screen, " - x³");
     press(&mut screen, Key::Enter);
@@ -115,7 +151,7 @@ fn a_file_that_leaves_a_parameter_unnamed_is_told_so() {
 #[test]
 fn parameters_are_edited_and_a_change_is_taken_back() {
     let mut screen = of_file(OF_FILE);
-    screen.get_by_label("Edit the equation").click();
+    edit(&mut screen);
     // A state that rests is one to go back to.
     screen.run_steps(120);
     let own = |screen: &Screen, key: &str| {
@@ -134,10 +170,7 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
     set(&mut screen, "Guess of k", 40.0);
     assert_eq!((own(&screen, "k").guess, guess(&screen, "k")), (Some(40.0), (40.0, 20.0)));
     set(&mut screen, "σ of the guess of k", 3.0);
-    set(&mut screen, "Least k", 10.0);
-    set(&mut screen, "Largest k", 80.0);
-    assert_eq!((own(&screen, "k").range, guess(&screen, "k")), (Some([10.0, 80.0]), (40.0, 3.0)));
-    choose(&mut screen, "Sign of k", "positive");
+    assert_eq!((own(&screen, "k").std, guess(&screen, "k")), (Some(3.0), (40.0, 3.0)));
     for (field, text) in [("Name of k", "stiffness"), ("Unit of k", "1/s²")] {
         screen.get_by_label(field).focus();
         screen.run_steps(2);
@@ -146,13 +179,13 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
         press(&mut screen, Key::Enter);
     }
     let channel = *scenario(&screen).plant.kind.channels().last().expect("k");
-    assert_eq!((channel.name(), channel.unit(), channel.usual().slider), ("stiffness", "1/s²", (10.0, 80.0)));
+    assert_eq!((channel.name(), channel.unit()), ("stiffness", "1/s²"));
     assert!(screen.query_by_label("Stiffness, value").is_some(), "the settings show its name");
     assert_eq!(width(&screen), wide, "the window keeps its width");
-    // An impossible range is said and not taken.
-    set(&mut screen, "Least k", 90.0);
+    // An impossible number is said and not taken.
+    set(&mut screen, "Guess of k", 1e40);
     assert!(screen.query_by_label_contains("the numbers of `k` are impossible").is_some());
-    assert_eq!(own(&screen, "k").range, Some([10.0, 80.0]));
+    assert_eq!(own(&screen, "k").guess, Some(40.0));
     screen.run_steps(120);
     let is_back = (0..8).any(|_| {
         undo(&mut screen);
@@ -161,6 +194,20 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
     assert!(is_back, "{:?}", scenario(&screen).plant.kind);
     let shown = screen.get_by_label("Guess of k").value();
     assert_eq!(shown.as_deref(), Some("30"), "the editor goes along");
+}
+
+/// What each filter's estimate is drawn on.
+fn drawn(screen: &Screen) -> Option<&'static str> {
+    let on = ["on the mass", "on the pendulum", "in the circuit"].into_iter();
+    on.filter(|on| screen.query_all_by_label_contains(on).next().is_some()).last()
+}
+
+#[test]
+fn a_typed_pendulum_is_drawn_as_one() {
+    for (equation, on) in [("x'' + 9 sin(x) = f", "on the pendulum"), ("x'' + 9 x = f", "on the mass")] {
+        let text = format!("duration = 5.0\nplant = {{ equation = \"{equation}\" }}\n[[filters]]\nkind = \"ekf\"\n");
+        assert_eq!(drawn(&of_file(&text)), Some(on), "{equation}");
+    }
 }
 
 #[test]
@@ -172,7 +219,7 @@ fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
             let text = std::fs::read(&path).map_err(|error| error.to_string());
             screen.state_mut().open_file("gallery.toml", text);
             screen.run_steps(10);
-            if let Some(place) = screen.query_by_label("Edit the equation over the oscillator") {
+            if let Some(place) = screen.query_all_by_label("Edit the equation").last() {
                 assert!(place.rect().height() >= 36.0, "{path:?}: {} is too low for a finger", place.rect());
                 place.click();
                 screen.run_steps(5);
@@ -182,6 +229,16 @@ fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
                 panic!("{path:?} at {size}: no equation over the oscillator");
             }
             assert_eq!(screen.state().notice(), None, "{path:?}");
+            assert_eq!(
+                drawn(&screen),
+                match path.file_stem().and_then(|stem| stem.to_str()) {
+                    Some("pendulum") => Some("on the pendulum"),
+                    Some("rlc-circuit") => Some("in the circuit"),
+                    Some("van-der-pol") => None,
+                    _ => Some("on the mass"),
+                },
+                "{path:?}"
+            );
         }
     }
 }

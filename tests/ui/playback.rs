@@ -43,6 +43,11 @@ fn the_transport_buttons_work() {
     assert_eq!(screen.state().session().run().len(), 2001);
     click(&mut screen, "Whole record");
     assert_eq!(screen.state().session().run().len(), 6001);
+    // At the end it begins again.
+    set(&mut screen, "Time", 60.0);
+    click(&mut screen, "Play");
+    assert!(position(&screen) < 1000);
+    click(&mut screen, "Pause");
     click(&mut screen, "Restart");
     assert_eq!(position(&screen), 0);
     click(&mut screen, "Live");

@@ -77,9 +77,7 @@ fn a_record_of_ones_own_is_opened_judged_and_reported() {
     theme::expect_fingers(&screen.ctx);
     let (name, bytes) = dialects().into_iter().next().expect("there is one");
     drop_file(&mut screen, name, &bytes);
-    screen.run_steps(60);
-    reach(&mut screen, WINDOW, "Open the record");
-    screen.run_steps(120);
+    screen.run_steps(180);
     check_result(&screen, name);
     tap(&mut screen, "EKF is consistent");
     screen.get_by_label("About Diagnosis");

@@ -73,7 +73,7 @@ impl EquationError {
 pub struct EquationSettings {
     /// The equation; `;` separates several.
     pub equation: String,
-    /// Names, units and usual numbers of parameters and internal states, by their symbols; all others have the usual ones.
+    /// Names, units and usual numbers of parameters and internal states by their symbols, and the unit of the state `x`; others are usual.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, ParameterSettings>,
 }
@@ -156,7 +156,7 @@ impl EquationSettings {
     pub fn checked(&self) -> Result<Self, EquationError> {
         let components = solve(&self.equation)?.components;
         let mut checked = self.clone();
-        checked.parameters.retain(|name, _| components.iter().any(|one| one.key() == Some(&key(name))));
+        checked.parameters.retain(|name, _| name == "x" || components.iter().any(|one| one.key() == Some(&key(name))));
         Ok(checked)
     }
 }

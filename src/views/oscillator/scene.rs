@@ -77,6 +77,22 @@ impl<'a> Scene<'a> {
         (0..self.stage.masses).flat_map(of_mass).collect()
     }
 
+    /// The belief of each filter on the state, with its estimates.
+    pub(super) fn beliefs(&self) -> Vec<(Belief, &'a Estimates)> {
+        self.filters(0).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates))).collect()
+    }
+
+    /// The largest size of the state up to the sample `last`: of the truth, or of the first filter's mean.
+    pub(super) fn reach(&self, last: usize) -> f64 {
+        let mean = || self.filters(0).next().map(|filter| filter.estimates.canonical_means(filter.at));
+        let values = self.record().truth(displacement(0)).or_else(mean).unwrap_or_default();
+        values.iter().take(last + 1).fold(0.0, |reach, value| reach.max(value.abs()))
+    }
+
+    pub(super) fn truth_now(&self) -> Option<f64> {
+        self.truth(0)?.get(self.k).copied().filter(|x| x.is_finite())
+    }
+
     fn record(&self) -> &'a Record {
         self.context.session.run().record()
     }

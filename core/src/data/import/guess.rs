@@ -29,7 +29,7 @@ pub struct ColumnGuess {
 impl ColumnGuess {
     /// Whether the meaning comes from neither name nor unit.
     pub fn is_a_guess(&self) -> bool {
-        self.why == FIRST_FREE
+        [FIRST_FREE, OTHERS_TOO].contains(&self.why)
     }
 
     /// Whether the column has the times of those behind it, beside the column of times.
@@ -45,6 +45,7 @@ impl ColumnGuess {
 
 const BY_SHAPE: &str = "its numbers rise evenly";
 const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
+const OTHERS_TOO: &str = "it may be the input, but others may be too: name it, if one is";
 const LOST: &str = "another column has that meaning already";
 const COUNTER: &str = "it counts the rows";
 const STILL: &str = "its numbers never change";
@@ -157,8 +158,7 @@ impl Mapping {
             match all.iter().filter(unknown).count() {
                 // With a named sensor and several other columns, none of these is a better guess than the others.
                 2.. if has_sensor => {
-                    let why = "it may be the input, but others may be too: name it, if one is";
-                    all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = why);
+                    all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = OTHERS_TOO);
                 }
                 _ if !has_sensor && all.iter().filter(|one| one.is_free).count() == 1 => {}
                 _ if let Some(one) = all.iter_mut().find(|one| one.is_free) => {

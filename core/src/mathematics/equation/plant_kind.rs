@@ -38,7 +38,7 @@ impl Equation {
         let known: Vec<(String, &ParameterSettings)> =
             settings.parameters.iter().map(|(name, one)| (key(name), one)).collect();
         for (name, _) in &known {
-            if !components.iter().any(|one| one.key() == Some(name)) {
+            if name != "x" && !components.iter().any(|one| one.key() == Some(name)) {
                 return Err(EquationError::new(format!("the equation has no parameter `{name}`")));
             }
         }
