@@ -142,9 +142,10 @@ fn a_guess_is_dragged_at_the_beginning() {
     set_scenario(&mut screen, Scenario::default());
     screen.state_mut().session_mut().seek(2.0);
     screen.run_steps(4);
-    let guess = |screen: &Screen| scenario(screen).filters[0].initial_mean[Channel::NATURAL_FREQUENCY];
+    // Both guesses are alike, and the second filter's handle is above the first one's.
+    let guess = |screen: &Screen| scenario(screen).filters[1].initial_mean[Channel::NATURAL_FREQUENCY];
     let before = guess(&screen);
-    let handle = screen.get_by_label("EKF's guess of the natural frequency").rect().center();
+    let handle = screen.get_by_label("UKF's guess of the natural frequency").rect().center();
     drag(&mut screen, handle, egui::vec2(0.0, -15.0));
     assert!(guess(&screen) > before, "{}", guess(&screen));
 }
