@@ -31,17 +31,6 @@ fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
 }
 
 #[test]
-fn marks_are_set_by_keys_too() {
-    let mut screen = whole();
-    press(&mut screen, Key::A);
-    screen.state_mut().session_mut().seek(25.0);
-    press(&mut screen, Key::B);
-    assert_eq!(marks(&screen), [Some(20.0), Some(25.0)]);
-    press(&mut screen, Key::B);
-    assert_eq!(marks(&screen), [Some(20.0), None]);
-}
-
-#[test]
 fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
     let mut screen = whole();
     let free = kalmanscope_lessons::BuiltIn::named("free-vibration").unwrap().scenario().unwrap();

@@ -1,7 +1,5 @@
 //! The posterior of a filter's parameters in the plane of the parameters.
 
-use kalmanscope::laboratory::Choices;
-
 use super::*;
 
 /// A paused screen of the plane, of a short record whose parameters do not change.
@@ -88,21 +86,6 @@ fn a_filter_that_weighs_its_readings_says_why_there_is_none() {
     choose(&mut screen, "Filter of the posterior", "EKF");
     wait(&mut screen);
     assert!(screen.query_by_label_contains("There is no posterior: the filter weighs its readings").is_some());
-}
-
-#[test]
-fn a_link_and_a_saved_session_carry_the_choice() {
-    let mut screen = plane(DESKTOP, Theme::Light, |_| ());
-    choose(&mut screen, "Filter of the posterior", "UKF");
-    screen.run_steps(2);
-    let filter = chosen(&screen);
-    assert_eq!(filter, Some(scenario(&screen).filters[1].id));
-    let other = opened(&screen.state().link().expect("it is short"));
-    assert_eq!(chosen(&other), filter);
-    assert_eq!(restored(&saved(&mut screen)).laboratory.posteriors.chosen, filter);
-    // Without the view a link says nothing of it.
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
-    assert_eq!(screen.state().picture().laboratory, Choices::default());
 }
 
 #[test]
