@@ -1,8 +1,6 @@
 //! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
 use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
-use kalmanscope_core::setting::Change;
-use kalmanscope_core::{Channel, Hold, Scenario};
 
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
@@ -55,12 +53,6 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
                 .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
             plain("Ctrl+Z", "undo the last change of a setting", &[Key::Z], |_| Request::Undo).with(Modifiers::COMMAND),
-            plain("H", "the input held, or linear between samples", &[Key::H], |session| {
-                Request::Edit(turn_hold(session.scenario()))
-            }),
-            plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
-                Request::Edit(turn_gain(session.scenario()))
-            }),
         ],
     ),
     (
@@ -152,27 +144,6 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
             }
         }
     });
-}
-
-fn turn_hold(scenario: &Scenario) -> Change {
-    let hold = match scenario.hold {
-        Hold::Zero => Hold::First,
-        Hold::First => Hold::Zero,
-    };
-    let mut change = Change::default();
-    change.put("hold", &hold);
-    change
-}
-
-fn turn_gain(scenario: &Scenario) -> Change {
-    let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));
-    let mut change = Change::default();
-    for filter in &scenario.filters {
-        let others = filter.augment.iter().copied().filter(|channel| *channel != Channel::INPUT_GAIN);
-        let augment: Vec<Channel> = others.chain((!all).then_some(Channel::INPUT_GAIN)).collect();
-        change.put(filter.address("augment"), &augment);
-    }
-    change
 }
 
 /// The least width of a window that shows the list in two columns \[points\].

@@ -111,7 +111,7 @@ impl App {
         self.visible = Visibility::without(&hidden);
         number::begin_anew(ctx);
         if let Some(habits) = habits {
-            self.take_up(habits, Some(ctx));
+            self.take_up(habits, ctx);
         }
     }
 }

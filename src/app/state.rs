@@ -2,8 +2,7 @@
 
 use eframe::Storage;
 use egui::{Context, ThemePreference};
-use kalmanscope_core::{RunError, Scenario};
-use kalmanscope_lessons::BuiltIn;
+use kalmanscope_core::RunError;
 
 use super::{App, LARGE};
 use crate::session::Budget;
@@ -29,22 +28,6 @@ impl App {
     /// The explorer with the picture of the last use, with fonts and styles.
     pub fn resumed(ctx: &Context, last: LastPicture) -> Result<Self, RunError> {
         theme::install(ctx);
-        Self::with_last(last, Budget::FRAME, Some(ctx))
-    }
-
-    /// As [`Self::stored`], computed at once and without fonts and styles.
-    pub fn restored(storage: Option<&dyn Storage>) -> Result<Self, RunError> {
-        let (last, unreadable) = read(storage);
-        Ok(Self { unreadable, ..Self::with_last(last, Budget::Unlimited, None)? })
-    }
-
-    /// The explorer for the frame of another page: plots and transport, and no saved session, neither read nor written.
-    pub fn embedded(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
-        let app = Self::resumed(&creation.egui_ctx, Ok(None))?;
-        Ok(Self { embedded: true, inviting: false, ..app })
-    }
-
-    fn with_last(last: LastPicture, budget: Budget, ctx: Option<&Context>) -> Result<Self, RunError> {
         let is_first = matches!(last, Ok(None));
         let (picture, problem) = match last {
             Ok(picture) => (picture.unwrap_or_default(), None),
@@ -52,9 +35,9 @@ impl App {
         };
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, speed, ruler, hidden, habits, .. } = picture;
-        let mut app = Self::with_any(scenario)?;
+        let mut app = Self::with_scenario(scenario)?;
         // The first frame is drawn before any long computation.
-        app.session.set_budget(budget);
+        app.session.set_budget(Budget::FRAME);
         app.session.set_mode(mode);
         app.session.set_speed(speed);
         app.layout = layout;
@@ -69,12 +52,18 @@ impl App {
         Ok(app)
     }
 
-    pub(super) fn take_up(&mut self, habits: Habits, ctx: Option<&Context>) {
+    /// The explorer for the frame of another page: plots and transport, and no saved session, neither read nor written.
+    pub fn embedded(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
+        let app = Self::resumed(&creation.egui_ctx, Ok(None))?;
+        Ok(Self { embedded: true, inviting: false, ..app })
+    }
+
+    pub(super) fn take_up(&mut self, habits: Habits, ctx: &Context) {
         let Habits { presenting, dark, all_settings, lessons } = habits;
-        if let (Some(ctx), Some(dark)) = (ctx, dark) {
+        if let Some(dark) = dark {
             ctx.set_theme(if dark { ThemePreference::Dark } else { ThemePreference::Light });
         }
-        if let (Some(ctx), true) = (ctx, presenting != self.presenting) {
+        if presenting != self.presenting {
             ctx.set_zoom_factor(if presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
         }
         self.presenting = presenting;
@@ -105,17 +94,6 @@ impl App {
         }
         storage.set_string(KEY, self.last_picture().line()?);
         Ok(())
-    }
-
-    /// The explorer at the start of a scenario. If the scenario needs a measured record, the first built-in scenario
-    /// stays on screen until the user drops the record's file.
-    fn with_any(scenario: Scenario) -> Result<Self, RunError> {
-        if scenario.record.is_none() {
-            return Self::with_scenario(scenario);
-        }
-        let mut app = Self::with_scenario(BuiltIn::FIRST.scenario().unwrap_or_default())?;
-        app.session.set_scenario(scenario);
-        Ok(app)
     }
 }
 

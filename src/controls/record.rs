@@ -26,7 +26,7 @@ pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, a
         ui.label("The file is not here: drop it on the window.");
     }
     ui.horizontal(|ui| {
-        ui.label("input").on_hover_text("A measured input is not held between its samples; H compares");
+        ui.label("input").on_hover_text("A measured input is not held between its samples");
         let mut hold = edits.scenario.hold;
         ui.selectable_value(&mut hold, Hold::First, "linear between samples");
         ui.selectable_value(&mut hold, Hold::Zero, "held");

@@ -21,10 +21,6 @@ const LOOKED_AT: f64 = 12.0;
 const DRAWN: f64 = 8.0;
 const POINTS: usize = 600;
 
-/// A sample is cut off from this size on; a blow may have some of them.
-const LOUDEST: f32 = 0.99;
-const FEW: usize = 20;
-
 const FILE: &str = "heard-here.wav";
 
 pub(super) struct Listener {
@@ -32,12 +28,11 @@ pub(super) struct Listener {
     readings: Readings<Sound>,
     looked: usize,
     ring: Option<Ring>,
-    is_cut_off: bool,
 }
 
 impl Listener {
     pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
-        Self { device, readings: Readings::default(), looked: 0, ring: None, is_cut_off: false }
+        Self { device, readings: Readings::default(), looked: 0, ring: None }
     }
 
     fn sound(&self) -> Result<RawFile, String> {
@@ -79,7 +74,6 @@ impl Instrument for Listener {
         let latest = |seconds: f64| &told.readings[count.saturating_sub((seconds * rate) as usize)..];
         if (count - self.looked.min(count)) as f64 >= LOOK * rate {
             self.looked = count;
-            self.is_cut_off = latest(LOOKED_AT).iter().filter(|x| x.abs() > LOUDEST).count() > FEW;
             let samples: Vec<f64> = latest(LOOKED_AT).iter().map(|x| f64::from(*x)).collect();
             // The last ring stays on screen when a look finds none.
             self.ring = Ring::in_samples(rate, &samples).or(self.ring);
@@ -92,12 +86,6 @@ impl Instrument for Listener {
                 ui.label(format!("It has rung for {} s.", fixed(ring.part[1] - ring.part[0], 2)));
             }
             None => _ = ui.label(RichText::new("Strike it once: its pitch comes while it rings.").color(palette.weak)),
-        }
-        if self.is_cut_off {
-            ui.colored_label(
-                palette.warning,
-                "It is too loud: its peaks are cut off. Strike more softly, or further away.",
-            );
         }
         let full = if count >= Sound::MOST { " It is full." } else { "" };
         ui.label(format!("{} s, {} samples a second.{full}", fixed(count as f64 / rate, 1), fixed(rate, 0)));

@@ -41,7 +41,7 @@ impl Swing {
         if self.live.rests {
             ui.label("It is at rest: you can stop.");
         }
-        for sentence in self.health.sentences() {
+        if let Some(sentence) = self.health.sentence() {
             ui.colored_label(palette.warning, sentence);
         }
     }

@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, BlobPropertyBag, Document, File, HtmlAnchorElement, HtmlInputElement, Url};
 
-use super::object::call;
+use super::object::{call, words};
 
 /// Asks for a file by the page's input element, if it has one. A file that the user puts there in another way arrives
 /// too.
@@ -44,7 +44,7 @@ async fn read(file: &File) -> Result<Vec<u8>, String> {
         return Err(inbox::TOO_LARGE.to_owned());
     }
     let buffer = JsFuture::from(file.array_buffer()).await;
-    let buffer = buffer.map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
+    let buffer = buffer.map_err(|error| words(&error))?;
     Ok(js_sys::Uint8Array::new(&buffer).to_vec())
 }
 
@@ -54,7 +54,7 @@ const AFTER: u32 = 60_000;
 pub(super) fn download() -> Deliver {
     Box::new(|file, done| {
         let given = give(&file).map(|()| format!("{}, among the browser's downloads", file.name));
-        done(given.map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}"))));
+        done(given.map_err(|error| words(&error)));
     })
 }
 

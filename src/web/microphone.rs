@@ -13,8 +13,7 @@ use web_sys::{
     MediaTrackConstraints, MessageEvent,
 };
 
-use super::object::version;
-use super::object::{get, words};
+use super::object::{get, version, words};
 
 const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";

@@ -13,6 +13,8 @@ mod page;
 mod phone;
 mod server;
 mod share;
+#[path = "../ui/sounds.rs"]
+mod sounds;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -97,7 +99,6 @@ fn links_frames_and_files_work_in_a_browser() {
     visit(&dist(), &[embed::WATCH], &[], async |page, address, driver| {
         embed::policy_is_strict(page, address).await;
         share::links(page, address).await;
-        share::names(page, address).await;
         embed::in_a_frame(page, address).await;
         starts(page, address).await;
         files::a_record_is_chosen(page, &driver.downloads()).await;

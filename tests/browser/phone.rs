@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use kalmanscope_core::import::wav;
 
 use crate::page::{Page, estimate, has};
+use crate::sounds::ring;
 use crate::{OVER, START};
 
 /// The size of the window \[CSS pixels\].
@@ -166,29 +167,11 @@ pub(crate) async fn filters_are_watched(page: &Page) {
     identified(page).await;
 }
 
-/// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
-fn noise(k: u32) -> f64 {
-    let mut bits = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    for factor in [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb] {
-        bits = (bits ^ (bits >> 29)).wrapping_mul(factor);
-    }
-    (bits >> 40) as f64 / f64::from(1 << 24) - 0.5
-}
-
 /// A sound for the browser's microphone: a fork of 440 Hz with a damping of 0.05 % and a second mode, struck after a second.
 pub(crate) fn fork(folder: &Path) -> PathBuf {
-    let sample = |k: u32| {
-        let since = f64::from(k) / 48_000.0 - 1.0;
-        let mode = |hertz: f64, damping: f64| {
-            let w = TAU * hertz;
-            (-damping * w * since).exp() * (w * since).sin()
-        };
-        let rings = if since < 0.0 { 0.0 } else { 0.4 * mode(440.0, 5e-4) + 0.1 * mode(2756.0, 1e-3) };
-        (rings + 0.004 * noise(k)) as f32
-    };
+    let sound = ring([[0.4, 440.0, 5e-4], [0.1, 2756.0, 1e-3]], 0.004, 384_000);
     let path = folder.join("fork.wav");
-    let bytes = wav(48_000, &(0..384_000).map(sample).collect::<Vec<f32>>()).expect("a sound");
-    std::fs::write(&path, bytes).expect("it can be written");
+    std::fs::write(&path, wav(48_000, &sound).expect("a sound")).expect("it can be written");
     path
 }
 

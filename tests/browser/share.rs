@@ -7,7 +7,6 @@ use kalmanscope::layout::Layout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
 use kalmanscope_core::Scenario;
-use serde_json::json;
 
 use crate::page::Page;
 use crate::{START, reports_no_problems, starts};
@@ -57,14 +56,4 @@ pub(crate) async fn links(page: &Page, address: &str) {
     page.value(&format!("location.hash = '{link}'")).await;
     shows(page, &checksum).await;
     reports_no_problems(page, address).await;
-}
-
-pub(crate) async fn names(page: &Page, address: &str) {
-    starts(page, &format!("{address}?scenario=duffing")).await;
-    let summary = page.summary().await;
-    assert!(summary["filters"].to_string().contains("UKF, Duffing"), "{summary}");
-    starts(page, &format!("{address}?scenario=none")).await;
-    page.wait_until(&format!("{NEWS}.includes('There is no scenario “none”')"), START).await.expect("it is said");
-    starts(page, &format!("{address}?lesson=sudden-loss&step=2")).await;
-    assert_eq!(page.summary().await["lesson"], json!(["Fading memory and a sudden loss", 2]));
 }

@@ -81,16 +81,15 @@ fn large_files_and_long_records_are_imported_on_threads() {
                 assert!(begin.elapsed() < PATIENCE);
             }
         };
-        wait(&mut screen, &|screen| screen.query_by_label("Open the record").is_some_and(|node| !is_disabled(&node)));
+        let is_read = |screen: &Screen| {
+            screen.query_by_label("Open the record").is_some_and(|node| !node.accesskit_node().is_disabled())
+        };
+        wait(&mut screen, &is_read);
         screen.get_by_label("Open the record").click();
         screen.run_steps(2);
         wait(&mut screen, &|screen| screen.state().session().is_measured());
         assert!(screen.query_by_label("Open a measured record").is_none());
     }
-}
-
-fn is_disabled(node: &egui_kittest::Node<'_>) -> bool {
-    node.accesskit_node().is_disabled()
 }
 
 #[test]

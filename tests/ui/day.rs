@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use kalmanscope::session::{Mode, Session, Wanted};
+use kalmanscope_core::Scenario;
 use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
-use kalmanscope_core::{Run, Scenario};
 
 /// A day at 100 Hz with an EKF: 8.64 million samples.
 fn day() -> Scenario {
@@ -84,16 +84,4 @@ fn alone() {
     assert_eq!((ekf.stop(), ekf.len()), (None, last + 1));
     let verdict = Diagnosis::new(&session.diagnostics()[0], ekf, run.record(), None).unwrap().verdict.unwrap();
     assert!(verdict.kind == VerdictKind::Consistent && !verdict.reason.contains("at first"), "{verdict}");
-
-    // A run without a session that keeps few samples.
-    let mut plain = Run::new(&scenario).unwrap();
-    while plain.done() < plain.samples() {
-        plain.forget(usize::MAX);
-        plain.advance_to(plain.done() + 1000);
-    }
-    let (other, end) = (&plain.estimates()[0], plain.len() - 1);
-    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-    assert_eq!(bits(ekf.mean(last)), bits(other.mean(end)));
-    assert_eq!(bits(ekf.cov(last)), bits(other.cov(end)));
-    assert_eq!(run.record().force(last).to_bits(), plain.record().force(end).to_bits());
 }

@@ -135,33 +135,11 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
     screen.get_by_label("Settings").click();
     screen.run_steps(20);
     assert!(screen.query_by_label("EKF fading factor").is_some());
-    click(&mut screen, "More");
-    click(&mut screen, "Presenter mode");
-    assert!((screen.ctx.zoom_factor() - before.0).abs() < 1e-6);
-}
-
-#[test]
-fn presenter_mode_gives_back_the_zoom_of_before_also_after_ctrl_0() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    let before = screen.ctx.zoom_factor();
-    press(&mut screen, Key::P);
-    assert!(screen.ctx.zoom_factor() > 1.3 * before);
+    // It gives back the zoom of before, though Ctrl+0 is pressed meanwhile.
     screen.ctx.set_zoom_factor(1.0);
     screen.run_steps(4);
     press(&mut screen, Key::P);
-    assert_eq!(screen.ctx.zoom_factor(), before);
-}
-
-#[test]
-fn the_drawer_of_the_phone_leaves_the_plots_in_sight() {
-    let mut screen = screen(PHONE, Theme::Light);
-    assert!(screen.query_by_label("EKF fading factor").is_none());
-    screen.get_by_label("Settings").click();
-    screen.run_steps(20);
-    let drawer = screen.get_by_label("EKF fading factor").rect();
-    let plot = screen.get_by_label("Plot of the natural frequency").rect();
-    assert!(plot.height() > 40.0 && plot.bottom() < drawer.top(), "{plot} is behind the drawer at {drawer}");
-    assert!(drawer.top() < 0.75 * PHONE.y, "the drawer begins only at {}", drawer.top());
+    assert_eq!(screen.ctx.zoom_factor(), before.0);
 }
 
 #[test]

@@ -90,18 +90,6 @@ fn two_settings_are_swapped_by_a_key() {
 }
 
 #[test]
-fn changes_are_taken_back_and_made_again_by_buttons() {
-    let mut screen = whole();
-    screen.run_steps(90);
-    set(&mut screen, "EKF fading factor", 1.03);
-    screen.run_steps(90);
-    click(&mut screen, "Undo");
-    assert_eq!(scenario(&screen).filters[0].fading, 1.005);
-    click(&mut screen, "Redo");
-    assert_eq!(scenario(&screen).filters[0].fading, 1.03);
-}
-
-#[test]
 fn help_opens_on_a_tap() {
     let mut screen = whole();
     let first = view(ViewKind::Parameters).help[0];

@@ -25,7 +25,10 @@ fn a_hidden_filter_stays_hidden_when_another_goes() {
     assert_eq!(shown(&screen), names(&[("EKF", true), ("UKF", false), ("EKF 2", true)]));
     click(&mut screen, "Remove EKF");
     assert_eq!(shown(&screen), names(&[("UKF", false), ("EKF 2", true)]));
-    // A new filter does not inherit it.
+    press(&mut screen, Key::Num1);
+    assert_eq!(shown(&screen), names(&[("UKF", true), ("EKF 2", true)]), "the key is that of the filter's place");
+    // A new filter inherits nothing.
+    click(&mut screen, "Show UKF");
     click(&mut screen, "Remove UKF");
     click(&mut screen, "Add a filter");
     assert_eq!(shown(&screen), names(&[("EKF 2", true), ("EKF", true)]));
@@ -39,15 +42,6 @@ fn another_scenario_is_shown_with_all_its_filters() {
     click(&mut screen, "Scenario");
     click(&mut screen, kalmanscope_lessons::BUILT_IN[2].title);
     assert!(shown(&screen).iter().all(|(_, on)| *on));
-}
-
-#[test]
-fn a_key_hides_the_filter_at_its_place() {
-    let mut screen = workbench();
-    click(&mut screen, "Add a filter");
-    click(&mut screen, "Remove EKF");
-    press(&mut screen, Key::Num1);
-    assert_eq!(shown(&screen), names(&[("UKF", false), ("EKF 2", true)]));
 }
 
 #[test]

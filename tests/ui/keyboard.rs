@@ -38,6 +38,8 @@ fn a_filter_is_tuned_and_compared_by_keyboard() {
     screen.state_mut().session_mut().seek(30.0);
     press(&mut screen, Key::B);
     assert!(screen.query_by_label_contains("Δt 30.00").is_some());
+    press(&mut screen, Key::B);
+    assert_eq!(super::marks::marks(&screen)[1], None, "the same key takes the mark away");
 }
 
 #[test]

@@ -28,6 +28,7 @@ mod settings;
 mod share;
 mod shelf;
 mod sizes;
+mod sounds;
 mod story;
 mod streams;
 mod thumb;
@@ -151,16 +152,20 @@ fn saved(screen: &mut Screen) -> Memory {
 }
 
 fn restored(memory: &Memory) -> App {
-    App::restored(Some(memory)).expect("the saved scenario can be run")
+    restored_in(&egui::Context::default(), memory)
+}
+
+fn restored_in(ctx: &egui::Context, memory: &Memory) -> App {
+    let mut app = App::stored(ctx, Some(memory)).expect("the saved scenario can be run");
+    app.session_mut().set_budget(Budget::Unlimited);
+    app.session_mut().advance(0.0);
+    app
 }
 
 /// The screen of that explorer, completed by `with`.
 fn reloaded(memory: &Memory, with: impl FnOnce(App, &egui::Context) -> App) -> Screen {
     let builder = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0);
-    let mut screen = builder.build_eframe(|creation| {
-        kalmanscope::theme::install(&creation.egui_ctx);
-        with(restored(memory), &creation.egui_ctx)
-    });
+    let mut screen = builder.build_eframe(|creation| with(restored_in(&creation.egui_ctx, memory), &creation.egui_ctx));
     screen.run_steps(4);
     screen
 }

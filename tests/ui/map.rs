@@ -138,19 +138,6 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
 }
 
 #[test]
-fn a_link_shows_the_same_map_and_old_links_show_none() {
-    let mut screen = laboratory(Some(2));
-    let link = share::copy(&mut screen);
-    let choice = screen.state().laboratory.choice.as_ref().cloned();
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    assert_eq!(other.state().picture().laboratory.map, None, "no view of it is shown");
-    other.event(egui::Event::Paste(link));
-    other.run_steps(4);
-    assert_eq!((other.state().notice(), other.state().laboratory.choice.as_ref().cloned()), (None, choice));
-    assert_eq!(other.state().picture(), screen.state().picture());
-}
-
-#[test]
 fn out_of_sight_the_laboratory_rests() {
     let mut screen = laboratory(None);
     let done = screen.state().laboratory.state.version;
@@ -177,16 +164,6 @@ fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
     screen.state_mut().laboratory.choose(Some(choice));
     screen.run_steps(4);
     assert!(screen.query_by_label("Score across, through the dot").is_none());
-}
-
-#[test]
-fn a_saved_session_comes_back_with_its_map() {
-    let mut screen = laboratory(Some(2));
-    let choice = screen.state().laboratory.choice.as_ref().cloned();
-    assert!(choice.is_some());
-    let restored = restored(&saved(&mut screen));
-    assert_eq!(restored.laboratory.choice.as_ref().cloned(), choice);
-    assert_eq!(restored.notice(), None);
 }
 
 #[test]

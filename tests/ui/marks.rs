@@ -30,17 +30,6 @@ fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
 }
 
 #[test]
-fn marks_are_set_by_keys_too() {
-    let mut screen = whole();
-    press(&mut screen, Key::A);
-    screen.state_mut().session_mut().seek(25.0);
-    press(&mut screen, Key::B);
-    assert_eq!(marks(&screen), [Some(20.0), Some(25.0)]);
-    press(&mut screen, Key::B);
-    assert_eq!(marks(&screen), [Some(20.0), None]);
-}
-
-#[test]
 fn marks_belong_to_their_record() {
     for other in ["Slow drift", "Measured: a circuit"] {
         let mut screen = screen(DESKTOP, Theme::Light);

@@ -10,6 +10,7 @@ use kalmanscope_core::setting::Change;
 
 use super::files::drop_file;
 use super::records::{check_result, open_record};
+use super::sounds::ring;
 use super::*;
 
 /// A device that is played by the test.
@@ -146,29 +147,6 @@ fn filters_are_watched_while_it_swings() {
     }
 }
 
-/// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
-fn noise(k: u32) -> f64 {
-    let mut bits = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    for factor in [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb] {
-        bits = (bits ^ (bits >> 29)).wrapping_mul(factor);
-    }
-    (bits >> 40) as f64 / f64::from(1 << 24) - 0.5
-}
-
-/// A thing that rings at 523 Hz with a damping of 0.06 % after a second of silence, and a second mode.
-fn ring() -> Vec<Sound> {
-    let mode = |t: f64, hertz: f64, damping: f64| {
-        let w = TAU * hertz;
-        (-damping * w * t).exp() * (w * t).sin()
-    };
-    let sample = |k: u32| {
-        let since = f64::from(k) / 48_000.0 - 1.0;
-        let rings = if since < 0.0 { 0.0 } else { 0.3 * mode(since, 523.0, 6e-4) + 0.1 * mode(since, 3100.0, 1e-3) };
-        (rings + 0.002 * noise(k)) as Sound
-    };
-    (0..240_000).map(sample).collect()
-}
-
 #[test]
 fn a_ring_is_heard_and_identified() {
     for size in [PHONE, DESKTOP] {
@@ -183,7 +161,8 @@ fn a_ring_is_heard_and_identified() {
         let readings = begin(&mut screen, &device, "Start listening");
         screen.get_by_label("Waiting for the microphone …");
         readings.set_rate(48_000.0);
-        for some in ring().chunks(24_000) {
+        // A second mode rings with it.
+        for some in ring([[0.3, 523.0, 6e-4], [0.1, 3100.0, 1e-3]], 0.002, 240_000).chunks(24_000) {
             assert!(readings.put(some, &screen.ctx));
             screen.run_steps(2);
         }
@@ -217,7 +196,6 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
     assert!(readings.put(&minute, &screen.ctx) && !readings.put(&minute[..5], &screen.ctx));
     screen.run_steps(2);
     screen.get_by_label_contains("It is full.");
-    screen.get_by_label_contains("It is too loud");
 }
 
 #[test]

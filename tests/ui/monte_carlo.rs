@@ -76,21 +76,6 @@ fn a_filter_that_is_hidden_is_not_run() {
 }
 
 #[test]
-fn a_link_and_a_saved_session_keep_the_seeds() {
-    let mut screen = monte_carlo(short(), 44);
-    let link = share::copy(&mut screen);
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    assert_eq!(other.state().picture().laboratory.seeds, None, "no view of them is shown");
-    other.event(egui::Event::Paste(link));
-    other.run_steps(4);
-    assert_eq!(other.state().notice(), None);
-    assert_eq!(other.state().picture().laboratory.seeds, Some(SeedChoice { seeds: 44, ..SeedChoice::default() }));
-    let restored = restored(&saved(&mut screen));
-    assert_eq!(restored.laboratory.seeds.choice.seeds, 44);
-    assert_eq!(restored.notice(), None);
-}
-
-#[test]
 fn a_measured_record_has_one_noise() {
     let mut screen = monte_carlo(short(), 12);
     let mut scenarios = kalmanscope_lessons::BUILT_IN.iter().filter_map(|built_in| built_in.scenario().ok());

@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::Hold;
-
 use super::files::drop_file;
 use super::*;
 
@@ -178,30 +176,6 @@ fn a_file_is_summed_up_and_what_is_in_doubt_is_unfolded() {
 }
 
 #[test]
-fn one_key_compares_a_held_input_with_a_linear_one() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    drop_record(&mut screen, "trailing.csv", &dialects()[0].1);
-    assert_eq!(scenario(&screen).hold, Hold::First);
-    screen.key_press(Key::H);
-    screen.run_steps(6);
-    assert_eq!(scenario(&screen).hold, Hold::Zero);
-    assert_eq!(screen.state().session().run().record().hold(), Hold::Zero);
-    screen.key_press(Key::H);
-    screen.run_steps(6);
-    let gains = |screen: &Screen| {
-        let filters = scenario(screen).filters.iter();
-        filters.filter(|filter| filter.augment.contains(&Channel::INPUT_GAIN)).count()
-    };
-    let before = gains(&screen);
-    screen.key_press(Key::G);
-    screen.run_steps(6);
-    assert_eq!(gains(&screen), 2 - before);
-    screen.key_press(Key::G);
-    screen.run_steps(6);
-    assert_eq!(gains(&screen), before);
-}
-
-#[test]
 fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
     let (name, bytes) = &dialects()[0];
     let mut first = screen(DESKTOP, Theme::Light);
@@ -218,6 +192,11 @@ fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
     assert!(second.query_by_label("Open a measured record").is_none(), "nothing is to be asked");
     assert_eq!(second.state().session().problem(), None);
     assert_eq!(second.state().session().run().checksum(), checksum);
+
+    let restored = restored(&saved(&mut first));
+    assert!(!restored.session().is_measured(), "another picture is shown until the file is here");
+    assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
+    assert_eq!(restored.session().scenario(), first.state().session().scenario());
 }
 
 #[test]
@@ -259,26 +238,6 @@ fn a_band_pass_and_decimation_are_applied() {
     screen.get_by_label("401 samples over 40 s at 10 Hz");
     open_record(&mut screen);
     check_result(&screen, "decimated");
-}
-
-#[test]
-fn a_link_and_a_saved_session_wait_for_their_file() {
-    let (name, bytes) = &dialects()[0];
-    let mut first = screen(DESKTOP, Theme::Light);
-    drop_record(&mut first, name, bytes);
-    let checksum = first.state().session().run().checksum();
-    let link = super::share::copy(&mut first);
-    let mut second = opened(&link);
-    let problem = second.state().session().problem().expect("the file is missing");
-    assert!(problem.contains(name), "{problem}");
-    drop_file(&mut second, name, bytes);
-    second.run_steps(6);
-    assert_eq!(second.state().session().run().checksum(), checksum);
-
-    let restored = restored(&saved(&mut first));
-    assert!(!restored.session().is_measured(), "another picture is shown until the file is here");
-    assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
-    assert_eq!(restored.session().scenario(), first.state().session().scenario());
 }
 
 fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {

@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use egui::{Event, OutputCommand};
+use kalmanscope::laboratory::{Choices, SeedChoice};
 use kalmanscope::request::LegendEntry;
 use kalmanscope::share::MARK;
 
@@ -94,6 +95,25 @@ fn the_menu_copies_a_link_of_the_page() {
     });
     let link = link.expect("a link is copied");
     assert!(link.starts_with(&format!("https://example.org/k/{MARK}1.")), "{link}");
+}
+
+#[test]
+fn a_link_and_a_saved_session_keep_what_is_chosen_in_the_laboratory_where_it_is_shown() {
+    let views = [ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune];
+    let mut one = screen(DESKTOP, Theme::Light);
+    show_whole(&mut one, Scenario { duration: 5.0, ..Scenario::default() });
+    show(&mut one, &views);
+    one.state_mut().laboratory.seeds.choose(SeedChoice { seeds: 44, ..SeedChoice::default() });
+    choose(&mut one, "Score", "log likelihood");
+    choose(&mut one, "Goal of the tuning", "a mean NIS as expected");
+    let chosen = one.state().picture().laboratory;
+    assert!(chosen.map.is_some() && chosen.tuning.is_some() && chosen.seeds.is_some_and(|seeds| seeds.seeds == 44));
+    let other = opened(&one.state().link().expect("it is short"));
+    assert_eq!((other.state().notice(), other.state().picture().laboratory), (None, chosen.clone()));
+    let again = restored(&saved(&mut one));
+    assert_eq!((again.notice(), again.last_picture().laboratory), (None, chosen));
+    show(&mut one, &[ViewKind::States]);
+    assert_eq!(one.state().picture().laboratory, Choices::default(), "without the views a link says nothing of them");
 }
 
 #[test]

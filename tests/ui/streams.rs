@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use kalmanscope::sensor::{Readings, Sensor, Sensors};
-use kalmanscope_core::{Run, Scenario};
+use kalmanscope_core::{Record, Run, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::measure::Device;
@@ -25,6 +25,12 @@ fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>, Readings<St
     (screen, device, readings)
 }
 
+/// What happens at a sample of a record.
+fn row(record: &Record, k: usize) -> StreamRow {
+    let readings = vec![record.measured(0)[k], record.measured(1)[k]];
+    StreamRow { time: record.time(k), input: record.input()[k], readings }
+}
+
 /// In the clock of the readings: what a frame takes to compute and to draw comes on top, as the benchmark of frames tells.
 #[test]
 fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
@@ -40,9 +46,7 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
         for frame in 0..480 {
             let now = f64::from(frame) / 60.0;
             while told < record.len() && record.time(told) <= now {
-                let measured = vec![record.measured(0)[told], record.measured(1)[told]];
-                let (time, input) = (record.time(told), record.input()[told]);
-                readings.put(&[StreamRow { time, input, readings: measured }], &screen.ctx);
+                readings.put(&[row(&record, told)], &screen.ctx);
                 told += 1;
             }
             screen.run_steps(1);
@@ -64,12 +68,8 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let (mut screen, device, readings) = following(&scenario);
     let tell = |screen: &mut Screen, from: usize, until: usize| {
         for k in from..until {
-            let happened = StreamRow {
-                time: 3.0 + record.time(k),
-                input: record.input()[k],
-                readings: vec![record.measured(0)[k], record.measured(1)[k]],
-            };
-            readings.put(&[happened], &screen.ctx);
+            let happened = row(&record, k);
+            readings.put(&[StreamRow { time: 3.0 + happened.time, ..happened }], &screen.ctx);
             if k % 10 == 0 {
                 screen.run_steps(1);
             }

@@ -43,8 +43,7 @@ fn mistuned() -> Screen {
 fn a_wrong_filter_is_asked_why_and_cured() {
     let mut screen = mistuned();
     tap(&mut screen, "EKF is overconfident");
-    screen.run_steps(60);
-    screen.run_steps(60);
+    screen.run_steps(120);
     let first = screen.get_by_label_contains("Apply the remedy of EKF").accesskit_node().label().unwrap();
     reach(&mut screen, DRAWER, &first);
     screen.run_steps(60);

@@ -1,8 +1,6 @@
 //! Tuning: a search on screen, its result, and taking it.
 
-use kalmanscope::laboratory::Choices;
 use kalmanscope_core::{Pass, Run};
-use kalmanscope_lab::tune::Goal;
 
 use super::*;
 
@@ -53,21 +51,6 @@ fn another_change_makes_the_result_old() {
     set(&mut screen, "EKF fading factor", 1.02);
     assert!(screen.query_by_label("Use these values").is_none());
     assert!(screen.query_by_label_contains("tune again").is_some());
-}
-
-#[test]
-fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
-    let mut screen = tune();
-    click(&mut screen, "factor on √Q");
-    choose(&mut screen, "Goal of the tuning", "a mean NIS as expected");
-    let chosen = screen.state().laboratory.tuning.choice.as_ref().cloned().expect("the user has chosen");
-    assert_eq!((chosen.axes.len(), chosen.goal), (2, Goal::Consistency));
-    let other = opened(&screen.state().link().expect("it is short"));
-    assert_eq!(other.state().laboratory.tuning.choice.as_ref(), Some(&chosen));
-    assert_eq!(restored(&saved(&mut screen)).laboratory.tuning.choice.as_ref(), Some(&chosen));
-    // Without the view a link says nothing of it.
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
-    assert_eq!(screen.state().picture().laboratory, Choices::default());
 }
 
 #[test]

@@ -172,13 +172,12 @@ fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
     swapped.filters.iter_mut().for_each(|filter| filter.sensor_std.reverse());
     let mut alone = swapped.clone();
     alone.remove_sensor(Quantity::DISPLACEMENT);
-    for (scenario, place) in [(swapped, 0), (alone, 0)] {
-        let is_told = |quantity| scenario.sensors.iter().any(|sensor| sensor.measures == quantity);
-        let displacement = is_told(Quantity::DISPLACEMENT);
+    for scenario in [swapped, alone] {
+        let displacement = scenario.sensors.iter().any(|sensor| sensor.measures == Quantity::DISPLACEMENT);
         set_scenario(&mut screen, scenario);
         let (twin, session) = (screen.state().twin(), screen.state().session());
         let (estimates, k) = (&session.run().estimates()[0], session.index());
-        let innovation = estimates.innovation(k)[place];
+        let innovation = estimates.innovation(k)[0];
         let find = |view: &str, caption: &str| {
             let part = part(&twin, view);
             part.tables.iter().find(|table| table.caption.starts_with(caption)).cloned()
