@@ -63,7 +63,6 @@ pub struct App {
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
     width: f32,
-    /// Whether the window is too low for settings beside plots, as that of a phone on its side.
     low: bool,
     theme: ThemePreference,
     /// Whether the window is cleared in the ground's colour, so that panels need no fill.
@@ -78,9 +77,7 @@ pub struct App {
     deliver: Option<Deliver>,
     exporting: Option<Exporting>,
     figure_dialog: Option<FigureDialog>,
-    /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
-    /// Keeps the record's file for the next start, if the platform has a place for it.
     shelf: Option<Box<dyn Shelf>>,
     sensors: Sensors,
     measure: Option<Measure>,
@@ -95,12 +92,10 @@ pub struct App {
 }
 
 impl App {
-    /// The explorer in its saved state, or playing the default scenario.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         Self::stored(&creation.egui_ctx, creation.storage)
     }
 
-    /// The explorer at the start of a scenario, without fonts and styles.
     pub fn with_scenario(scenario: Scenario) -> Result<Self, RunError> {
         Ok(Self {
             session: Session::new(scenario)?,
@@ -166,7 +161,6 @@ impl App {
         &self.session
     }
 
-    /// The time that the user points at in a plot \[s\].
     pub fn pointed(&self) -> Option<f64> {
         self.axis.pointed
     }
@@ -191,7 +185,6 @@ impl App {
         &self.ruler
     }
 
-    /// Shows a sentence about a failure, after those on screen.
     pub fn report(&mut self, sentence: &str) {
         let before = self.notice.take().unwrap_or(Notice::done(""));
         self.notice = Some(Notice { is_failure: true, ..before.with(sentence) });

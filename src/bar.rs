@@ -8,7 +8,7 @@ use crate::layout::Layout;
 use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
 use crate::request::{Arrangement, Request, Tabs, VIEWS, ViewKind};
-use crate::session::{Session, Setting};
+use crate::session::Session;
 use crate::theme;
 use crate::thumbnail;
 use crate::tutor::{self, Catalogue};
@@ -60,8 +60,8 @@ impl Bar<'_> {
             if !narrow {
                 history_ui(ui, history, requests);
             }
-            if session.has_other_setting() {
-                settings_ui(ui, session, requests);
+            if session.has_snapshot() {
+                snapshot_ui(ui, session, requests);
             }
             if is_roomy {
                 ui.separator();
@@ -167,14 +167,8 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
             requests.push(Request::ForgetRecord);
             ui.close();
         }
-        if !session.has_other_setting() {
-            ui.separator();
-            ui.label(RichText::new("Compare two settings").small().weak());
-            let before = requests.len();
-            ui.horizontal(|ui| settings_ui(ui, session, requests));
-            if requests.len() > before {
-                ui.close();
-            }
+        if !session.has_snapshot() {
+            snapshot_ui(ui, session, requests);
         }
     });
     probe::remember(ui.ctx(), "More", button.rect);
@@ -192,20 +186,15 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
     }
 }
 
-fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
-    for setting in Setting::BOTH {
-        let is_on = session.setting() == setting;
-        let hint = match (is_on, session.has_other_setting()) {
-            (true, _) => "The settings on screen",
-            (false, false) => "Keep these settings as A, and continue with a copy (X)",
-            (false, true) => "Switch to the other settings (X)",
-        };
-        let button = ui.selectable_label(is_on, setting.name()).on_hover_text(hint);
-        let name = format!("Setting {}", setting.name());
-        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
-        if button.clicked() && !is_on {
-            requests.push(Request::SwapSettings);
-        }
+/// Keeps the settings as a snapshot, or exchanges them with it.
+fn snapshot_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
+    let (text, hint) = if session.has_snapshot() {
+        ("Swap snapshot", "Exchange the settings with those of the snapshot (X)")
+    } else {
+        ("Take a snapshot", "Keep these settings, to compare others with them (X)")
+    };
+    if named(ui.button(text).on_hover_text(hint), "Snapshot").clicked() {
+        requests.push(Request::SwapSnapshot);
     }
 }
 

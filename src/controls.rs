@@ -27,21 +27,18 @@ pub enum PanelRequest {
     Fewer,
 }
 
-/// The changes that controls ask for of the scenario that they show.
 pub struct Edits<'a> {
     pub scenario: &'a Arc<Scenario>,
     pub change: Change,
 }
 
 impl Edits<'_> {
-    /// Sets a number, if it is another one than before.
     pub fn set_other(&mut self, address: &str, before: f64, now: f64) {
         if now != before {
             self.change.set(self.scenario, address, now);
         }
     }
 
-    /// Puts a setting, if it is another one than before.
     pub fn put_other<T: PartialEq + Serialize>(&mut self, address: &str, before: &T, now: &T) {
         if now != before {
             self.change.put(address, now);

@@ -19,7 +19,6 @@ const GRIP: egui::Vec2 = vec2(36.0, 4.0);
 /// The least height of the heading on the handle \[points\].
 const HANDLE: f32 = 26.0;
 
-/// The height of a drawer. A drag of its handle changes it; a tap goes to the other of two heights.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drawer {
     is_low: bool,
@@ -28,14 +27,11 @@ pub(crate) struct Drawer {
 }
 
 impl Drawer {
-    /// The lower and the larger height in a window of this height with `room` left below bar and legend \[points\].
     fn heights(window: f32, room: f32) -> [f32; 2] {
         let high = (room - FOR_PLOTS * window).max(LEAST).min(room.max(0.0));
         [(LOW * window).max(LEAST).min(high), high]
     }
 
-    /// Shows the drawer: a handle with `heading` on it, and `contents` below. `window` is the height of the window
-    /// \[points\].
     pub(crate) fn show(
         &mut self,
         ui: &mut Ui,
@@ -68,7 +64,6 @@ impl Drawer {
     }
 }
 
-/// The handle, which can be tapped and dragged wherever `heading` has no button.
 fn handle_ui(ui: &mut Ui, heading: impl FnOnce(&mut Ui)) -> Response {
     let above = 2.0 * GRIP.y;
     let size = vec2(ui.available_width(), above + ui.spacing().interact_size.y.max(HANDLE));

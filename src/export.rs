@@ -21,7 +21,6 @@ use crate::view::ViewContext;
 use crate::widgets::named;
 use crate::{menu, probe};
 
-/// The views that a report has besides those on screen: innovations, and measurements against predictions.
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
 const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
@@ -37,7 +36,6 @@ pub struct File {
 
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
-/// Files of data, each with its name and a hint.
 const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
     (Export::Record, "Record (CSV)", "Force, measurements and truth, for the command line"),
@@ -47,8 +45,6 @@ const DATA: [(Export, &str, &str); 6] = [
     (Export::All, "Everything (JSON)", "Scenario, record, estimates, verdicts and causes, for a program"),
 ];
 
-/// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
-/// frames.
 pub(crate) struct Exporting {
     export: Export,
     figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
@@ -82,8 +78,6 @@ impl Exporting {
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
 
-    /// Continues for a frame. Returns the file once, or the reason why it cannot be made. Results are those that have been computed
-    /// so far.
     pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
         let session = context.session;
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
@@ -135,13 +129,11 @@ impl Exporting {
     }
 }
 
-/// The name of a measured record, if it has one.
 fn record_name(session: &Session) -> Option<String> {
     let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
     file.filter(|file| !file.is_empty())
 }
 
-/// The results of the session's run, with the causes that have been found so far.
 fn results_of(session: &Session) -> Results<'_> {
     let run = session.run();
     let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
@@ -156,7 +148,6 @@ fn results_of(session: &Session) -> Results<'_> {
     results.with_free_runs(run, if session.is_measured() { &records } else { &[] })
 }
 
-/// The report as one page for a browser or a printer.
 fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     let title = record_name(session).unwrap_or_else(|| "A simulated oscillator".to_owned());
     let parts = Parts { title: &title, reasons: &session.library().reasons, figures };
@@ -177,7 +168,6 @@ fn reason(error: impl Display) -> String {
     error.to_string()
 }
 
-/// Writes the results as JSON beside the frames.
 struct Everything {
     results: Results<'static>,
     series: Vec<Estimates>,
@@ -210,7 +200,6 @@ const REPORT: (Export, &str, &str) = (
 const SESSION: (Export, &str, &str) =
     (Export::Session, "Session file", "Settings, views and time: open or drop it to continue");
 
-/// Every export with its name and a hint, in the menu's order.
 pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static str)> {
     let all = std::iter::once(REPORT).chain(DATA).chain([SESSION]);
     let all = all.map(|(export, name, hint)| (Request::Export(export), name, hint));

@@ -153,7 +153,6 @@ impl Sheet<'_> {
         Medium::take_plots(&self.canvas.ctx).unwrap_or(1)
     }
 
-    /// The size of a view that is text: as wide as its tables, and as high as its lines. `None` for a picture.
     fn text_size(&self, kind: ViewKind, width: f32) -> Option<Vec2> {
         let room = match kind {
             ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters => AMPLE,

@@ -170,7 +170,6 @@ struct Entry {
     title: String,
     kind: &'static str,
     hint: String,
-    /// Title, kind and synonyms, in small letters.
     words: String,
     choice: Choice,
 }
@@ -240,7 +239,6 @@ fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme
     all
 }
 
-/// The entries that have all words in their title or a synonym; only without one, those that have them in their hint.
 fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
     let text = text.to_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();

@@ -32,7 +32,6 @@ pub struct Import {
     name: String,
     stage: Stage,
     team: Rc<dyn Team>,
-    /// Whether the record opens without a question, if nothing has to be asked.
     at_once: bool,
     pub(crate) is_still: bool,
 }
@@ -67,7 +66,6 @@ pub struct Opened {
     pub scenario: Scenario,
     pub reasons: Vec<String>,
     pub problem: Option<String>,
-    /// A sentence about a record that opened without a question.
     pub summary: Option<String>,
 }
 
@@ -88,7 +86,6 @@ impl Import {
         Self { name, stage, team, at_once: false, is_still: false }
     }
 
-    /// Continues until `while_time` returns false. Returns the outcome once there is one.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
         let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
         self.stage = match stage {
@@ -152,7 +149,6 @@ impl Import {
         }
     }
 
-    /// Opens the record, or begins to make its start values, if there is a record.
     fn open(&mut self) -> Option<Opened> {
         let Stage::Asking(draft) = &self.stage else { return None };
         let (scenario, made) = (draft.scenario()?, draft.outcome()?.ok()?);

@@ -41,7 +41,6 @@ impl Inbox {
         Arc::strong_count(&self.0) > 1
     }
 
-    /// Puts a sentence in as soon as an action ends: one about the place, or one about the reason.
     pub(crate) fn done(
         &self,
         ctx: &Context,
@@ -55,7 +54,6 @@ impl Inbox {
         })
     }
 
-    /// Takes out all arrivals since the last call.
     pub(crate) fn take(&self) -> Vec<Arrival> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -67,14 +65,12 @@ pub const LARGEST: usize = import::LARGEST;
 /// Limits the size of a lesson or a scenario \[bytes\].
 const LARGEST_TEXT: usize = 1_000_000;
 
-/// Reads the file that was dropped in this frame. Of several files it is the last, which would hide the others.
 pub(crate) fn dropped(ctx: &Context, inbox: &Inbox) {
     if let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) {
         read(file.path(), ctx, inbox);
     }
 }
 
-/// Reads a file beside the frames, since a large one or one on a slow disk takes long. It arrives once it has been read.
 pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
     let (path, screen, there) = (path.to_owned(), ctx.clone(), inbox.clone());
     let read = move || {
@@ -148,7 +144,6 @@ fn text(bytes: Vec<u8>) -> Result<String, String> {
 
 pub const TOO_LARGE: &str = "it is larger than 500 MB";
 
-/// Whether a file is one of the program's own, by its name. Any other file is read as a record.
 fn is_toml(name: &str) -> bool {
     name.rsplit('.').next().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
 }

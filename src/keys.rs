@@ -49,7 +49,9 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
         "Settings",
         &[
             plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
-            plain("X", "switch between settings A and B", &[Key::X], |_| Request::SwapSettings),
+            plain("X", "keep a snapshot of the settings, or exchange them with it", &[Key::X], |_| {
+                Request::SwapSnapshot
+            }),
             plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
                 .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
             plain("Ctrl+Z", "undo the last change of a setting", &[Key::Z], |_| Request::Undo).with(Modifiers::COMMAND),

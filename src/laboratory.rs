@@ -36,7 +36,6 @@ const FEW: usize = 32;
 
 pub struct Laboratory {
     team: Rc<dyn Team>,
-    /// The user's choice. `None` until a map is on screen.
     pub choice: Option<Choice>,
     survey: Option<Survey>,
     before: Option<Survey>,
@@ -45,7 +44,6 @@ pub struct Laboratory {
     /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
     /// drawn again, also when rows have come.
     pub state: WorkState,
-    /// A number that changes when another survey is to be shown.
     pub edition: u64,
 }
 
@@ -74,7 +72,6 @@ impl Laboratory {
         self.state.is_stopped = false;
     }
 
-    /// The survey to show: the present one, or the earlier one as long as that covers more.
     pub fn shown(&self) -> Option<&Survey> {
         self.before.as_ref().or(self.survey.as_ref())
     }
@@ -92,12 +89,10 @@ impl Laboratory {
         self.survey.as_ref().is_some_and(|survey| survey.work.is_some())
     }
 
-    /// Whether a graphics processor was found. `None` if the team uses none.
     pub fn graphics(&self) -> Option<Finding> {
         self.team.graphics().map(|graphics| graphics.found())
     }
 
-    /// Stops or continues the work. Returns whether that changes anything.
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
         let changes = self.state.set_stopped(stopped, self.progress().is_some());
         if changes {
@@ -166,7 +161,6 @@ impl Laboratory {
         choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
     }
 
-    /// Begins another survey. The present one stays on screen if it covers the map.
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
         self.edition += 1;
         self.state.begin();
@@ -221,12 +215,10 @@ impl Laboratory {
 pub struct WorkState {
     pub is_stopped: bool,
     pub problem: Option<String>,
-    /// A number that changes whenever the view has to be drawn again.
     pub version: u64,
 }
 
 impl WorkState {
-    /// Stops or continues the work. Returns whether that changes anything: complete work cannot be stopped.
     fn set_stopped(&mut self, stopped: bool, is_incomplete: bool) -> bool {
         let changes = self.is_stopped != stopped && is_incomplete;
         if changes {
@@ -247,7 +239,6 @@ impl WorkState {
     }
 }
 
-/// The user's choices, for links and sessions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Choices {
@@ -260,7 +251,6 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Whether the choices are possible with a scenario.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let Self { map, seeds, tuning } = self;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
@@ -280,7 +270,6 @@ impl Choices {
         }
     }
 
-    /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
         let Self { map, seeds, tuning } = self;
         Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }

@@ -14,7 +14,6 @@ pub struct Layout {
     enlarged: Option<ViewKind>,
 }
 
-/// The first screen: few, large views, so that a new user sees the mass and the estimates.
 impl Default for Layout {
     fn default() -> Self {
         let rows: Rows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
@@ -101,7 +100,6 @@ impl Layout {
         self.enlarged
     }
 
-    /// Takes over the tiles that the user has dragged or resized, unless the views have changed since.
     pub(crate) fn rearrange(&mut self, tree: Tree<ViewKind>) {
         if shown(&tree) == self.shown() {
             self.tree = tree;
@@ -116,7 +114,6 @@ impl Layout {
         self.enlarged = Some(view);
     }
 
-    /// Shows a view, in place of another tab of it where one is shown.
     pub(crate) fn show(&mut self, view: ViewKind) {
         let shown = self.shown();
         match view.tabs().iter().find(|tab| shown.contains(tab)) {
@@ -154,7 +151,6 @@ impl Layout {
         self.enlarged = next.and_then(|place| views.get(place)).copied();
     }
 
-    /// Leaves the enlarged view. Returns whether there was one.
     pub fn leave_enlarged(&mut self) -> bool {
         self.enlarged.take().is_some()
     }
@@ -235,7 +231,6 @@ fn height_of(tiles: &Tiles<ViewKind>, tile: TileId, gap: f32, least: &dyn Fn(Vie
     }
 }
 
-/// Gives the rows in a tile of this height other shares, where a row would be lower than it may be.
 fn fit(tiles: &mut Tiles<ViewKind>, tile: TileId, height: f32, gap: f32, least: &dyn Fn(ViewKind) -> f32) {
     let Some(Tile::Container(container)) = tiles.get(tile) else { return };
     let children = container.children_vec();
@@ -272,7 +267,6 @@ fn shared(height: f32, shares: &[f32], leasts: &[f32]) -> Vec<f32> {
     }
 }
 
-/// Containers with one tile or none are removed.
 pub(crate) fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
 }

@@ -24,9 +24,7 @@ pub(crate) enum Mark {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// As many rows as it needs.
     Full,
-    /// One row, which scrolls to the side. The chip of a change comes first.
     OneRow,
 }
 
@@ -150,7 +148,6 @@ impl Legend<'_> {
 
 const CHIP_EDGES: f32 = 34.0;
 
-/// A text, cut off with an ellipsis if it is wider than the room \[points\].
 fn fitted(ui: &Ui, text: &str, room: f32) -> String {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), TextStyle::Button.resolve(ui.style()), Color32::WHITE);
     job.wrap = TextWrapping::truncate_at_width(room);

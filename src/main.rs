@@ -105,7 +105,6 @@ mod web {
         }
     }
 
-    /// The state of the screen as JSON; `null` before the app has started.
     #[wasm_bindgen]
     #[expect(unreachable_pub, reason = "JavaScript reaches it")]
     pub fn kalmanscope_summary() -> String {
@@ -129,7 +128,6 @@ mod web {
         });
     }
 
-    /// Whether a media query matches: `(pointer: coarse)` where fingers point, for example.
     fn is_match(query: &str) -> bool {
         let asked = web_sys::window().and_then(|window| window.match_media(query).ok()?);
         asked.is_some_and(|query| query.matches())

@@ -1,6 +1,5 @@
 //! The window in which this device measures something that swings or rings.
 
-/// The methods of an instrument that its device answers.
 macro_rules! of_device {
     () => {
         fn words(&self) -> &'static Words {
@@ -78,7 +77,6 @@ trait Instrument {
 
     fn few_ui(&mut self, _: &mut Ui, _: &Palette) {}
 
-    /// Shows the readings so far, `since` seconds after the beginning.
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
 
     /// The file of the measurement, to be imported, or the reason why nothing can be identified. `None` if the record that is
@@ -253,7 +251,6 @@ impl Measure {
     }
 }
 
-/// Reports that no reading has come yet, and after a while a possible reason.
 fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
     if since < PATIENCE {
         ui.label(text);

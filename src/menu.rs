@@ -26,9 +26,7 @@ const PICTURE: Vec2 = vec2(64.0, 26.0);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closing {
-    /// With a choice, or a click beside it.
     AtOnce,
-    /// Only with a click beside it, because users often choose several entries.
     Beside,
 }
 

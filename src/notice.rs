@@ -22,9 +22,7 @@ const WIDEST: f32 = 560.0;
 pub(crate) struct Notice {
     pub(crate) sentence: String,
     pub(crate) is_failure: bool,
-    /// A button: its text, and its request.
     pub(crate) button: Option<(&'static str, Request)>,
-    /// The time of the first frame with the message, if there has been one \[s\].
     pub(crate) since: Option<f64>,
 }
 
@@ -33,7 +31,6 @@ impl Notice {
         Self { sentence: sentence.to_owned(), is_failure: false, button: None, since: None }
     }
 
-    /// The same message with another sentence at its end.
     pub(crate) fn with(self, more: &str) -> Self {
         Self { sentence: format!("{} {more}", self.sentence).trim().to_owned(), since: None, ..self }
     }
@@ -66,8 +63,6 @@ impl From<String> for Notice {
     }
 }
 
-/// Shows the message with a button to dismiss it, over the foot of the plots, so that nothing moves when it appears or
-/// disappears.
 pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &Palette, requests: &mut Vec<Request>) {
     let at = plots.center_bottom() - vec2(0.0, APART);
     let area = Area::new(Id::unique("notice")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(at);

@@ -44,7 +44,6 @@ pub(crate) enum PaneArrangement {
     Plots,
 }
 
-/// Fills the rest of `ui` with the views, below something that scrolls with them where they are in one column.
 pub(crate) fn panes_ui(
     ui: &mut Ui,
     layout: &Layout,
@@ -176,7 +175,6 @@ impl Panes<'_> {
         });
     }
 
-    /// Returns whether the user begins to drag the view.
     fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         ui.shrink_clip_rect(self.clip);
@@ -190,7 +188,6 @@ impl Panes<'_> {
         if is_bare { self.corner_ui(ui, whole, kind) } else { dragged }
     }
 
-    /// The bar over the right upper corner of a view, under the titles, while the pointer or the keyboard's focus is there.
     fn corner_ui(&mut self, ui: &mut Ui, whole: Rect, kind: ViewKind) -> bool {
         let corner = Rect::from_min_size(whole.min + vec2(0.0, BELOW_TITLES), vec2(whole.width(), bar_height(ui)));
         let focused = ui.memory(egui::Memory::focused).and_then(|id| ui.ctx().read_response(id));
@@ -206,7 +203,6 @@ impl Panes<'_> {
         dragged
     }
 
-    /// Name, help and buttons of a view: at both ends of a row, or together at the right.
     fn bar_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -227,7 +223,6 @@ impl Panes<'_> {
         title.drag_started()
     }
 
-    /// Returns whether the view shall be as large as can be.
     fn buttons_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let name = view(kind).name;
         let side = bar_height(ui);
@@ -240,7 +235,6 @@ impl Panes<'_> {
         named(enlarge, format!("Enlarge {name}")).clicked()
     }
 
-    /// The name of a view, or the row of its tabs.
     fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> Response {
         let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
         let name = |kind: ViewKind| RichText::new(view(kind).name).small();
@@ -317,7 +311,6 @@ const FLAT_SHARE: f32 = 0.2;
 const LEAST_FLAT_IN_COLUMN: f32 = 64.0;
 const LEAST_FLAT_SCROLLING: f32 = 84.0;
 
-/// The heights of views in one column \[points\].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Heights {
     pub(crate) heights: Vec<f32>,

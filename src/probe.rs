@@ -22,7 +22,6 @@ pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
     });
 }
 
-/// The position of a control that the last frame drew \[points\].
 pub fn place(ctx: &Context, name: &str) -> Option<Rect> {
     all(ctx).into_iter().find_map(|(other, rect)| (other == name).then_some(rect))
 }

@@ -42,7 +42,7 @@ pub enum Request {
     Edit(Change),
     Undo,
     Redo,
-    SwapSettings,
+    SwapSnapshot,
     ForgetBefore,
     StartLesson(usize),
     StudyLesson(Box<Lesson>),
@@ -95,7 +95,6 @@ pub enum Request {
 }
 
 impl Request {
-    /// Asks for a change, unless it is empty.
     pub(crate) fn edit(change: Change) -> Option<Self> {
         (change != Change::default()).then_some(Self::Edit(change))
     }

@@ -27,12 +27,10 @@ pub struct Ruler {
 }
 
 impl Ruler {
-    /// The time of a mark \[s\].
     pub fn time(&self, end: End) -> Option<f64> {
         self.times[end as usize]
     }
 
-    /// Sets A, then B, then moves the nearer of both.
     pub fn mark(&mut self, time: f64) {
         let end = match self.times {
             [None, _] => End::A,
@@ -43,12 +41,10 @@ impl Ruler {
         self.place(end, time);
     }
 
-    /// Puts a mark at a time \[s\].
     pub fn place(&mut self, end: End, time: f64) {
         self.times[end as usize] = Some(time);
     }
 
-    /// Puts a mark at a time \[s\], or removes it if it is already there.
     pub fn toggle(&mut self, end: End, time: f64) {
         let mark = &mut self.times[end as usize];
         *mark = if *mark == Some(time) { None } else { Some(time) };

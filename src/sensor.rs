@@ -8,7 +8,6 @@ use kalmanscope_core::Scenario;
 use kalmanscope_sources::StreamRow;
 
 pub trait Sensor<T> {
-    /// Begins to measure. Readings come later, or the reason why there are none.
     fn begin(&self, ctx: &Context, to: &Readings<T>);
 
     fn end(&self);
@@ -55,7 +54,6 @@ impl Sensors {
     }
 }
 
-/// Readings that a sensor puts in and a window takes out; copies share them.
 pub struct Readings<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
 pub(crate) struct ReadingBuffer<T> {

@@ -39,7 +39,6 @@ pub use trying::Attempt;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// The record grows with time.
     #[default]
     Live,
     Whole,
@@ -57,7 +56,6 @@ pub struct Session {
     scenario: Arc<Scenario>,
     /// Stands for the opening since which only [`Self::edit`] has changed the scenario.
     opening: Arc<()>,
-    /// The addresses of all settings that were ever changed.
     changed: BTreeSet<String>,
     study: Study,
     job: Option<Job>,
@@ -65,7 +63,6 @@ pub struct Session {
     long: LongFilters,
     slices: usize,
     waiting: bool,
-    /// Whether another scenario was opened whose picture is not complete.
     is_opened: bool,
     complete: bool,
     budget: Budget,
@@ -79,7 +76,6 @@ pub struct Session {
     problem: Option<String>,
     judged: LiveVerdicts,
     before: Option<Before>,
-    setting: Setting,
     other: Option<Version>,
     /// Real time since the last edit \[s\].
     since_edit: f64,
@@ -104,7 +100,6 @@ impl Session {
     /// filter.
     pub const LONGEST_WHOLE: usize = 200_000;
 
-    /// A session at the start of the scenario, playing, that computes everything at once.
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
         Self::with_budget(scenario, Budget::Unlimited)
     }
@@ -143,7 +138,6 @@ impl Session {
             problem,
             judged: LiveVerdicts::default(),
             before: None,
-            setting: Setting::A,
             other: None,
             since_edit: f64::INFINITY,
             hand: Hand::default(),
@@ -166,7 +160,6 @@ impl Session {
         self.budget
     }
 
-    /// The scenario of the controls: that of the run, unless an edit of it is being computed or is impossible.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -216,13 +209,11 @@ impl Session {
         self.compute();
     }
 
-    /// A run that continues has only smoothers with a fixed look-ahead.
     fn want_of_study(&mut self) {
         let smoothed = if self.mode() == Mode::Whole { Hindsight::All } else { Hindsight::Lagged };
         self.study.want(Wanted { smoothed, ..self.wanted });
     }
 
-    /// The smoothed estimates of the filters that have a smoother: over the whole record, or with a fixed look-ahead.
     pub fn smoothed(&self) -> &[Estimates] {
         self.study.analysis().smoothed()
     }
@@ -242,17 +233,14 @@ impl Session {
         self.can_be_whole
     }
 
-    /// Why the edited scenario cannot be run, if so; the last possible one stays on screen.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
 
-    /// The name of the record that the scenario needs and that is not here: the plots would be those of another run.
     pub(crate) fn missing_record(&self) -> Option<&str> {
         self.problem.as_ref().and_then(|_| self.library.missing(&self.scenario))
     }
 
-    /// Whether the run on screen is of another scenario, system or record than the settings, whose run is being computed.
     pub(crate) fn shows_another_run(&self) -> bool {
         let shown = self.run().scenario();
         let is_other = shown.record != self.scenario.record || shown.plant.kind != self.scenario.plant.kind;
@@ -263,7 +251,6 @@ impl Session {
         &self.library
     }
 
-    /// Keeps a file for scenarios that name it, and takes it into use if the present one does.
     pub fn keep_file(&mut self, file: Arc<RecordFile>) {
         self.library.insert(file);
         if self.scenario.record.is_some() && self.problem.is_some() {
@@ -291,7 +278,6 @@ impl Session {
         self.run().source().is_measured()
     }
 
-    /// Shows the record as it grows, or the whole record once it is short enough.
     pub fn set_mode(&mut self, mode: Mode) {
         self.wanted_mode = mode;
         self.want_of_study();
@@ -299,8 +285,6 @@ impl Session {
         self.compute();
     }
 
-    /// Opens a scenario and computes its picture; until that is complete, the last picture stays. An
-    /// impossible scenario is kept for editing, while the run stays that of the last possible one.
     pub fn set_scenario(&mut self, scenario: Scenario) {
         self.show(Version::opened(scenario));
     }
@@ -310,30 +294,5 @@ impl Session {
         self.edited();
         self.want_of_study();
         self.compute();
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Setting {
-    #[default]
-    A,
-    B,
-}
-
-impl Setting {
-    pub const BOTH: [Self; 2] = [Self::A, Self::B];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::A => "A",
-            Self::B => "B",
-        }
-    }
-
-    const fn other(self) -> Self {
-        match self {
-            Self::A => Self::B,
-            Self::B => Self::A,
-        }
     }
 }

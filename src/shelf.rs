@@ -24,7 +24,6 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// The file, unless it is too large to be kept.
     pub(crate) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
     }

@@ -13,7 +13,6 @@ pub(crate) fn range(values: &[f64]) -> (f64, f64) {
     there.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 
-/// The lowest and the highest value of each column of pixels, from 0 at the bottom to 1 at the top.
 pub(crate) struct Spark {
     ranges: Vec<Option<(f32, f32)>>,
 }
@@ -27,7 +26,6 @@ impl Spark {
         Self::over(bounds, values.len(), |k| [values[k]; 2])
     }
 
-    /// The shape of `len` ranges, each from a lower to an upper value.
     pub(crate) fn over((low, high): (f64, f64), len: usize, of: impl Fn(usize) -> [f64; 2]) -> Self {
         let span = if high > low { high - low } else { 1.0 };
         let chunk = len.div_ceil(WIDTH).max(1);
@@ -56,7 +54,6 @@ impl Spark {
         painter.line(self.ends(rect).collect(), Stroke::new(1.3, color));
     }
 
-    /// The lower and the upper end of each column.
     fn ends(&self, rect: Rect) -> impl Iterator<Item = Pos2> {
         let step = rect.width() / self.ranges.len().max(1) as f32;
         let there = self.ranges.iter().enumerate().filter_map(|(place, range)| Some((place, (*range)?)));
@@ -81,11 +78,9 @@ pub(crate) enum Mark {
     Dots,
 }
 
-/// A small plot without axes: courses over each other, or the cells of a map.
 #[derive(Default)]
 pub(crate) struct Picture {
     pub(crate) courses: Vec<(Mark, Ink, Spark)>,
-    /// The number of cells up, and the colours column by column, from the bottom.
     pub(crate) cells: (usize, Vec<Color32>),
 }
 

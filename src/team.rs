@@ -26,7 +26,6 @@ pub const BETWEEN: Duration = Duration::from_millis(100);
 const PORTION: usize = 64;
 
 pub trait Team {
-    /// The threads of this machine, which do any task, and the screen that they wake.
     fn threads(&self) -> Option<(&Threads, &Context)> {
         None
     }
@@ -41,12 +40,10 @@ pub trait Team {
         Some(threads.begin(Priority::Hand, [step], waking(ctx)).into())
     }
 
-    /// Begins to read the file with these bytes, where that is no task of a thread.
     fn load(&self, _bytes: &[u8]) -> Option<Handle<Report<f64, Result<Loaded, String>>>> {
         None
     }
 
-    /// Begins to make start values for a scenario on a record, where that is no task of a thread.
     fn suggest(&self, _scenario: &Scenario, _record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
         None
     }
@@ -66,13 +63,11 @@ pub trait Team {
         None
     }
 
-    /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize {
         if self.threads().is_some() { 64 } else { 32 }
     }
 }
 
-/// Work of a team, the parts of which come one after the other. It ends when this is dropped.
 pub struct Handle<T>(Box<dyn FnMut() -> Result<Option<T>, Lost>>);
 
 impl<T> Handle<T> {
@@ -165,7 +160,6 @@ impl fmt::Display for Computer {
 }
 
 pub trait Graphics {
-    /// Whether it was found. The first call begins the search; the search's end wakes the context.
     fn find(&self, ctx: &Context) -> Finding;
 
     fn found(&self) -> Finding;
@@ -178,7 +172,6 @@ pub enum Finding {
     Searching,
     Ready,
     Absent(String),
-    /// There was one, and it has failed, for this reason.
     Lost(String),
 }
 
@@ -195,7 +188,6 @@ impl Budget {
     /// ms in all.
     pub const FRAME: Self = Self::Time(Duration::from_millis(12));
 
-    /// Whether there is time for more after `spent`. If pieces are counted, a frame draws everything.
     pub(crate) fn allows(self, spent: Duration) -> bool {
         match self {
             Self::Time(time) => spent < time,
@@ -203,7 +195,6 @@ impl Budget {
         }
     }
 
-    /// A function for one slice that begins now: it returns whether there is time for another piece of work.
     pub(crate) fn slice(self) -> impl FnMut() -> bool {
         let begin = Instant::now();
         let mut pieces = 0;

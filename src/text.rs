@@ -20,7 +20,6 @@ pub(crate) fn grouped(count: usize) -> String {
     }
 }
 
-/// The same, padded with zeros so that its width is constant.
 pub fn fixed(x: f64, decimals: usize) -> String {
     if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }
 }
@@ -64,7 +63,6 @@ pub fn clock(time: f64) -> String {
     format!("{sign}{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// Reads the output of [`clock`], also `m:ss` and plain seconds \[s\].
 pub fn parse_clock(text: &str) -> Option<f64> {
     let text = text.trim();
     let (sign, digits) = text.strip_prefix(['-', '−']).map_or((1.0, text), |rest| (-1.0, rest));

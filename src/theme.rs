@@ -17,7 +17,6 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
-/// The theme that is not shown, with its name.
 pub(crate) fn other(ctx: &egui::Context) -> (Theme, &'static str) {
     match ctx.theme() {
         Theme::Dark => (Theme::Light, "Light theme"),
@@ -33,7 +32,6 @@ pub(crate) fn story() -> TextStyle {
     TextStyle::Name("story".into())
 }
 
-/// Of a plot.
 pub(crate) fn title() -> TextStyle {
     TextStyle::Name("title".into())
 }

@@ -34,23 +34,18 @@ enum Thumbnail {
 
 struct Making {
     work: Work,
-    /// Of a lesson; without it the motion is drawn.
     picture: Option<lessons::Picture>,
 }
 
 enum Work {
     Run(Box<Run>),
-    /// The scores of a map's cells so far.
     Map(Box<Runner>, Vec<f64>),
 }
 
-/// The picture of a scenario: its first mass, or the first sensor of its measured record. `None` until it is made, or if there is
-/// none.
 pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Picture>> {
     in_turn(ctx, entry.file, || Making::motion(&entry.scenario().ok()?))
 }
 
-/// The picture that the lesson's file chooses. `None` until it is made, or if there is none.
 pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> {
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
 }
@@ -113,7 +108,6 @@ impl Making {
         Some(Self { work, picture: Some(picture) })
     }
 
-    /// Continues until `while_time` returns false. Returns whether the work is done.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
             let is_done = match &mut self.work {
@@ -154,7 +148,6 @@ fn run(scenario: &Scenario) -> Option<Work> {
     Run::from_source(scenario, source(scenario).ok()?).ok().map(Box::new).map(Work::Run)
 }
 
-/// The colours of scores by the decades between the smallest and the largest, but for a few at either end.
 fn colors(scores: &[f64]) -> Vec<Color32> {
     let decades: Vec<f64> = scores.iter().map(|score| score.abs().max(f64::MIN_POSITIVE).log10()).collect();
     let mut sorted: Vec<f64> = decades.iter().copied().filter(|score| score.is_finite()).collect();
@@ -165,7 +158,6 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
     decades.iter().map(|score| theme::sequential(share(score) as f32)).collect()
 }
 
-/// The lower and the upper value of each sample.
 type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
 
 fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
@@ -227,7 +219,6 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
     Picture { courses, ..Picture::default() }
 }
 
-/// The value that a picture draws at sample `k`, and its standard deviation.
 fn belief(
     estimates: &Estimates,
     record: &Record,

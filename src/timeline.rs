@@ -41,7 +41,6 @@ enum EventShape {
     Mark(End),
 }
 
-/// Shows the track, as wide as `width` \[points\].
 pub(crate) fn track_ui(
     ui: &mut Ui,
     session: &Session,

@@ -15,7 +15,6 @@ use crate::widgets::{hover_text, named};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
     Full,
-    /// The buttons of playback and the timeline; a lesson chooses the rest.
     Short,
     Nothing,
 }

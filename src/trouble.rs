@@ -54,7 +54,6 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
     troubles
 }
 
-/// A time in which a sensor delivers nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gap {
     pub(crate) quantity: Quantity,
@@ -64,7 +63,6 @@ pub(crate) struct Gap {
 }
 
 impl Gap {
-    /// All gaps so far, each once: a sensor is silent for all filters.
     pub(crate) fn all(session: &Session) -> Vec<Self> {
         let run = session.run();
         let record = run.record();

@@ -26,7 +26,6 @@ pub struct Tutor {
     pub(crate) step: usize,
     changed: bool,
     answer: Option<Answer>,
-    /// The addresses of the settings that the step is about, by ids for the filters that the scenario has had.
     lit: Vec<String>,
 }
 
@@ -35,7 +34,6 @@ impl Tutor {
         Self { lesson, place, step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
-    /// A lesson of the menu at its bookmark; `None` if the lesson has no such step.
     pub(crate) fn at_bookmark(lesson: Lesson, place: usize, bookmark: &Bookmark) -> Option<Self> {
         let Bookmark { lesson: _, step, changed, answer } = *bookmark;
         (step < lesson.steps.len()).then(|| Self { step, changed, answer, ..Self::new(lesson, Some(place)) })
@@ -58,7 +56,6 @@ impl Tutor {
         self.current()?.question.as_ref().filter(|_| self.answer.is_none())
     }
 
-    /// Whether the step shows its effect: its question is answered, and its change is made.
     fn is_revealed(&self) -> bool {
         self.open_question().is_none() && self.current().is_some_and(|step| self.changed || step.change.is_none())
     }
@@ -103,14 +100,12 @@ impl Tutor {
         }
     }
 
-    /// The part of the record that the step is about; `None` for all of it \[s\].
     pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
         let step = self.current().filter(|step| step.mode != Presentation::Live && self.waits_at().is_none())?;
         let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
         ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
     }
 
-    /// The time at which the record waits for an answer \[s\].
     fn waits_at(&self) -> Option<f64> {
         self.open_question()?.until
     }
@@ -156,7 +151,6 @@ impl Tutor {
         Ok(())
     }
 
-    /// Shows the record of the step: up to some time while it waits for an answer.
     pub(crate) fn show(&self, session: &mut Session) {
         let Some(step) = self.current() else { return };
         let from = step.from.unwrap_or(0.0);
@@ -224,7 +218,6 @@ pub(crate) struct Bookmark {
 
 pub struct Catalogue {
     pub(crate) lessons: LazyLock<Vec<Lesson>>,
-    /// The titles of the finished lessons, also of those that this program does not have.
     pub(crate) finished: BTreeSet<String>,
 }
 

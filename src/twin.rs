@@ -79,7 +79,6 @@ impl Twin {
         }
     }
 
-    /// The sentences to be read aloud: verdicts that have changed since an earlier screen, and messages that are new.
     pub fn news(&self, before: &Self) -> Vec<String> {
         let is_new = |row: &&[String]| row[1] != UNKNOWN && !before.verdicts().any(|old| old[..2] == row[..2]);
         let verdicts = self.verdicts().filter(is_new).filter_map(|row| {

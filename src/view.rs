@@ -77,7 +77,6 @@ impl<'a> ViewContext<'a> {
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
-    /// The filters that are shown and estimate a channel, each with its place and the channel's place in it.
     pub(crate) fn estimating(&self, channel: Channel) -> impl Iterator<Item = (usize, &'a Estimates, usize)> + use<'a> {
         self.filters().filter_map(move |(place, of)| Some((place, of, of.place(channel)?)))
     }
@@ -107,7 +106,6 @@ impl<'a> ViewContext<'a> {
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
     }
 
-    /// The estimates from before the last change of the filters that are shown and that it concerns.
     pub(crate) fn before(&self) -> impl Iterator<Item = &'a Estimates> + use<'a> {
         let before = self.session.before();
         self.filters().filter_map(move |(_, estimates)| before?.estimates(estimates.id()))
@@ -125,7 +123,6 @@ impl<'a> ViewContext<'a> {
 /// Draws a view into all of its room. Returns the time that the user points at \[s\].
 type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 
-/// A view: a function of an immutable context. It has charts over time, or draws itself.
 pub struct View {
     pub name: &'static str,
     pub help: [&'static str; 3],
@@ -133,10 +130,8 @@ pub struct View {
     pub(crate) wants_free_runs: bool,
     pub(crate) is_of_laboratory: bool,
     pub(crate) charts: for<'a> fn(&ViewContext<'a>) -> Vec<Chart<'a>>,
-    /// The number of the charts, without making them.
     pub(crate) plots: fn(&ViewContext<'_>) -> usize,
     pub(crate) without_charts: &'static str,
-    /// The numbers as text, where they are not those of the charts.
     pub(crate) sheets: Option<for<'a> fn(&ViewContext<'a>) -> Vec<Sheet<'a>>>,
     pub(crate) ui: Option<ViewUi>,
 }

@@ -14,7 +14,6 @@ pub struct Visibility {
     pub bands: bool,
     pub verdicts: bool,
     pub hindsight: bool,
-    /// The channels with a chart; all where it is empty.
     pub only: Vec<Channel>,
     hidden_filters: BTreeSet<u32>,
 }
@@ -90,7 +89,6 @@ impl Visibility {
         }
     }
 
-    /// Forgets that removed filters were hidden, because a later filter may get the same id.
     pub(crate) fn forget_filters_but(&mut self, filters: &[FilterSettings]) {
         self.hidden_filters.retain(|id| filters.iter().any(|filter| filter.id == *id));
     }

@@ -20,7 +20,6 @@ pub(crate) fn named(response: Response, name: impl Into<String>) -> Response {
     response
 }
 
-/// The one button of the next step.
 pub(crate) fn primary(text: &str, palette: &Palette) -> Button<'static> {
     Button::new(RichText::new(text).color(palette.on_accent)).fill(palette.accent)
 }

@@ -61,7 +61,7 @@ impl App {
                     self.notice = Some(format!("This cannot be changed: {error}.").into());
                 }
             }
-            Request::SwapSettings => session.swap_settings(),
+            Request::SwapSnapshot => session.swap_snapshot(),
             Request::ForgetBefore => session.forget_before(),
             Request::Undo | Request::Redo => {
                 let now = session.version();
@@ -175,7 +175,6 @@ impl App {
         self.begin_anew(ctx);
     }
 
-    /// Forgets what belongs to the scenario before: another one has been opened.
     pub(super) fn begin_anew(&mut self, ctx: &egui::Context) {
         self.session.begin_anew();
         self.axis = TimeAxis::default();

@@ -30,7 +30,6 @@ impl App {
         self.importing = Some(Import::new(&name, bytes, at_once, Rc::clone(self.session.team())));
     }
 
-    /// The explorer with a place that keeps the record's file. It fetches the file that the scenario waits for.
     #[must_use]
     pub fn keeping_records(mut self, shelf: Box<dyn Shelf>, ctx: &Context) -> Self {
         let mapping = self.session.scenario().record.as_ref();
@@ -103,7 +102,6 @@ impl App {
         }
     }
 
-    /// Keeps the file whose import has ended; a sentence says so once it is written.
     fn shelve(&mut self, ctx: &Context) {
         let (Some(shelf), Some(file)) = (&self.shelf, self.candidate.take()) else { return };
         let (name, size) = (file.name.clone(), file.size());

@@ -24,7 +24,6 @@ impl App {
         number::begin_anew(ctx);
     }
 
-    /// Goes to a step of the current lesson; does nothing without a lesson, or if the step is impossible.
     pub(super) fn go_to_step(&mut self, step: usize) {
         let Self { session, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };
@@ -42,7 +41,6 @@ impl App {
         self.show_step();
     }
 
-    /// Chooses the map of the lesson's step. Without one, the user's map stays.
     fn show_map(&mut self) {
         let Self { session, laboratory, tutor: Some(lesson), .. } = self else { return };
         match lesson.map(session.scenario()) {
@@ -96,7 +94,6 @@ impl App {
         Studies { bookmark, finished: self.catalogue.finished.clone() }
     }
 
-    /// Takes up the lessons where they were left. The scenario and the views have been restored before.
     pub(super) fn resume(&mut self, Studies { bookmark, finished }: Studies) {
         self.catalogue.finished = finished;
         let Some(bookmark) = bookmark else { return };

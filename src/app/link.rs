@@ -60,7 +60,6 @@ impl App {
         Picture { laboratory, ..picture }
     }
 
-    /// A link to the picture on screen.
     pub fn link(&self) -> Result<String, LinkError> {
         Ok(format!("{}{}", self.page, self.picture().fragment()?))
     }
@@ -90,7 +89,6 @@ impl App {
         }
     }
 
-    /// Shows a picture, paused, with the habits that it may have. Undo brings back the earlier settings.
     pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _, habits } = picture;

@@ -22,7 +22,6 @@ pub(super) struct Drawers {
 }
 
 impl App {
-    /// Shows the settings: beside the plots, or in a drawer below them in a window of the height `drawer` \[points\].
     pub(super) fn controls_panel_ui(
         &mut self,
         ui: &mut Ui,
@@ -76,8 +75,6 @@ impl App {
         requests.append(&mut asked);
     }
 
-    /// Shows the lesson, if there is one: beside the plots, or in a drawer below them in a window of the height `drawer`
-    /// \[points\].
     pub(super) fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, drawer: Option<f32>) {
         let Self { tutor: Some(tutor), catalogue, requests, drawers, .. } = self else { return };
         let Some(height) = drawer else {
@@ -97,8 +94,6 @@ impl App {
         requests.append(&mut asked);
     }
 
-    /// Shows the diagnosis of a filter, if one is wanted: beside the plots, or in a drawer below them in a window of the height
-    /// `drawer` \[points\].
     pub(super) fn diagnosis_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, drawer: Option<f32>) {
         let Self { session, axis, ruler, visible, requests, drawers, diagnosed: Some(id), .. } = self else { return };
         let context = ViewContext::new(session, palette, visible, axis, ruler);

@@ -18,14 +18,12 @@ const PATIENCE: f64 = 10.0;
 /// was hidden is no standstill \[s\].
 const BETWEEN: f64 = 1.0;
 
-/// The name of a work, its share while it is under way, and how it is stopped.
 type Work = (&'static str, Option<f64>, fn(&mut App));
 
 const IMPORT: &str = "The import";
 
 #[derive(Default)]
 pub(super) struct Standstill {
-    /// The names of the works, their shares, and the times for which these have stood still.
     works: Vec<(&'static str, f64, f64)>,
     /// The time of the last frame \[s\].
     last: f64,
@@ -38,7 +36,6 @@ impl Standstill {
 }
 
 impl App {
-    /// Reports work that makes no progress, until it does or has ended.
     pub(super) fn follow_standstill(&mut self, ctx: &Context) {
         let under_way = self.works();
         let Standstill { works, last } = &mut self.standstill;

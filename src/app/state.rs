@@ -19,13 +19,11 @@ pub const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
 pub type LastPicture = Result<Option<Picture>, String>;
 
 impl App {
-    /// The explorer with the picture in a storage, or playing the default scenario.
     pub fn stored(ctx: &Context, storage: Option<&dyn Storage>) -> Result<Self, RunError> {
         let (last, unreadable) = read(storage);
         Ok(Self { unreadable, ..Self::resumed(ctx, last)? })
     }
 
-    /// The explorer with the picture of the last use, with fonts and styles.
     pub fn resumed(ctx: &Context, last: LastPicture) -> Result<Self, RunError> {
         theme::install(ctx);
         let is_first = matches!(last, Ok(None));
@@ -87,7 +85,6 @@ impl App {
         Picture { time: 0.0, habits: Some(habits), ..picture }
     }
 
-    /// Writes the picture into a storage, and keeps the text of an unreadable one under its own key.
     pub(super) fn store(&mut self, storage: &mut dyn Storage) -> Result<(), PictureError> {
         if let Some(text) = self.unreadable.take() {
             storage.set_string(UNREADABLE_KEY, text);

@@ -130,7 +130,6 @@ impl App {
         self.controls_open.unwrap_or(self.width >= room && !self.low && !self.presenting)
     }
 
-    /// Whether the window is that of a phone, in which settings or a lesson leave the plots little room.
     fn is_tight(&self) -> bool {
         (self.width < NARROW || self.low) && (self.controls_open() || self.tutor.is_some())
     }
@@ -143,7 +142,6 @@ impl App {
         }
     }
 
-    /// Whether the story is on screen: the window has room, and no lesson takes its place.
     fn tells_story(&self) -> bool {
         self.tutor.is_none() && !self.low && self.session.missing_record().is_none()
     }

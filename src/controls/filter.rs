@@ -82,7 +82,6 @@ pub(super) fn filter_section(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, p
     }
 }
 
-/// The way in which the filter takes its parameters to change: none, or one of the others.
 fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let off = FilterSettings::default();
     let now = CHANGES.iter().position(|(row, ..)| (row.get)(filter) != (row.get)(&off));
@@ -289,7 +288,6 @@ pub(super) fn color_ui(ui: &mut Ui, filter: &FilterSettings, palette: &Palette, 
     }
 }
 
-/// The colour for a new filter with this id: `None` where the id's default colour is free, else the first free colour.
 pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
     let taken: Vec<FilterColor> = scenario.filters.iter().map(color_of).collect();
     if taken.contains(&FilterColor::of(id)) {

@@ -11,7 +11,6 @@ struct Lit {
     scenario: Arc<Scenario>,
 }
 
-/// Lights these settings of a scenario from now on. Each is a path, such as `filters#1.fading`; `*` stands for any.
 pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
     if paths.is_empty() {
         return ui.data_mut(|data| data.remove::<Lit>(id()));
@@ -20,7 +19,6 @@ pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
     ui.data_mut(|data| data.insert_temp(id(), lit));
 }
 
-/// Shows controls, on a lit ground if the setting under this path, a part of it or a table that it is in is lit.
 pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
     let lit = ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
     let Some(lit) = lit else { return add_contents(ui) };

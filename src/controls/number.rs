@@ -20,7 +20,6 @@ const DECADES: f64 = 5.0;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Named<'a> {
-    /// The name, unique on screen.
     pub text: &'a str,
     /// The key: the setting's address where the name has that of a filter, which may change.
     pub key: &'a str,
@@ -90,7 +89,6 @@ impl<'a> Number<'a> {
     }
 }
 
-/// Keeps a value within limits, and reports a correction for a moment.
 pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &str, unit: &str) {
     let id = Id::unique(("limited", key));
     let now = ui.input(|input| input.time);
@@ -136,7 +134,6 @@ pub fn field<'a>(
     field
 }
 
-/// A [`field`] for a standard deviation. It is also a logarithmic slider up to `scale`, and marks the position on it.
 pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Named<'_>, hint: &str) {
     let rect = field(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
@@ -156,12 +153,10 @@ pub(super) fn tell_hertz(response: Response, value: f64, unit: &str, words: &str
     }
 }
 
-/// Makes the present values the ones that a double click restores.
 pub fn begin_anew(ctx: &egui::Context) {
     ctx.data_mut(|data| *data.get_temp_mut_or_default::<u64>(Id::unique("numbers' beginning")) += 1);
 }
 
-/// The number's value when it was first shown after [`begin_anew`].
 fn initial(ui: &Ui, key: &str, value: f64) -> f64 {
     ui.data_mut(|data| {
         let beginning: u64 = data.get_temp(Id::unique("numbers' beginning")).unwrap_or_default();

@@ -55,7 +55,6 @@ fn augment_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     channels_ui(ui, texts, &offered, (augment, filter.address("augment")), true, edits);
 }
 
-/// The channels of a filter that it can consider, or that can have bounds, unless others of its options exclude that.
 fn offered(filter: &FilterSettings, option: &FilterOption, truth: &PlantKind) -> Vec<Channel> {
     if filter.can(option) { filter.considerable(truth).collect() } else { Vec::new() }
 }
@@ -156,7 +155,6 @@ fn usual(channel: Channel, mean: f64, std: f64) -> [f64; 2] {
     [lower, mean + far]
 }
 
-/// An optional end, with its limits and its first value.
 fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, most, offered): (f64, f64, f64)) {
     let mut is_on = end.is_some();
     if ui.add(Checkbox::new(&mut is_on, label)).changed() {
@@ -212,7 +210,6 @@ const HINT: &str = "Times when a hand plucked it again, which no input records: 
 const SPEED: f64 = 0.01;
 const LATER: f64 = 10.0;
 
-/// A number for each pluck. The times are in order.
 fn plucks_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     if !filter.can(&PLUCKED) {
         return;

@@ -83,7 +83,6 @@ fn parameter_ui(ui: &mut Ui, channel: Channel, key: &str, edits: &mut Edits<'_>)
     }
 }
 
-/// Adds a property of the input or of a sensor to the truth; filters do not know of it unless their settings say so.
 fn augmentation_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     let plant = &edits.scenario.plant;
     let has: Vec<Channel> = plant.parameters().collect();

@@ -39,7 +39,6 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: 
     edits.set_other(info.key, (info.get)(edits.scenario), value);
 }
 
-/// Shows a number of a scenario. Returns the value that it then should have.
 pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &Scenario, least: f64) -> f64 {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
@@ -48,7 +47,6 @@ pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scen
     value
 }
 
-/// A choice, whose address is `key`.
 pub(super) fn choice_row_ui<T>(
     ui: &mut Ui,
     info: &ChoiceInfo<T>,

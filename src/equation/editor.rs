@@ -28,13 +28,11 @@ const LARGE: f32 = 19.0;
 /// Truth and guess of a new parameter: apart, so that there is something to find.
 const NEW: [f64; 2] = [1.0, 1.3];
 
-/// An equation that is being edited. The plant has it once it is used; the numbers of an equation in use change at once.
 pub(crate) struct Editor {
     /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
     symbols: Vec<Symbol>,
-    /// The true values of new parameters, by their keys.
     truths: BTreeMap<String, f64>,
     printed: String,
     fault: Option<String>,
@@ -124,7 +122,6 @@ impl Editor {
         }
     }
 
-    /// Gives new parameters their first numbers. A parameter that leaves the equation keeps its numbers for its return.
     fn begin_new(&mut self, scenario: &Scenario) {
         let before = self.taken.as_ref().and_then(|taken| taken.symbols().ok()).unwrap_or_default();
         let is_new = |symbol: &&Symbol| symbol.is_parameter && symbol.known.is_none() && !before.contains(symbol);
@@ -136,7 +133,6 @@ impl Editor {
         }
     }
 
-    /// Returns whether Enter was pressed, in the field or where no widget has the focus.
     fn text_ui(&mut self, ui: &mut Ui) -> bool {
         let text = &mut self.draft.equation;
         let field = TextEdit::multiline(text).desired_width(f32::INFINITY).desired_rows(2).char_limit(LENGTH);
@@ -168,7 +164,6 @@ impl Editor {
         changed
     }
 
-    /// The true value of a parameter. `None` where it is not known, or changes.
     fn truth(&self, scenario: &Scenario, symbol: &Symbol) -> Option<f64> {
         if scenario.record.is_some() || !symbol.is_parameter {
             return None;
@@ -182,7 +177,6 @@ impl Editor {
         }
     }
 
-    /// Makes the draft the plant's equation, with the true values of its new parameters.
     fn take(&mut self, scenario: &Scenario, requests: &mut Vec<Request>) {
         let draft = EquationSettings { equation: self.draft.equation.trim().to_owned(), ..self.draft.clone() };
         // Drops the numbers of parameters that the equation no longer has.
@@ -211,7 +205,6 @@ const HINT: &str = "x'' or ẍ; z' = … is an internal state; f is the force ov
 /// The widths of symbols, names, units and numbers \[points\].
 const WIDTHS: [f32; 4] = [40.0, 160.0, 64.0, 70.0];
 
-/// Shows the numbers of a symbol, with its true value where there is one. Returns whether a change is complete.
 fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettings, truth: &mut Option<f64>) -> bool {
     let mut changed = false;
     ui.horizontal_wrapped(|ui| {
@@ -272,7 +265,6 @@ fn word_ui(ui: &mut Ui, word: &mut String, hint: &str, width: f32, name: String)
     field.lost_focus()
 }
 
-/// A number. Returns whether its change is complete: not while it is dragged.
 fn number_ui(ui: &mut Ui, value: &mut f64, name: String) -> bool {
     let speed = 0.01 * value.abs().max(0.1);
     let field = DragValue::new(value)

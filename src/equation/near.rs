@@ -10,7 +10,6 @@ const STATES: [(&str, &str); 4] = [
     ("t", "time has no name"),
 ];
 
-/// The names, and whether a bracket follows.
 fn names(equation: &str) -> impl Iterator<Item = (&str, bool)> {
     let is_letter = |c: char| c.is_alphabetic() || c.is_ascii_digit() || c == '_';
     let words = equation.split(move |c| !is_letter(c)).filter(|word| word.starts_with(char::is_alphabetic));
@@ -20,7 +19,6 @@ fn names(equation: &str) -> impl Iterator<Item = (&str, bool)> {
     })
 }
 
-/// A sentence on a name with a bracket behind it that is nearly a function.
 pub(super) fn no_function(equation: &str) -> Option<String> {
     let (name, function) = names(equation).filter(|(_, is_called)| *is_called).find_map(|(name, _)| {
         let is_meant = |function: &&&str| name != **function && is_near(&name.to_lowercase(), function);
@@ -29,14 +27,12 @@ pub(super) fn no_function(equation: &str) -> Option<String> {
     Some(format!("“{name}(” is no function: is it {function}?"))
 }
 
-/// A sentence on a parameter with the name of a state.
 pub(super) fn near(equation: &str) -> Option<String> {
     let meant = |name: &str| STATES.iter().find(|(other, _)| *other == name);
     let (name, meaning) = names(equation).find_map(|(name, _)| meant(name))?;
     Some(format!("{name} is a parameter here; {meaning}."))
 }
 
-/// Whether two names have the same letters in another order, or one has a letter more.
 fn is_near(name: &str, other: &str) -> bool {
     let sorted = |text: &str| {
         let mut letters: Vec<char> = text.chars().collect();

@@ -105,7 +105,6 @@ pub(super) struct Geometry {
     pub(super) type_size: f32,
     /// The width of the finest and of the boldest curve \[points\].
     pub(super) curves: [f32; 2],
-    /// Whether views stand one below the other, because there is no room for two.
     pub(super) is_narrow: bool,
 }
 
@@ -151,7 +150,6 @@ impl FigureFormat {
 /// The finest and the boldest curve of the views on a screen, which is the truth \[points\].
 const ON_SCREEN: [f32; 2] = [1.6, 4.0];
 
-/// Gives lines the widths of a figure: those of a screen differ too much for paper.
 pub(super) struct Pen {
     /// The widths of the finest and of the boldest curve \[points of the canvas\].
     curves: [f32; 2],

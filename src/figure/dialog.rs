@@ -25,7 +25,6 @@ impl Default for FigureDialog {
 }
 
 impl FigureDialog {
-    /// Shows the dialog; `draw` makes the figure when its size has been chosen. Returns whether the dialog stays open.
     pub(crate) fn ui(
         &mut self,
         ctx: &Context,
@@ -67,7 +66,6 @@ impl FigureDialog {
 }
 
 impl Figure {
-    /// Paints the figure into a rectangle of its proportions.
     fn paint(&self, ui: &Ui, sheet: Rect) {
         let scale = sheet.width() / self.size.x;
         let painter = ui.painter();

@@ -17,7 +17,6 @@ pub(super) fn svg(figure: &Figure) -> String {
     svg.finish(figure.size.into(), figure.millimetres(), "mm")
 }
 
-/// A shape, which is cut off only if it goes beyond the limits.
 fn write_clipped(svg: &mut Svg, shape: &Shape, limits: Rect) {
     if let Shape::Vec(shapes) = shape {
         return shapes.iter().for_each(|shape| write_clipped(svg, shape, limits));

@@ -198,7 +198,6 @@ pub(super) fn whole_ui(ui: &mut Ui, name: &str, value: &mut usize, range: std::o
     named(ui.add(DragValue::new(value).range(range)), name.to_owned());
 }
 
-/// A check box that gives a number its value, and a field while it has one, which moves by `speed` for each point.
 pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, (usual, speed): (f64, f64), unit: &str) {
     let mut on = value.is_some();
     if ui.checkbox(&mut on, name).changed() {

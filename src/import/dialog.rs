@@ -24,13 +24,10 @@ enum Choice {
     Open,
     HoldOut,
     Cancel,
-    /// Continue with the free decay in the file, as its own file.
     Decay(Result<String, NoDecay>),
 }
 
 impl Import {
-    /// Shows the window. Returns the outcome if the record is opened at once. `can_hold_out` is true if there are
-    /// models from another record to test.
     pub(crate) fn ui(
         &mut self,
         ctx: &Context,
@@ -62,8 +59,6 @@ impl Import {
         None
     }
 
-    /// The choice by a key, unless it is typed into a field or presses the widget with the focus: Esc closes the
-    /// window, Enter opens the record.
     fn pressed(&self, ctx: &Context) -> Option<Choice> {
         if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
             return None;

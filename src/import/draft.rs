@@ -19,11 +19,9 @@ pub struct Draft {
     pub plant: PlantKind,
     pub suggest: bool,
     pub(super) remark: Option<String>,
-    /// The scenario that continues with another meaning of the columns, if there is one.
     pub(super) base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
     pub(super) guesses: Vec<ColumnGuess>,
-    /// Whether the choices of engineers are shown: from the start where one of them is in doubt.
     pub(super) is_unfolded: bool,
     outcome: Option<(Choices, Result<Imported, String>)>,
     making: Option<(Choices, Builder<'static>)>,
@@ -105,7 +103,6 @@ impl Draft {
         }
     }
 
-    /// Sets the kind of input. `None` if no input was recorded: then no column is the input.
     pub fn set_input(&mut self, kind: Option<InputKind>) {
         self.mapping.no_input = kind.is_none();
         match kind {
@@ -114,7 +111,6 @@ impl Draft {
         }
     }
 
-    /// Makes the record that follows from the choices, column by column, until `while_time` returns false.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         if !self.is_behind() {
             return;
@@ -142,14 +138,11 @@ impl Draft {
         !outcome.as_ref().is_some_and(|((m, i, h), _)| m == mapping && i == input && h == hold)
     }
 
-    /// The record that follows from the choices, or a sentence that says why there is none: the last one that is complete.
     pub fn outcome(&self) -> Option<Result<&Imported, &str>> {
         let (_, outcome) = self.outcome.as_ref()?;
         Some(outcome.as_ref().map_err(String::as_str))
     }
 
-    /// Whether there is a record that follows from the choices, with start values where they are wanted: equal readings
-    /// allow no start values.
     pub(super) fn is_possible(&self) -> bool {
         let is_fit = |imported: &Imported| !(self.suggest && imported.still.is_some());
         !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))

@@ -8,7 +8,6 @@ use super::draft::Role;
 use crate::text::{grouped, sentence, significant};
 
 impl Draft {
-    /// The meaning of a column. `None` for one that is left out, and for the time.
     pub(super) fn meaning(&self, place: usize) -> Option<String> {
         match self.role(place) {
             Role::Input => self.mapping.input.as_ref().map(|mapped| self.input_words(mapped)),
@@ -35,7 +34,6 @@ impl Draft {
         format!("{} samples over {span} s at {about}{rate} Hz", grouped(record.len()))
     }
 
-    /// One sentence on what was opened.
     pub(super) fn summary(&self) -> String {
         let remark = self.remark.as_deref().map(|remark| format!(" {}.", sentence(remark)));
         let made = self.outcome().and_then(Result::ok);
@@ -43,7 +41,6 @@ impl Draft {
         format!("“{}”{}{}", self.file.name, extent.unwrap_or_default(), remark.unwrap_or_default())
     }
 
-    /// A sentence for each sensor without some of its readings, empty cells and lost rows alike.
     pub(super) fn missing(&self, made: &Imported) -> Vec<String> {
         if made.record.clocks().is_some() || self.mapping.interpolate > 1 {
             return Vec::new();
@@ -57,7 +54,6 @@ impl Draft {
         self.mapping.sensors.iter().filter_map(words).collect()
     }
 
-    /// Sentences on guesses that the user should look at.
     pub(super) fn doubts(&self) -> Vec<String> {
         let mapped = self.mapping.input.iter().chain(self.mapping.sensors.values());
         let is_unknown = |mapped: &&MappedColumn| !mapped.unit.trim().is_empty() && dimension(mapped).is_none();

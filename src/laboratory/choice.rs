@@ -19,7 +19,6 @@ pub struct Choice {
     pub filter: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<u32>,
-    /// The precision: a graphics processor has single precision only.
     #[serde(default, skip_serializing_if = "Precision::is_usual")]
     pub precision: Precision,
 }
@@ -60,7 +59,6 @@ impl Choice {
         Some(Self { axes, measure, filter, second, precision: self.precision })
     }
 
-    /// Checks that a scenario can have a map of this choice.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -98,7 +96,6 @@ pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     part
 }
 
-/// Whether two scenarios differ at most in the names of their filters: no number depends on these.
 pub(crate) fn is_same_but_for_names(a: &Scenario, b: &Scenario) -> bool {
     let mut a = a.clone();
     a.filters.iter_mut().zip(&b.filters).for_each(|(one, other)| one.name.clone_from(&other.name));

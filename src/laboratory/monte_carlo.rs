@@ -61,7 +61,6 @@ impl SeedChoice {
         }
     }
 
-    /// Whether the number of seeds is possible.
     pub fn check(&self) -> Result<(), String> {
         let (least, most) = (SEEDS.start(), SEEDS.end());
         if SEEDS.contains(&self.seeds) {
@@ -161,7 +160,6 @@ impl Seeds {
         self.state.is_stopped = false;
     }
 
-    /// The runs to show: the present ones, or the earlier ones as long as the present ones are too few.
     pub fn shown(&self) -> Option<&SeedRuns> {
         self.before.as_ref().or(self.runs.as_ref()).filter(|runs| runs.statistics.done() > 0)
     }
@@ -187,7 +185,6 @@ impl Seeds {
         changes
     }
 
-    /// Follows a run with these filters. Without a team the work rests.
     pub(super) fn follow(&mut self, run: &Run, filters: &[u32], team: Option<&Rc<dyn Team>>, ctx: &Context) {
         if let Some(problem) = problem(run, filters) {
             self.forget(problem);
@@ -210,7 +207,6 @@ impl Seeds {
         }
     }
 
-    /// Gives up the work on seeds that are not done; [`Self::follow`] continues it.
     pub(super) fn rest(&mut self) {
         self.runs.iter_mut().for_each(|runs| runs.work = None);
     }
@@ -274,8 +270,6 @@ fn problem(run: &Run, filters: &[u32]) -> Option<String> {
 const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 
 impl SeedRuns {
-    /// One row for each filter and time: the seeds so far, mean NEES and NIS, and for each channel the quantiles of its error,
-    /// the root mean square error and the filter's own σ. An empty cell has no number.
     pub fn to_csv(&self) -> String {
         let (scenario, statistics) = (self.scenario(), &self.statistics);
         let channels = self.ensemble.channels();

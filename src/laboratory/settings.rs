@@ -49,12 +49,10 @@ pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     keys
 }
 
-/// Whether a setting has a number in this scenario. A factor on numbers that are all zero has none.
 pub(crate) fn is_possible(scenario: &Scenario, key: &str) -> bool {
     Address::parse(scenario, key).is_ok_and(|address| address.get(scenario).is_finite())
 }
 
-/// Whether two axes would set the same number: the same, or a number and the factor on its table.
 pub(crate) fn collide(a: &str, b: &str, scenario: &Scenario) -> bool {
     let [a, b] = [a, b].map(|key| Address::parse(scenario, key));
     matches!((a, b), (Ok(a), Ok(b)) if a.overlaps(&b))

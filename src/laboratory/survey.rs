@@ -20,7 +20,6 @@ pub struct Survey {
     pub filters: Vec<u32>,
     order: Vec<usize>,
     pub sheet: Sheet,
-    /// Without it, the survey rests; [`Self::follow`] continues it.
     pub(super) work: Option<Relay>,
     precision: Precision,
     pub computers: Vec<Computer>,
@@ -61,15 +60,12 @@ impl Survey {
         self.ensemble.plan().measures.contains(&measure)
     }
 
-    /// The place in a row of a filter's score; `filter` is its place in the map.
     pub fn column(&self, filter: usize, measure: Measure) -> Option<usize> {
         let measures = &self.ensemble.plan().measures;
         let at = measures.iter().position(|other| *other == measure)?;
         (filter < self.filters.len()).then_some(filter * measures.len() + at)
     }
 
-    /// The score of a filter, by its place in the map, in a cell or in the cell that stands in for it. `None` if it is
-    /// not known yet.
     pub fn value(&self, cell: usize, filter: usize, measure: Measure) -> Option<f64> {
         self.sheet.shown(cell)?.get(self.column(filter, measure)?).copied()
     }
@@ -79,7 +75,6 @@ impl Survey {
         [0, 1].map(|at| self.ensemble.settings().get(at).map_or(f64::NAN, |setting| setting.get(&part)))
     }
 
-    /// The change that gives a scenario these values. `None` where a filter is gone or the values are impossible.
     pub fn with(&self, scenario: &Scenario, values: [f64; 2]) -> Option<Change> {
         let mut part = part_of(scenario, &self.filters);
         if part.filters.len() != self.filters.len() {
@@ -103,7 +98,6 @@ impl Survey {
         Some(change)
     }
 
-    /// Whether this is the survey of a scenario, a source and a choice, whatever the present values of the axes' settings.
     pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &Choice) -> bool {
         let same_plan = self.filters == choice.filters()
             && self.ensemble.plan().axes == choice.axes
@@ -157,7 +151,6 @@ impl Survey {
         })
     }
 
-    /// Continues if there is work to do. Returns whether rows have come.
     pub(super) fn follow(&mut self, team: &Rc<dyn Team>, ctx: &Context) -> Result<bool, String> {
         if self.sheet.is_complete() {
             self.work = None;

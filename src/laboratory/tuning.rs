@@ -24,7 +24,6 @@ pub struct TuneResult {
 }
 
 impl TuneResult {
-    /// The change of a scenario to the best values. `None` if its settings have changed since the search began.
     pub fn change(&self, scenario: &Scenario) -> Option<Change> {
         let best = self.tuned.scenario.filters.first()?;
         let part = part_of(scenario, &[self.choice.filter]);
@@ -69,19 +68,15 @@ impl Tuning {
         self.choice = choice;
     }
 
-    /// A lower limit of the share of the search that is done, from 0 to 1. `None` if no search is under way.
     pub fn progress(&self) -> Option<f64> {
         self.search.as_ref().map(|search| search.tuner.seen.0)
     }
 
-    /// Each try so far that was better than all before, of the search under way or else of the result.
     pub fn path(&self) -> &[Try] {
         let result = self.result.as_ref().map_or(&[][..], |result| &result.tuned.path);
         self.search.as_ref().map_or(result, |search| &search.tuner.seen.1)
     }
 
-    /// The path of the search in a map, if the search tunes both of the map's axes: the filter's place in the map, and
-    /// the points.
     pub(crate) fn path_in(&self, survey: &Survey) -> Option<(usize, Vec<[f64; 2]>)> {
         let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, &search.tuner.seen.1);
         let of_result = |result: &TuneResult| path_on_map(survey, &result.choice, &result.of, &result.tuned.path);
@@ -124,7 +119,6 @@ impl Tuning {
         Ok(Search { choice, of, tuner })
     }
 
-    /// Continues for a slice of a frame, or reads the progress of its thread. Ends a search whose settings have changed.
     pub(super) fn follow(&mut self, scenario: &Scenario, budget: Budget, ctx: &Context) {
         let Some(search) = &mut self.search else { return };
         if !is_same_but_for_names(&part_of(scenario, &[search.choice.filter]), &search.of) {
@@ -155,7 +149,6 @@ pub struct TuneChoice {
 }
 
 impl TuneChoice {
-    /// The noise of all sensors and a factor on √Q, of the first filter or of that with an id.
     pub fn usual(scenario: &Scenario, filter: Option<u32>) -> Option<Self> {
         let exists = |id: &u32| scenario.filters.iter().any(|filter| filter.id == *id);
         let filter = filter.filter(exists).or(scenario.filters.first().map(|filter| filter.id))?;
@@ -166,7 +159,6 @@ impl TuneChoice {
         Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
     }
 
-    /// Checks that a scenario allows a search of this choice.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -260,7 +252,6 @@ fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario) -> Option<
     values.iter().all(|value| value.is_finite()).then_some(values)
 }
 
-/// The place in the map of the filter of a search that began with a scenario, and the points of its path on the map's axes.
 fn path_on_map(survey: &Survey, choice: &TuneChoice, part: &Scenario, path: &[Try]) -> Option<(usize, Vec<[f64; 2]>)> {
     let (filter, places) = places(survey, choice)?;
     let ratios = ratios(survey, part);

@@ -51,7 +51,6 @@ pub(super) struct Band {
 }
 
 impl Live {
-    /// Takes in the new readings. Another pluck gets a new filter; earlier estimates still count.
     pub(super) fn follow(&mut self, readings: &[[f64; 4]]) {
         let Some(now) = readings.last().map(|reading| reading[0]) else { return };
         if self.looked.is_none_or(|looked| now >= looked + LOOK) {
@@ -108,13 +107,11 @@ impl Live {
         })
     }
 
-    /// The scenario and the record of the present decay. `None` if nothing swings freely.
     pub(super) fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
         let following = self.following.as_ref()?;
         Some((&following.scenario, &following.record))
     }
 
-    /// Natural frequency \[rad/s\] and damping ratio, if both are known by now.
     pub(super) fn estimates(&self) -> Option<[Band; 2]> {
         let later = self.following.as_ref().and_then(Following::estimates);
         later.map_or(self.known, |later| Some(self.together(later)))
@@ -122,7 +119,6 @@ impl Live {
 }
 
 impl Following {
-    /// Whether it follows a decay as that is known by now. To begin again costs a pass over all readings.
     fn is_on(&self, decay: &Decay) -> bool {
         let before = &self.decay;
         (before.begin - decay.begin).abs() < SAME
@@ -130,7 +126,6 @@ impl Following {
             && before.cos(decay) > 1.0 - 0.5 * SLIGHT * SLIGHT
     }
 
-    /// Filters with the start values of a decay. `None` if the decay gives none.
     fn new(decay: Decay) -> Option<Self> {
         let live = decay.live();
         let first = decay.acceleration[..decay.acceleration.len().min(LOOKED_AT)].to_vec();

@@ -16,7 +16,6 @@ const SOON: Duration = Duration::from_secs(2);
 pub(super) struct Desktop {
     app: App,
     file: Option<StateFile>,
-    /// The time of the next save, if there has been a frame since the last one.
     due: Option<Instant>,
 }
 
@@ -71,7 +70,6 @@ impl eframe::App for Desktop {
     }
 }
 
-/// Closes the window when the system asks the program to end, as at a log-out, so that it is saved first.
 #[cfg(unix)]
 pub(super) fn close_at_signals(ctx: &Context) {
     use std::thread;

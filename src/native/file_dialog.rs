@@ -18,7 +18,6 @@ const FAST: Duration = Duration::from_millis(500);
 
 const NO_DIALOG: &str = "this desktop opens no dialog for files: neither its portal nor zenity answers";
 
-/// Asks for a file in a dialog beside the window, which continues meanwhile. There is one dialog at a time.
 pub(super) fn choose() -> Choose {
     let mut open: Option<JoinHandle<()>> = None;
     Box::new(move |ctx, inbox| {
@@ -55,7 +54,6 @@ pub(super) fn save() -> Deliver {
     })
 }
 
-/// Waits on a thread for the answer of a dialog, and for how long.
 fn wait(
     dialog: impl Future<Output = Option<FileHandle>> + Send + 'static,
     answer: impl FnOnce(Option<PathBuf>, Duration) + Send + 'static,
@@ -67,7 +65,6 @@ fn wait(
     })
 }
 
-/// The place of a file that was written, or the reason why it was not. `None` if the user has cancelled the dialog.
 fn saved(path: Option<PathBuf>, contents: &[u8], time: Duration) -> Option<Result<String, String>> {
     let Some(path) = path else { return (time < FAST).then(|| Err(NO_DIALOG.to_owned())) };
     let written = output::write(&path, |file| file.write_all(contents));

@@ -13,7 +13,6 @@ use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
 
 pub(super) struct Listening {
     pub(super) source: String,
-    /// The scenario with the source's sensors; `None` for an accelerometer.
     pub(super) scenario: Option<Scenario>,
 }
 
@@ -46,7 +45,6 @@ impl<T: Reading> Shared<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reports to the waiting window that no more readings come, or why there have been none.
     fn end(&self, reason: String) {
         match &self.heard().to {
             Some((ctx, to)) if to.count() == 0 => to.refuse(reason, ctx),

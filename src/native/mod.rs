@@ -59,7 +59,6 @@ pub(super) fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Reads and checks what the arguments name.
 fn begin(Arguments { target, listen }: Arguments) -> Result<Beginning, String> {
     if let Some(source) = listen {
         let scenario = target.as_deref().map(read_scenario).transpose()?;
@@ -85,7 +84,6 @@ fn read_scenario(file: &str) -> Result<Scenario, String> {
 const ID: &str = "kalmanscope";
 
 struct Beginning {
-    /// An address or a file.
     target: Option<String>,
     source: Option<Listening>,
 }

@@ -77,7 +77,6 @@ fn read(path: &Path) -> Result<Option<Picture>, String> {
     }
 }
 
-/// Renames a file to one that is not there yet. Returns its new path.
 fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
     let mut places = (1_u32..).map(|number| path.with_file_name(format!("state-kept-{number}.json")));
     let place = places.find(|place| !place.exists()).ok_or(ErrorKind::AlreadyExists)?;

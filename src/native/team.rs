@@ -123,7 +123,6 @@ impl State {
         *lock(&self.found) = finding;
     }
 
-    /// The rows of some cells. `None` if there are none, or no more will come.
     fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted) -> Option<Rows> {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;

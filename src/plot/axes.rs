@@ -109,7 +109,6 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// A scale between two values; both must be positive for a logarithmic one.
     pub(crate) fn new(from: f64, to: f64, is_logarithmic: bool) -> Self {
         let ends = if is_logarithmic { (from.log10(), to.log10()) } else { (from, to) };
         Self { ends, is_logarithmic }

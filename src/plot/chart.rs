@@ -31,7 +31,6 @@ pub(crate) struct Chart<'a> {
     pub(crate) columns: Vec<Column<'a>>,
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
-    /// Below all layers.
     pub(crate) bands: Vec<Layer<'a>>,
     pub(crate) handles: Vec<Handle<'a>>,
     pub(crate) least: Option<(f64, f64)>,
@@ -42,7 +41,6 @@ pub(crate) struct Chart<'a> {
     pub(crate) logarithmic: bool,
 }
 
-/// A line over time, and the band around it.
 pub(crate) struct Curve<'a> {
     pub(crate) line: Series<'a>,
     pub(crate) band: Option<Series<'a>>,
@@ -51,7 +49,6 @@ pub(crate) struct Curve<'a> {
 }
 
 pub(crate) struct ChartResponse {
-    /// The time under the pointer \[s\].
     pub(crate) pointed: Option<f64>,
     pub(crate) alone: bool,
 }
@@ -153,7 +150,6 @@ impl<'a> Chart<'a> {
     }
 }
 
-/// Writes the labels of levels at the right, the upper ones above their lines and the lower ones below, where there is room.
 fn labels_ui(ui: &Ui, transform: &PlotTransform, layers: &[Layer<'_>]) {
     /// The height of a label \[points\].
     const ROOM: f32 = 16.0;
@@ -169,7 +165,6 @@ fn labels_ui(ui: &Ui, transform: &PlotTransform, layers: &[Layer<'_>]) {
     }
 }
 
-/// Fills `ui` with charts, or with the enlarged one. Returns the time under the pointer \[s\].
 pub(crate) fn charts_ui(
     ui: &mut Ui,
     charts: Vec<Chart<'_>>,

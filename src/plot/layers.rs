@@ -15,14 +15,30 @@ use super::simplify::simplify;
 
 /// A layer of a chart, at every sample; the first of a list is the lowest.
 pub(crate) enum Layer<'a> {
-    /// The area between two edges.
-    Band { series: Series<'a>, color: Color32, filter: Option<u32> },
-    /// Single values as dots.
-    Dots { series: Series<'a>, color: Color32 },
+    Band {
+        series: Series<'a>,
+        color: Color32,
+        filter: Option<u32>,
+    },
+    Dots {
+        series: Series<'a>,
+        color: Color32,
+    },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
-    Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool, filter: Option<u32> },
+    Line {
+        series: Series<'a>,
+        color: Color32,
+        width: f32,
+        dashed: bool,
+        bounds: bool,
+        filter: Option<u32>,
+    },
     /// The same value at all times, with a label if it is not empty.
-    Level { value: f64, color: Color32, label: &'static str },
+    Level {
+        value: f64,
+        color: Color32,
+        label: &'static str,
+    },
 }
 
 impl<'a> Layer<'a> {
@@ -34,7 +50,6 @@ impl<'a> Layer<'a> {
         Self::Line { series, color, width, dashed: true, bounds: false, filter: None }
     }
 
-    /// The line as that of a filter: a click on it opens the filter's diagnosis.
     pub(crate) fn of(mut self, id: u32) -> Self {
         if let Self::Line { filter, .. } = &mut self {
             *filter = Some(id);
@@ -50,7 +65,6 @@ impl<'a> Layer<'a> {
         Self::Level { value: 0.0, color, label: "" }
     }
 
-    /// The value of a level, its label and its colour.
     pub(super) fn label(&self) -> Option<(f64, &'static str, Color32)> {
         match *self {
             Self::Level { value, color, label } if !label.is_empty() => Some((value, label, color)),
@@ -93,7 +107,6 @@ impl Window {
     }
 }
 
-/// An unbroken part of a layer.
 pub(super) enum Mark {
     Band { times: Vec<f64>, edges: [Vec<f64>; 2], color: Color32, filter: Option<u32> },
     Dots { points: Vec<PlotPoint>, color: Color32 },
@@ -200,7 +213,6 @@ fn mesh(ui: &Ui, shapes: Vec<Shape>) -> Mesh {
     mesh
 }
 
-/// The plot's position and range, and the size of a pixel.
 type Place = (Rect, [f64; 2], [f64; 2], f32);
 
 impl Drawing {

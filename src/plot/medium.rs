@@ -19,14 +19,12 @@ impl Medium {
         ctx.data_mut(|data| data.insert_temp(id(), self));
     }
 
-    /// Notes the number of plots of a view, so that the figure can give it enough height.
     pub(crate) fn note_plots(self, ctx: &Context, count: usize) {
         if self == Self::Figure {
             ctx.data_mut(|data| data.insert_temp(plots(), count));
         }
     }
 
-    /// The number of plots of the view that was drawn last in a context for figures. `None` if it has no rows of plots.
     pub(crate) fn take_plots(ctx: &Context) -> Option<usize> {
         ctx.data_mut(|data| data.remove_temp(plots()))
     }
@@ -68,8 +66,6 @@ const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
 /// Limits the height of plots below which two columns are better \[points\].
 const LOW: f32 = 120.0;
 
-/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Passes each cell its number and whether it
-/// is in the last row.
 pub(crate) fn cells_ui(ui: &mut Ui, count: usize, cell_ui: &mut dyn FnMut(&mut Ui, usize, bool)) {
     let area = ui.available_size();
     let medium = Medium::of(ui.ctx());

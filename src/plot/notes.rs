@@ -11,7 +11,6 @@ pub(crate) struct Note {
     pub(crate) value: f64,
     pub(crate) words: String,
     pub(crate) color: Color32,
-    /// Whether the words are at the left of the dot if there is room.
     pub(crate) leftwards: bool,
 }
 
@@ -22,7 +21,6 @@ const APART: f32 = 6.0;
 /// The least size of a plot with words \[points\].
 const ENOUGH: [f32; 2] = [260.0, 90.0];
 
-/// A dot for each note in the plot, and its words where there is room beside those before it.
 pub(super) fn note_shapes(notes: &[Note], ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
     let frame = *transform.frame();
     let ground = Palette::of(ui.ctx().theme()).ground.gamma_multiply(0.8);

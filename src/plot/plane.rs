@@ -7,7 +7,6 @@ use super::axes::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks}
 use super::medium::{Medium, Y_AXIS, sense};
 use crate::theme::Palette;
 
-/// The frame of a plot: its axes and its grid.
 #[derive(Clone, Copy)]
 pub(crate) struct Plane<'a> {
     pub(crate) key: &'a str,
@@ -15,7 +14,6 @@ pub(crate) struct Plane<'a> {
     pub(crate) labels: [&'a str; 2],
     /// Whether the values of an axis are logarithms to the base of ten; it is labelled with the numbers themselves.
     pub(crate) logarithmic: [bool; 2],
-    /// Whether there are numbers below the plot.
     pub(crate) has_x: bool,
 }
 
@@ -27,7 +25,6 @@ impl<'a> Plane<'a> {
         Self { key, labels, logarithmic: [false; 2], has_x: true }
     }
 
-    /// A plot of all the room in `ui`, with small numbers at its axes.
     pub(crate) fn plot<'p>(&self, ui: &mut Ui, palette: &Palette) -> Plot<'p> {
         let small = TextStyle::Small.resolve(ui.style());
         ui.style_mut().text_styles.insert(TextStyle::Body, small);
@@ -70,7 +67,6 @@ impl<'a> Plane<'a> {
             .label_formatter(|_| None)
     }
 
-    /// Draws into a plot that shows `range`, `[x, y]`, each low and high, unless the user has zoomed; a double click restores it.
     pub(crate) fn show<R>(
         &self,
         ui: &mut Ui,
@@ -96,7 +92,6 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// Whether the user begins to drag or zooms.
 pub(super) fn is_turned(response: &Response) -> bool {
     response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0))
 }

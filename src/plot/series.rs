@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use kalmanscope_core::Record;
 
-/// A value, or the two edges of a band, the lower first.
 pub(crate) trait Edges {
     fn edges(self) -> (f64, f64);
 }
@@ -21,7 +20,6 @@ impl Edges for (f64, f64) {
     }
 }
 
-/// A quantity, or a band, at every sample; NaN where it does not exist.
 pub(crate) struct Series<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
@@ -36,12 +34,10 @@ impl<'a> Series<'a> {
         Self::new(values.len(), |samples| values[samples].iter().copied())
     }
 
-    /// The value at each sample.
     pub(crate) fn each<V: Edges>(len: usize, value: impl Fn(usize) -> V + Copy + 'a) -> Self {
         Self::new(len, move |samples| samples.map(value))
     }
 
-    /// `make` makes the values of some of the samples up to `len`; it is called once for all that are shown.
     pub(crate) fn made<V: Edges + Copy>(len: usize, make: impl Fn(Range<usize>) -> Vec<V> + 'a) -> Self {
         let made = move |range: Range<usize>, columns| {
             let (first, values) = (range.start, make(range.clone()));
@@ -50,7 +46,6 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(made) }
     }
 
-    /// The band of two standard deviations around means.
     pub(crate) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
         Self::each(means.len(), |k| {
             let half = 2.0 * variances[k].sqrt();
@@ -80,7 +75,6 @@ impl<'a> Series<'a> {
     }
 }
 
-/// The samples in the window and one more on either side, if they exist.
 fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usize> {
     let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
     let first = index(from).floor() as usize;

@@ -10,7 +10,6 @@ pub struct TimeAxis {
     pub follows: bool,
     /// The part of the record that is of interest, `(from, to)` after its start \[s\]; `None` for all of it.
     pub framed: Option<(f64, f64)>,
-    /// The time under the pointer \[s\].
     pub pointed: Option<f64>,
 }
 
@@ -25,7 +24,6 @@ impl Default for TimeAxis {
 const LIVE_SPAN: (f64, f64) = (5.2, Session::LIVE_SPAN);
 
 impl TimeAxis {
-    /// The part of the record on an axis that follows the playback, `(from, to)` \[s\].
     pub fn followed(&self, session: &Session) -> (f64, f64) {
         let record = session.run().record();
         let start = record.time_of(0);
@@ -47,12 +45,10 @@ impl TimeAxis {
         }
     }
 
-    /// The index of the sample with the values that are shown: the one under the pointer, else that of the playback.
     pub fn readout(&self, session: &Session) -> usize {
         self.pointed.map_or_else(|| session.index(), |time| session.sample_at(time))
     }
 
-    /// The time of that sample \[s\].
     pub fn shown_time(&self, session: &Session) -> f64 {
         session.run().record().time(self.readout(session))
     }

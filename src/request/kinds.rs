@@ -69,7 +69,6 @@ impl ViewKind {
         Self::Tune,
     ];
 
-    /// The tabs of the view that this one belongs to.
     pub(crate) fn tabs(self) -> &'static [Self] {
         let mut views = VIEWS.iter().flat_map(|(_, views)| *views);
         views.find(|view| view.tabs.contains(&self)).map_or(&[], |view| view.tabs)
@@ -85,7 +84,6 @@ impl ViewKind {
     }
 }
 
-/// A view of the menu.
 pub struct Tabs {
     pub name: &'static str,
     pub tabs: &'static [ViewKind],
@@ -95,7 +93,6 @@ const fn tabs(name: &'static str, tabs: &'static [ViewKind]) -> Tabs {
     Tabs { name, tabs }
 }
 
-/// The views of the menu in groups, each by the question that it answers.
 pub const VIEWS: [(&str, &[Tabs]); 3] = [
     (
         "What happens",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::setting::{Change, Changed};
 use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, ScenarioError, Study, Wanted};
 
-use super::{Mode, Session, Setting};
+use super::{Mode, Session};
 use crate::text::significant;
 
 /// Edits that follow each other within this time are one change \[s\].
@@ -18,7 +18,6 @@ const MOST: usize = 20_000;
 /// These words stand for the settings before, where another scenario has been opened since.
 const ANOTHER: &str = "other settings";
 
-/// A scenario that a session has shown, and the opening since which only [`Session::edit`] has changed it.
 #[derive(Clone)]
 pub struct Version {
     pub(super) scenario: Arc<Scenario>,
@@ -87,7 +86,6 @@ impl Session {
         Ok(())
     }
 
-    /// Takes over another scenario in place of this one, as an edit.
     pub fn replace(&mut self, scenario: Scenario) {
         self.restore(Version::opened(scenario));
     }
@@ -96,7 +94,6 @@ impl Session {
         Version { scenario: Arc::clone(&self.scenario), opening: Arc::clone(&self.opening) }
     }
 
-    /// Takes over an earlier scenario, as an edit.
     pub fn restore(&mut self, version: Version) {
         let goes_on = self.since_edit < ONE_CHANGE && self.before.is_some();
         self.since_edit = 0.0;
@@ -109,12 +106,10 @@ impl Session {
         }
     }
 
-    /// Lets time pass in which the user edits nothing \[s\].
     pub fn rest(&mut self, elapsed: f64) {
         self.since_edit += elapsed;
     }
 
-    /// The picture from before the last change, or that of the other setting. `None` if there is nothing to compare.
     pub fn before(&self) -> Option<&Before> {
         let is_shown = |before: &&Before| {
             let same_times = before.study.run().record().dt() == self.run().record().dt();
@@ -129,18 +124,14 @@ impl Session {
         self.generation += 1;
     }
 
-    pub fn setting(&self) -> Setting {
-        self.setting
-    }
-
-    pub fn has_other_setting(&self) -> bool {
+    pub fn has_snapshot(&self) -> bool {
         self.other.is_some()
     }
 
-    pub fn swap_settings(&mut self) {
+    /// Keeps a snapshot of the settings, in exchange for the one before it, if there is one.
+    pub fn swap_snapshot(&mut self) {
         let now = self.version();
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
-        self.setting = self.setting.other();
         self.since_edit = f64::INFINITY;
         if next != now {
             self.show(next);
@@ -149,7 +140,7 @@ impl Session {
     }
 
     pub fn begin_anew(&mut self) {
-        (self.other, self.setting) = (None, Setting::A);
+        self.other = None;
         self.forget_before();
         if self.waiting {
             self.begin_job();
@@ -171,7 +162,7 @@ impl Session {
         let is_of_filters = changed.as_ref().is_some_and(Changed::is_of_filters);
         let words = changed.map_or_else(|| ANOTHER.to_owned(), |changed| difference(&changed).unwrap_or_default());
         let words = match (&self.other, words.is_empty()) {
-            (Some(_), false) => format!("setting {}: {words}", self.setting.other().name()),
+            (Some(_), false) => format!("snapshot: {words}"),
             _ => words,
         };
         if let Some(before) = &mut self.before

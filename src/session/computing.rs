@@ -101,7 +101,6 @@ impl Session {
         }
     }
 
-    /// Begins again if the run has samples that are not to be shown, or lacks some that are.
     pub(super) fn go_back(&mut self) {
         let run = self.study.run();
         let position = self.position() + 1;
@@ -128,7 +127,6 @@ impl Session {
         self.job = Job::new(&mut self.study, scenario, Some(source), goal).ok();
     }
 
-    /// Takes note of an edited scenario. An edit during the last part of a computation waits for its picture.
     pub(super) fn edited(&mut self) {
         if let Err(error) = self.scenario.validate() {
             self.problem = Some(error.to_string());

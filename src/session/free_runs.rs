@@ -25,7 +25,6 @@ pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
     made: Vec<Made>,
     next: Option<Next>,
-    /// The free runs that are not made: a thread has failed.
     lost: Option<Of>,
 }
 
@@ -86,7 +85,6 @@ impl Session {
         self.free_due().is_some()
     }
 
-    /// The place of the next filter that needs a free run, and its picture and model. `None` if all free runs are made.
     fn free_due(&self) -> Option<(usize, Of)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.

@@ -19,13 +19,11 @@ pub(super) struct LiveVerdicts {
     live: Vec<LiveDiagnosis>,
     /// The picture's number and the samples that were done.
     of: Option<(u64, usize)>,
-    /// Real time since then \[s\].
     age: f64,
 }
 
 pub(super) struct Hand {
     is_down: bool,
-    /// Real time since diagnoses were last made \[s\].
     age: f64,
 }
 

@@ -48,7 +48,6 @@ impl Library {
         self.files.push(file);
     }
 
-    /// The file that a mapping names: the one with its hash, or else with its name.
     pub fn file(&self, mapping: &Mapping) -> Option<&Arc<RecordFile>> {
         let by_hash = self.files.iter().find(|file| file.hash == mapping.hash);
         by_hash.or_else(|| self.files.iter().find(|file| mapping.hash.is_empty() && file.name == name_of(mapping)))
@@ -126,7 +125,6 @@ impl Library {
         }
     }
 
-    /// Ends the live record. Returns it, unless it had ended before.
     pub(super) fn end_live(&mut self) -> Option<Arc<Record>> {
         let live = self.live.as_mut().filter(|live| !live.has_ended)?;
         live.has_ended = true;
@@ -155,7 +153,6 @@ impl Library {
     }
 }
 
-/// The record of a file, with the meanings that a mapping gives its columns.
 fn built(file: &RecordFile, mapping: &Mapping, scenario: &Scenario) -> Result<Imported, String> {
     let builder = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
     let built = builder.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());

@@ -46,7 +46,6 @@ impl Session {
         self.run().is_live()
     }
 
-    /// Takes in what has been measured since. Where the record is another one, the run begins again.
     pub(super) fn catch_up(&mut self) {
         let Some(record) = self.library.live().filter(|_| self.run().is_live()) else { return };
         if record.len() != self.run().record().len() && !self.study.lengthen(Arc::clone(record)) {

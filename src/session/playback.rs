@@ -17,7 +17,6 @@ impl Session {
         next.unwrap_or(self.speed)
     }
 
-    /// The last sample's time after the start \[s\].
     pub fn end(&self) -> f64 {
         let (dt, samples) = self.target();
         samples.saturating_sub(1) as f64 * dt
@@ -29,7 +28,6 @@ impl Session {
         ((self.clock / dt + 1e-6) as usize).min(samples.saturating_sub(1))
     }
 
-    /// The time of [`Self::position`] \[s\].
     pub fn time(&self) -> f64 {
         self.run().record().time_of(0) + self.position() as f64 * self.target().0
     }
@@ -44,7 +42,6 @@ impl Session {
         index.min(self.run().len().saturating_sub(1))
     }
 
-    /// The index, among the samples that are kept, of the one nearest to a time \[s\].
     pub fn sample_at(&self, time: f64) -> usize {
         let record = self.run().record();
         let last = self.run().len().saturating_sub(1);
@@ -99,7 +96,6 @@ impl Session {
         self.seek(self.position().saturating_sub(1) as f64 * self.target().0);
     }
 
-    /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
         // A live record continues at its end.

@@ -245,14 +245,3 @@ fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
     session.set_scenario(short);
     assert_eq!((session.mode(), session.run().len(), session.position()), (Mode::Whole, 401, 400));
 }
-
-#[test]
-fn a_record_that_is_not_here_is_asked_for() {
-    let entry = kalmanscope_lessons::BuiltIn::named("earthquake").unwrap();
-    let mut scenario = entry.scenario().unwrap();
-    // A file of the user with the name of a built-in one.
-    scenario.record.as_mut().unwrap().hash = "0".to_owned();
-    let session = Session::new(scenario).unwrap();
-    assert!(!session.is_measured());
-    assert_eq!(session.problem(), Some("the record “earthquake.csv” is not here: drop the file on the window"));
-}

@@ -40,7 +40,6 @@ impl Attempt {
         self.of.0
     }
 
-    /// Continues while there is time. The earlier results stay until all new ones are complete.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let Some(search) = &mut self.search else { return };
         // A failed search ends with its remedies so far.
@@ -82,7 +81,6 @@ impl Session {
         !self.trying.wanted.is_empty() && !self.trying.is_done
     }
 
-    /// Whether the frames have trials to do: threads wake the screen when they have got further.
     pub(crate) fn is_trying_here(&self) -> bool {
         self.is_trying() && !self.trying.attempts.iter().any(Attempt::is_beside)
     }
@@ -115,12 +113,10 @@ impl Session {
         (self.trying.attempts, self.trying.wanted, self.trying.is_done) = (attempts, wanted, is_done);
     }
 
-    /// Whether a filter has a verdict: a bad one has causes, and of a good one there may be a likelier model.
     fn is_judged(&self, place: usize) -> bool {
         self.diagnosis(place).is_some_and(|diagnosis| diagnosis.verdict.is_some()) && self.diagnostics().len() > place
     }
 
-    /// Whether the record has grown since finished trials: by half, as long as it still grows.
     fn is_outdated(&self, attempt: &Attempt) -> bool {
         let (done, before) = (self.run().done(), attempt.of.1);
         !attempt.is_under_way() && if self.playing { done > before + before / 2 } else { done != before }

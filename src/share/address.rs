@@ -14,7 +14,6 @@ use super::{LinkError, MARK, Picture};
 pub enum Target {
     Picture(Box<Picture>),
     Scenario(BuiltIn),
-    /// A lesson's place in the menu, and the place of its step.
     Lesson(usize, usize),
 }
 
@@ -30,8 +29,6 @@ pub enum AddressError {
     Step { step: String, lesson: String, steps: usize },
 }
 
-/// The target of an address: the link after `#`, else the lesson or the scenario after `?`. `None` if it has none of
-/// them.
 pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
     if let Some((_, link)) = address.split_once(MARK) {
         return Ok(Some(Target::Picture(Box::new(Picture::read(link.trim_end())?))));
@@ -65,8 +62,6 @@ fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
     BuiltIn::named(name).copied().ok_or_else(unknown)
 }
 
-/// The place in the menu of the lesson with a name, with or without its number, and the place of a step, which the text
-/// counts from 1.
 fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
     let without_number = |file: &'static str| file.split_once('-').map_or(file, |(_, name)| name);
     let place = LESSONS.iter().position(|(file, _)| *file == name || without_number(file) == name);
@@ -82,7 +77,6 @@ fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError
     number.map(|number| (place, number - 1)).ok_or_else(impossible)
 }
 
-/// The value of a key after `?`; empty where it has none. Names have no characters that an address must encode.
 fn value<'a>(address: &'a str, key: &str) -> Option<&'a str> {
     let (_, query) = address.split('#').next()?.split_once('?')?;
     query

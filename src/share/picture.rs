@@ -21,7 +21,6 @@ const FORMAT: u64 = 1;
 /// These keys are always written: their usual values may be others in a later program.
 const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
 
-/// A picture: everything that another machine needs to show the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Picture {
@@ -37,11 +36,9 @@ pub struct Picture {
     #[serde(rename = "marks")]
     pub ruler: Ruler,
     pub hidden: Vec<LegendEntry>,
-    /// The user's own habits, which only the storage has.
     pub habits: Option<Habits>,
 }
 
-/// Things that stay as they are when another picture is opened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Habits {
@@ -57,7 +54,6 @@ pub enum PictureError {
     Format(String),
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// The parts do not belong to each other.
     #[error("{0}")]
     Impossible(String),
 }
@@ -88,12 +84,10 @@ impl Picture {
         Layout::of_outline(self.views.as_ref(), self.enlarged)
     }
 
-    /// The picture as JSON in one line, without the keys that have their usual values.
     pub fn line(&self) -> Result<String, PictureError> {
         Ok(document::to_json(&self.document()?)?)
     }
 
-    /// As [`Self::line`], with a line for each key.
     pub fn lines(&self) -> Result<String, PictureError> {
         Ok(document::to_json_lines(&self.document()?)?)
     }
@@ -108,7 +102,6 @@ impl Picture {
         Ok(document)
     }
 
-    /// Reads the text of a picture, and checks it, since it may come from outside.
     pub fn of_text(text: &str) -> Result<Self, PictureError> {
         let document = document::from_json(text)?;
         Self::of_document(document).unwrap_or_else(|| Err(PictureError::Impossible(format!("it has no key `{KEY}`"))))
@@ -148,7 +141,6 @@ impl Picture {
     }
 }
 
-/// The scenario as its file, so that it has one text everywhere.
 mod toml {
     use kalmanscope_core::Scenario;
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de, ser};

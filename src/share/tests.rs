@@ -1,11 +1,8 @@
 //! Links, and broken links.
 
-use kalmanscope_core::Quantity;
-use kalmanscope_lab::tune::Goal;
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use super::*;
-use crate::laboratory::{Choices, TuneChoice};
 use crate::layout::Layout;
 use crate::request::{Arrangement, ViewKind};
 use crate::session::Mode;
@@ -35,22 +32,6 @@ fn a_link_gives_its_picture_back_and_fits_into_a_letter() {
         let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"#=.-_".contains(&byte);
         assert!(fragment.bytes().all(is_plain), "mail programs end a link at other characters: {fragment}");
     }
-}
-
-#[test]
-fn the_choices_of_the_laboratory_come_along_and_impossible_ones_are_told() {
-    let mut plain = picture();
-    plain.scenario.number_filters();
-    let usual = TuneChoice::usual(&plain.scenario, None).expect("there is a filter");
-    for goal in [Goal::Likelihood, Goal::Consistency, Goal::FreeRun(Quantity::DISPLACEMENT)] {
-        let laboratory = Choices { tuning: Some(TuneChoice { goal, ..usual.clone() }), ..Choices::default() };
-        let tuned = Picture { laboratory, ..plain.clone() };
-        let fragment = tuned.fragment().expect("it is short");
-        assert_eq!(read(&fragment).expect("it is whole").laboratory, tuned.laboratory);
-    }
-    let laboratory = Choices { tuning: Some(TuneChoice { filter: 99, ..usual }), ..Choices::default() };
-    let wrong = Picture { laboratory, ..plain }.fragment().expect("it is short");
-    assert!(read(&wrong).unwrap_err().to_string().contains("Tune for me: it is about filter number 99"));
 }
 
 #[test]

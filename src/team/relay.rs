@@ -6,14 +6,11 @@ use egui::Context;
 
 use super::{Cells, Finding, Frames, Handle, Lost, Precision, Rows, Team};
 
-/// Cells under way. A graphics processor that has been found runs them, else the team; each leaves the rest, if it fails, to the
-/// next.
 pub struct Relay {
     team: Rc<dyn Team>,
     next: By,
     work: Option<Handle<Rows>>,
     cells: Cells,
-    /// For each cell of the ensemble, whether its row has come or is not wanted.
     is_done: Vec<bool>,
     ctx: Context,
 }

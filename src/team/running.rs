@@ -4,7 +4,6 @@ use kalmanscope_core::Task;
 
 use super::{Handle, Lost, Priority, Report, Team, waking};
 
-/// A task under way, and the last state that was seen of it. A team does it if it can, else the frames do.
 pub struct Running<T: Task, L = f64> {
     place: Place<T, L>,
     look: fn(&T) -> L,
@@ -20,12 +19,10 @@ enum Place<T: Task, L> {
 }
 
 impl<T: Task, L> Running<T, L> {
-    /// A task in the frames, of which `look` sees something, such as its progress.
     pub fn here(task: T, look: fn(&T) -> L) -> Self {
         Self { seen: look(&task), place: Place::Here(task), look }
     }
 
-    /// A task that a worker has begun. If it fails, the task begins again in the frames.
     pub fn in_worker(worker: Handle<Report<L, T::Outcome>>, task: T, look: fn(&T) -> L) -> Self {
         Self { seen: look(&task), place: Place::Beside(worker, Some(task)), look }
     }
@@ -50,7 +47,6 @@ impl<T: Task, L> Running<T, L> {
         matches!(self.place, Place::Beside(..))
     }
 
-    /// Continues until `while_time` returns false. Returns the outcome once.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<Option<T::Outcome>, Lost> {
         while let Place::Beside(worker, spare) = &mut self.place {
             match worker.take() {

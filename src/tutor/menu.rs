@@ -16,7 +16,6 @@ use crate::widgets::named;
 const AROUND: f32 = 40.0;
 const LEAST: f32 = 164.0;
 
-/// The most cards in a row: a course has about as many.
 const MOST: usize = 7;
 
 /// The distance between cards, and from a card's edge to its contents \[points\].
@@ -75,7 +74,6 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
     probe::remember(ui.ctx(), "Lessons", button.rect);
 }
 
-/// The card of a lesson: its picture, its title, and its number in the course with the minutes that it takes.
 fn card_ui(ui: &mut Ui, lesson: &Lesson, (number, is_finished): (usize, bool), width: f32) -> Response {
     let above = (SHARE * width).clamp(HEIGHTS.0, HEIGHTS.1);
     let size = vec2(width, above + TITLE + FOOT + 2.5 * PADDING);

@@ -139,7 +139,6 @@ impl Tutor {
         });
     }
 
-    /// One step of the reader's keys: what the open question, the change or the next button does, or a step back.
     pub(crate) fn turn(&self, forward: bool) -> Vec<Request> {
         if !forward {
             return self.step.checked_sub(1).map(Request::GoToStep).into_iter().collect();

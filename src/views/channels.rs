@@ -54,7 +54,6 @@ fn of_channel<'a>(channel: Channel, [title, symbol]: [String; 2], context: &View
     Chart { key: title.clone(), title, symbol, name, unit, settles, ..Chart::default() }
 }
 
-/// A sudden change of the truth so far, and where filters have settled after it.
 fn notes(channel: Channel, context: &ViewContext<'_>) -> Vec<Note> {
     let ViewContext { session, palette, .. } = *context;
     let (run, record) = (session.run(), session.run().record());

@@ -59,7 +59,6 @@ fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     channels.into_iter().map(|channel| chart(channel, sensor, context)).collect()
 }
 
-/// The gain as a share of the innovation, or else the change of a channel by an innovation of one standard deviation.
 fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool, k: usize) -> f64 {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let size = if is_measured { 1.0 } else { estimates.innovation_cov(k)[sensor * (m + 1)].sqrt() };

@@ -10,7 +10,6 @@ use crate::view::ViewContext;
 /// The least value of a positive channel that a handle sets.
 const LEAST: f64 = 1e-6;
 
-/// In a chart of a channel: each filter's guess at the beginning, and a sudden change of the truth.
 pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Handle<'a>> {
     let session = context.session;
     let record = session.run().record();

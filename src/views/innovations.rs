@@ -43,12 +43,10 @@ fn plots(context: &ViewContext<'_>) -> usize {
     context.session.sensors().len() * (groups + learnt) + usize::from(scaling(context).is_some())
 }
 
-/// Whether each filter has its own chart: the innovations of several in one would be one block of colour.
 fn is_apart(context: &ViewContext<'_>) -> bool {
     context.session.sensors().len() * context.filters().count() <= ROWS
 }
 
-/// The charts of each sensor, then those of its learnt noise. One chart shows at most `together` filters.
 fn charts<'a>(together: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
     let groups: Vec<&[&Estimates]> = if filters.is_empty() { vec![&[]] } else { filters.chunks(together).collect() };

@@ -60,7 +60,6 @@ fn touchable(place: Rect) -> Rect {
     wide.with_max_y(wide.bottom().max(wide.top() + LEAST))
 }
 
-/// Draws the oscillator at playback's time, as wide as `ui` and `height` high \[points\].
 fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: &mut Vec<Request>) {
     let size = vec2(ui.available_width().max(1.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

@@ -214,7 +214,6 @@ fn with_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
-/// The time of the last sudden change of any parameter that the filters have met \[s\]: it disturbs all estimates.
 fn last_change(session: &Session) -> Option<f64> {
     let (run, record, plant) = (session.run(), session.run().record(), &session.scenario().plant);
     if !matches!(run.source(), Source::Simulated) {

@@ -79,7 +79,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>)
     response.inner
 }
 
-/// The spectrogram as a texture, with its first and last time \[s\], and its lowest and highest frequency \[Hz\].
 fn picture(ui: &Ui, spectrogram: &Spectrogram) -> (TextureHandle, [f64; 4]) {
     let (columns, rows) = (spectrogram.decibels.len(), spectrogram.decibels[0].len());
     let pixel = |place: usize| {

@@ -10,8 +10,6 @@ use web_sys::{Blob, BlobPropertyBag, Document, File, HtmlAnchorElement, HtmlInpu
 
 use super::object::{call, words};
 
-/// Asks for a file by the page's input element, if it has one. A file that the user puts there in another way arrives
-/// too.
 pub(super) fn choose(document: &Document, ctx: &Context, inbox: &Inbox) -> Option<Choose> {
     let input: HtmlInputElement = document.get_element_by_id("file")?.dyn_into().ok()?;
     let (own, ctx, inbox) = (input.clone(), ctx.clone(), inbox.clone());

@@ -132,7 +132,6 @@ impl Drop for Listening {
     }
 }
 
-/// Gives the microphone back, so that the browser no longer shows that the page listens.
 fn end(stream: &MediaStream) {
     for track in stream.get_tracks() {
         if let Ok(track) = track.dyn_into::<MediaStreamTrack>() {

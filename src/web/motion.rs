@@ -16,7 +16,6 @@ const BEGIN: &str = "Start measuring";
 
 pub(super) struct Motion {
     shared: Rc<Shared>,
-    /// The page listens to clicks for as long as this lives.
     _clicks: Closure<dyn FnMut(MouseEvent)>,
 }
 
@@ -31,7 +30,6 @@ struct Shared {
 }
 
 impl Motion {
-    /// The motion events of this page. `None` where the browser has none.
     pub(super) fn of_page(ctx: &Context) -> Option<Self> {
         let window = web_sys::window()?;
         get(&window, "DeviceMotionEvent").filter(|kind| !kind.is_undefined())?;

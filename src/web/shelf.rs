@@ -50,7 +50,6 @@ fn place(end: Result<(), JsValue>) -> Result<String, String> {
     end.map(|()| "this browser".to_owned()).map_err(|error| words(&error))
 }
 
-/// Puts a file into the store; those before it go once it is there.
 async fn keep(address: &str, bytes: &[u8]) -> Result<(), JsValue> {
     let mut contents = Uint8Array::from(bytes).to_vec();
     let response = Response::new_with_opt_u8_array(Some(&mut contents))?;
@@ -75,7 +74,6 @@ async fn opened() -> Result<Cache, JsValue> {
     JsFuture::from(window.caches()?.open(STORE)).await?.dyn_into()
 }
 
-/// Empties the store, but for the files that were put last.
 async fn forget_all_but(last: u32) -> Result<(), JsValue> {
     let store = opened().await?;
     let kept: Array = JsFuture::from(store.keys()).await?.dyn_into()?;

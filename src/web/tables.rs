@@ -29,7 +29,6 @@ impl Tables {
         })
     }
 
-    /// Follows the app, once a second at most, and asks for a frame if something may be left to write.
     pub(super) fn follow(&mut self, app: &App, ctx: &egui::Context) {
         let since = self.last.map_or(EVERY, |last| last.elapsed());
         if since < EVERY {

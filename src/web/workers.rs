@@ -145,7 +145,6 @@ impl Drop for Task {
 }
 
 impl State {
-    /// Asks a worker by its place for more of its tasks, or else for cells.
     fn feed(&mut self, place: usize) {
         let Self { workers, tasks, .. } = self;
         let Some(worker) = workers.get(place) else { return };
@@ -153,7 +152,6 @@ impl State {
         tasks.iter_mut().filter(|task| task.is_for_all() != has_own).for_each(|task| task.feed(worker));
     }
 
-    /// Ends the tasks that some are. Those with portions under way stay until these are done.
     fn end(&mut self, which: impl Fn(&WorkerTask) -> bool) {
         let Self { workers, tasks, .. } = self;
         tasks.iter_mut().filter(|task| which(task)).for_each(|task| task.end(workers));
@@ -199,7 +197,6 @@ impl State {
     }
 }
 
-/// Starts workers until there are `count`, or one per processor.
 fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
     let State { workers, broken, .. } = present;
     if broken.is_some() {

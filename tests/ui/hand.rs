@@ -76,16 +76,16 @@ fn the_picture_before_a_change_stays_until_it_is_forgotten() {
 }
 
 #[test]
-fn two_settings_are_swapped_by_a_key() {
+fn settings_are_swapped_with_a_snapshot() {
     let mut screen = whole();
     let fading = |screen: &Screen| scenario(screen).filters[0].fading;
     press(&mut screen, Key::X);
     set(&mut screen, "EKF fading factor", 1.05);
-    assert!(screen.query_by_label_contains("before: setting A: EKF λ = 1.005").is_some());
+    assert!(screen.query_by_label_contains("before: snapshot: EKF λ = 1.005").is_some());
     press(&mut screen, Key::X);
     assert_eq!(fading(&screen), 1.005);
-    assert!(screen.query_by_label_contains("before: setting B: EKF λ = 1.05").is_some());
-    click(&mut screen, "Setting B");
+    assert!(screen.query_by_label_contains("before: snapshot: EKF λ = 1.05").is_some());
+    click(&mut screen, "Snapshot");
     assert_eq!(fading(&screen), 1.05);
 }
 

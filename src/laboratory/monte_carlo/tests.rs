@@ -89,21 +89,6 @@ fn more_seeds_go_on_from_those_that_are_done() {
 }
 
 #[test]
-fn it_rests_out_of_sight_and_is_stopped_and_goes_on() {
-    let (session, mut laboratory) = followed(12, 4);
-    laboratory.follow_seeds(&session, &[1, 2], false, &Context::default());
-    assert!(!laboratory.seeds.is_working());
-    follow(&mut laboratory, &session, 1);
-    assert_eq!(done(&laboratory), 5);
-    assert!(laboratory.seeds.set_stopped(true));
-    follow(&mut laboratory, &session, 3);
-    assert_eq!((done(&laboratory), laboratory.seeds.is_working()), (5, false));
-    assert!(laboratory.seeds.set_stopped(false));
-    follow(&mut laboratory, &session, 7);
-    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (12, None));
-}
-
-#[test]
 fn a_map_under_way_comes_first() {
     let session = session();
     let mut laboratory = slow(12);

@@ -13,7 +13,6 @@ use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::*;
 
-/// Limits the time until work is done, on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn desktop() -> Rc<dyn Team> {

@@ -14,7 +14,6 @@ use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
 use crate::widgets::named;
 
-/// The causes that are shown at once: the drawer is read in ten seconds.
 const LIKELIEST: usize = 1;
 
 const SHOWN: usize = 2;

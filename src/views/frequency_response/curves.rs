@@ -32,7 +32,6 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// The curves at sample `k` for the filters that are shown.
     pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let (run, (low, high)) = (session.run(), range(session));
         let ratio = |i: usize| (high / low).powf(i as f64 / (POINTS - 1) as f64);

@@ -202,7 +202,6 @@ fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
 
 const TOLD: usize = 2;
 
-/// The sentence about each filter in a complete map. `None` while it is computed, and for a score without a best value.
 pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<'_>) -> Option<String> {
     if !survey.sheet.is_complete() {
         return None;

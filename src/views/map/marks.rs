@@ -44,7 +44,6 @@ fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     }
 }
 
-/// The truth of each axis that varies a guess, with the axis' place; truths outside the map's cells are left out.
 pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize, f64)> {
     if !context.visible.truth || context.session.is_measured() {
         return Vec::new();
@@ -181,7 +180,6 @@ pub(super) fn path_ui(ui: &Ui, graph: &Graph, path: &Path) {
 /// A line between two places, in cells from the middle of the first.
 pub(super) type Piece = [[f64; 2]; 2];
 
-/// The lines on which the mean NIS leaves its 99 % interval, at either end of it.
 pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
     let [across, up] = survey.axes().map(|axis| axis.count);
     let Some(column) = survey.column(filter, Measure::CONSISTENCY) else { return Vec::new() };

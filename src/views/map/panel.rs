@@ -62,7 +62,6 @@ impl PanelView<'_> {
         dot_ui(ui, &self.key(), &graph, survey, context, requests);
     }
 
-    /// The frame with the numbers of both axes.
     fn axes_ui(&self, ui: &mut Ui, room: Rect, palette: &Palette) -> Graph {
         let axes = self.survey.axes();
         let scales =
@@ -185,7 +184,6 @@ pub(super) fn profile_room(size: Vec2, measure: Measure) -> f32 {
     if has_room && !measure.info().kind.is_of_kinds() { HEIGHT + APART } else { 0.0 }
 }
 
-/// Draws both curves over the scale of the colours, which leaves out values that would hide the differences of the others.
 pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey, context: &ViewContext<'_>) {
     let palette = context.palette;
     let axes = survey.axes();

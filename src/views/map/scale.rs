@@ -23,7 +23,6 @@ const DECADES: f64 = 10.0;
 const MOST: usize = 4096;
 const BEYOND: f64 = 0.02;
 
-/// The cells on screen, and the scales of both axes.
 pub(super) struct Graph {
     pub(super) rect: Rect,
     pub(super) scales: [Scale; 2],
@@ -88,7 +87,6 @@ impl Colors {
         Self::Diverging(Scale::new(-most, most, false))
     }
 
-    /// Logarithmic and as far below 1 as above it.
     fn about_one(values: &[f64]) -> Self {
         let ends = [quantile(values, BEYOND), quantile(values, 1.0 - BEYOND)];
         let far = ends.map(|end| if end > 0.0 { end.ln().abs() } else { 0.0 });
@@ -120,7 +118,6 @@ impl Colors {
         }
     }
 
-    /// The colour of the kind at a place. Of two kinds, the second has the less striking colour.
     pub(super) fn kind(&self, place: usize) -> Color32 {
         match self {
             Self::Kinds(names) if names.len() == 2 => {
@@ -173,7 +170,6 @@ fn sorted(cells: &[&[Cell]]) -> Vec<f64> {
     values
 }
 
-/// The value below which a share of sorted values lies; 1 where there are none.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * sorted.len().saturating_sub(1) as f64;
     sorted.get(place.round() as usize).copied().unwrap_or(1.0)
@@ -181,7 +177,6 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
-    /// The score, without the sign of an error; NaN where there is none.
     pub(super) value: f64,
     pub(super) end: End,
 }

@@ -18,15 +18,12 @@ const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 #[derive(Default)]
 pub(super) struct Curves {
     pub(super) seeds: usize,
-    /// The times, from the first sample on \[s\].
     pub(super) times: Vec<f64>,
     pub(super) samples: Vec<usize>,
-    /// The duration of the record \[s\].
     pub(super) duration: f64,
     pub(super) parameter: Option<Channel>,
     pub(super) parameters: Vec<Channel>,
     pub(super) truth: Option<f64>,
-    /// Whether the histogram is of the last errors, since the truth is another one for each seed.
     pub(super) is_of_errors: bool,
     pub(super) impossible: usize,
     pub(super) filters: Vec<FilterCurves>,
@@ -46,7 +43,6 @@ pub(super) struct FilterCurves {
     pub(super) diverged: [f64; 2],
     pub(super) shares: Option<[f64; 2]>,
     pub(super) verdicts: Vec<(VerdictKind, f64)>,
-    /// The share of bad verdicts with each first cause, `None` for those without any; the commonest first.
     pub(super) causes: Vec<(Option<&'static str>, f64)>,
 }
 
@@ -153,7 +149,6 @@ fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
     (!errors.is_empty()).then(|| [share(|last| last.is_within(0.01)), share(LastError::is_covered)])
 }
 
-/// The share of each kind that has been counted, the commonest first.
 fn shares_of<T>(counts: impl Iterator<Item = (T, usize)>) -> Vec<(T, f64)> {
     let mut counts: Vec<(T, usize)> = counts.filter(|(_, count)| *count > 0).collect();
     counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));

@@ -90,7 +90,6 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
     });
 }
 
-/// The numbers that are drawn for each seed, of a scenario that describes a population.
 fn drawn(scenario: &Scenario) -> Option<String> {
     let one = |(key, law): (&String, &Law)| {
         let [a, b] = law.numbers().map(|number| significant(number, 4));

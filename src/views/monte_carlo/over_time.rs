@@ -80,7 +80,6 @@ impl Chart {
         }
     }
 
-    /// The range of the vertical axis; of logarithms for ratios.
     fn range(self, curves: &Curves) -> (f64, f64) {
         if self == Self::Error {
             let reach = reach(curves);
@@ -188,7 +187,6 @@ fn draw_errors(plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>
     }
 }
 
-/// The Cramér-Rao bounds of the run on screen at the times of the curves, each with the first filter that it is for.
 fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
     // The bound is that of one truth.
     let Some(channel) = curves.parameter.filter(|_| !curves.is_of_errors) else { return Vec::new() };
@@ -201,7 +199,6 @@ fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
     context.session.bounds().iter().filter_map(one).collect()
 }
 
-/// Fills the area between pairs of values; it has a gap where one of them is NaN.
 fn band(plot: &mut PlotUi<'_>, times: &[f64], edges: impl Iterator<Item = [f64; 2]>, color: Color32) {
     let rungs: Vec<(f64, [f64; 2])> = times.iter().copied().zip(edges).collect();
     for part in rungs.split(|(_, edges)| !edges.iter().all(|edge| edge.is_finite())).filter(|part| part.len() > 1) {

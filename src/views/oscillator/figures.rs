@@ -23,7 +23,6 @@ pub(super) enum Figure {
 const WIDE: f64 = 1.2;
 
 impl Figure {
-    /// The picture for the unit of a plant's state.
     pub(super) fn of(scenario: &Scenario, masses: usize) -> Self {
         let own = scenario.plant.kind.own_equation();
         let stated = own.and_then(|own| own.settings().parameter("x")).map(|x| x.unit.as_str());
@@ -37,7 +36,6 @@ impl Figure {
         }
     }
 
-    /// Draws the state at a sample, with scales for all up to the sample `last`. Returns the place of each filter.
     pub(super) fn draw<'a>(self, scene: &Scene<'a>, last: usize) -> Vec<(Rect, u32, &'a str)> {
         let beliefs = scene.beliefs();
         let places = match self {

@@ -35,7 +35,6 @@ pub(super) struct Belief {
     pub(super) color: Color32,
 }
 
-/// The slice of a mass that shows the belief at a place among some: all of its width, and a part of its height.
 pub(super) fn slice(stage: &Stage, mass: usize, (place, count): (usize, usize), mean: f64) -> Rect {
     let height = stage.body.y / count.max(1) as f32;
     let whole = stage.body(mass, mean);
@@ -111,7 +110,6 @@ fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
 
 const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
-/// A bar of known length, under its name, because each mass has its own zero.
 fn bar(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses) {
         mark_at(stage, painter, stage.rest(mass), palette.weak);

@@ -24,7 +24,6 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Draws ground and masses; the largest force so far has the longest arrow \[m/s²\].
     pub(super) fn masses(&self, largest_force: f64) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
@@ -77,7 +76,6 @@ impl<'a> Scene<'a> {
         (0..self.stage.masses).flat_map(of_mass).collect()
     }
 
-    /// The belief of each filter on the state, with its estimates.
     pub(super) fn beliefs(&self) -> Vec<(Belief, &'a Estimates)> {
         self.filters(0).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates))).collect()
     }

@@ -5,7 +5,6 @@ use egui::{Rect, Vec2, pos2, vec2};
 use kalmanscope_core::channel::MAX_MASSES;
 use kalmanscope_core::{Channel, Record, Run};
 
-/// The largest motion and force so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Peak {
     /// Displacement of any mass \[m\].
@@ -17,7 +16,6 @@ pub(super) struct Peak {
 }
 
 impl Peak {
-    /// The largest values up to sample `k` of the true motion of `masses`.
     pub(super) fn up_to(record: &Record, masses: usize, k: usize) -> Self {
         let to = (k + 1).min(record.len());
         let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
@@ -97,7 +95,6 @@ fn reach_ratio(masses: usize) -> f32 {
 }
 
 impl Stage {
-    /// A stage for `masses`, on which each link stretches by `span` \[m\].
     pub(super) fn new(rect: Rect, masses: usize, span: f64) -> Self {
         let (width, height) = (rect.width(), rect.height());
         let unit = (height / 110.0).clamp(0.7, 2.0);

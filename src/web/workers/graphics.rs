@@ -115,7 +115,6 @@ impl State {
         self.ctx.request_repaint();
     }
 
-    /// Does without the worker from now on.
     fn lose(&mut self, reason: String) {
         log::warn!("The graphics processor is not used: {reason}");
         // Before it was ready, nothing has been lost.
@@ -127,7 +126,6 @@ impl State {
     }
 }
 
-/// Asks the browser for a graphics processor, or for a software adapter if that is accepted.
 async fn ask(software: bool) -> Result<(), String> {
     let navigator = web_sys::window().map(|window| JsValue::from(window.navigator())).unwrap_or_default();
     let gpu = get(&navigator, "gpu").filter(JsValue::is_object).ok_or("this browser has no WebGPU")?;

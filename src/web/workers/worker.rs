@@ -29,7 +29,6 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Starts a worker. The listener receives its messages, or the reason why it failed.
     pub(super) fn new(
         number: u32,
         program: Program,
@@ -94,30 +93,28 @@ const PIECES: usize = 8;
 const PORTION: f64 = 0.01;
 const MOST: usize = 512;
 
-/// A task that one worker does, or all of them, and the parts that have come.
 pub(super) struct WorkerTask {
-    /// No other task has the same.
     pub(super) number: u32,
     message: Array,
     left: Left,
     /// The workers that know the task, by number, each with the portions that it has.
     shares: Vec<(u32, usize)>,
     worker: Option<u32>,
-    /// The portions that a worker has at once.
     at_once: usize,
     come: Array,
     pub(super) is_over: bool,
     ctx: Context,
 }
 
-/// The parts that the page has not asked for yet.
 pub(super) enum Left {
-    /// This many samples.
     Samples(usize),
-    /// The outcome: the page asks for more until it comes.
     Outcome,
     /// Cells from a place in their order on, in portions of a size.
-    Cells { cells: Box<Cells>, next: usize, size: usize },
+    Cells {
+        cells: Box<Cells>,
+        next: usize,
+        size: usize,
+    },
 }
 
 impl Left {
@@ -160,7 +157,6 @@ impl WorkerTask {
         self.worker.is_none()
     }
 
-    /// Whether no worker has a portion of it.
     pub(super) fn rests(&self) -> bool {
         self.shares.iter().all(|(_, portions)| *portions == 0)
     }
@@ -173,7 +169,6 @@ impl WorkerTask {
         self.shares.iter().any(|(number, portions)| *number == worker.number && *portions > 0)
     }
 
-    /// Takes out the first part that has come. None comes once it is over.
     pub(super) fn next(&self) -> Option<JsValue> {
         Some(self.come.shift()).filter(|part| !part.is_undefined())
     }
@@ -182,7 +177,6 @@ impl WorkerTask {
         self.ctx.request_repaint();
     }
 
-    /// Asks a worker for more, if there is something to do.
     pub(super) fn feed(&mut self, worker: &Worker) {
         let number = worker.number;
         if self.is_over || !worker.is_ready || self.worker.is_some_and(|own| own != number) {
@@ -217,7 +211,6 @@ impl WorkerTask {
         if self.is_at(worker) { self.ctx.request_repaint_after(BETWEEN) } else { self.wake() }
     }
 
-    /// Ends it. Workers that have heard of it forget it.
     pub(super) fn end(&mut self, workers: &[Worker]) {
         if std::mem::replace(&mut self.is_over, true) {
             return;
