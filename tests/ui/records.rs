@@ -96,7 +96,7 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
         (b"\x7FELF\x01\x02\x03\x00\x00\x00", "the file is not text with columns of numbers"),
         (
             b"a,b\nc,d\n",
-            "there is no column of numbers in 2 line(s): commas, semicolons, tabs or blanks stand between those of a line",
+            "there is no column of numbers in 2 line(s): separate them by commas, semicolons, tabs or blanks",
         ),
         (b"PK\x03\x04...", "this is a ZIP; it is damaged or cut short"),
     ] {
@@ -335,7 +335,7 @@ fn irregular() -> Screen {
 #[test]
 fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
     let mut screen = irregular();
-    screen.get_by_label_contains("the filters take each reading at its own time");
+    screen.get_by_label_contains("the filters use each reading at its own time");
     screen.get_by_label("Part, band and rate").click();
     screen.run_steps(30);
     screen.get_by_label("at even steps").click();
