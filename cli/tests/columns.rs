@@ -59,13 +59,13 @@ fn forms_of_instruments_need_no_argument_and_others_are_named() {
                 .to_owned()
                 + &over_lines(1500, 9, whole)
                 + "\nCHK2    26294\n\nSTOP\n",
-            &["one series that runs on", "a step of 0.01 s", "column `velocity`: velocity"],
+            &["one series that continues", "a step of 0.01 s", "column `velocity`: velocity"],
         ),
         (
             "apart.asc",
             "DELTA: 1.000000e-02\nLENGTH: 1500\nCOMP: E\nCHAN1: H\nCHAN2: N\nSTATION: TOWR\n".to_owned()
                 + &over_lines(1500, 4, |k| format!("{:.6e}", decay(k))),
-            &["one series that runs on", "column `acceleration`: acceleration"],
+            &["one series that continues", "column `acceleration`: acceleration"],
         ),
         (
             "below.asc",
@@ -93,7 +93,7 @@ fn forms_of_instruments_need_no_argument_and_others_are_named() {
         (
             "base.csv",
             "t [s],Base displacement [mm],Mass displacement [mm]\n".to_owned() + &three(1500),
-            &["column `Base displacement`: left out: the ground moves", "column `Mass displacement`: displacement"],
+            &["column `Base displacement`: left out: of the ground's motions", "column `Mass displacement`: displacement"],
         ),
     ] {
         let (toml, said) = imported(&folder, name, &text);
@@ -174,7 +174,7 @@ fn a_scenario_takes_the_sensors_that_it_has() {
     let (_, table, said) = folder.call(&run);
     assert!(table.contains("measured: displacement\n"), "{table}");
     assert!(said.contains("left out: `other_velocity`, `speed`"), "{said}");
-    assert!(!said.contains("taken for zero"), "{said}");
+    assert!(!said.contains("counts as zero"), "{said}");
     let (_, _, said) = folder.call(&[&run[..], &["--no-input"]].concat());
-    assert!(said.contains("there is no column for the input; it is taken for zero"), "{said}");
+    assert!(said.contains("there is no column for the input; it counts as zero"), "{said}");
 }

@@ -78,7 +78,7 @@ fn accelerograms_have_their_channels_steps_and_units() {
     assert_eq!((table.line(0), table.line(5)), (5, 6));
     assert_eq!(table.form, "PEER (AT2): 1 series of 7 numbers, 0.01 s apart");
     let old = "PEER STRONG MOTION DATABASE\nVELOCITY TIME HISTORY IN UNITS OF CM/S\n    6    0.0200    NPTS, DT\n 1 2 3\n 4 5\n";
-    check(old, 5, &["time", "velocity [cm/s]"], &[], &["`velocity` has 5 numbers, but its header tells of 6"]);
+    check(old, 5, &["time", "velocity [cm/s]"], &[], &["`velocity` has 5 numbers, but its header says 6"]);
     let more = NEW.replace("NPTS=     7", "NPTS=     5");
     check(&more, 5, &["time", "acceleration"], &[], &["1 line(s) of numbers behind the last series"]);
 }
@@ -120,10 +120,10 @@ fn functions_of_time_are_columns_and_others_are_left_out() {
     let text =
         units.to_owned() + &set(1, 12, [2, 7, 1], numbers) + &spectrum + &set(1, 13, [4, 7, 1], &(forces + "\n"));
     let columns = ["time", "Beam acceleration 7 +Z [m/s^2]", "Beam force 7 +Z"];
-    let left = "`Beam acceleration 7 +Z` is a frequency response, no function of time; it is left out";
+    let left = "`Beam acceleration 7 +Z` is a frequency response, not a function of time; it is left out";
     check(&text, 7, &columns, &[(0, 2, 0.01), (1, 1, -2.0), (1, 6, 7.0), (2, 6, 6.25)], &[left]);
     let none = read(spectrum.as_bytes(), None).unwrap_err().to_string();
-    assert!(none.contains("is a frequency response, no function of time, and none"), "{none}");
+    assert!(none.contains("is a frequency response, not a function of time, like all"), "{none}");
     let pairs = "  0.00000e+00  1.00000e+00  1.00000e-01  2.00000e+00  2.50000e-01  3.00000e+00\n";
     let uneven = [(0, 1, 0.1), (0, 2, 0.25), (1, 2, 3.0)];
     check(&set(1, 8, [2, 3, 0], pairs), 3, &["time", "Beam displacement 7 +Z"], &uneven, &[]);
@@ -255,7 +255,7 @@ fn a_series_in_lines_of_numbers_is_one_column() {
         );
         assert_eq!(series.unit.as_deref(), unit, "{header}");
         assert!(step.is_none_or(|step| (table.columns[0].values[1] - step).abs() < 1e-12), "{header}");
-        assert!(table.remarks[0].contains("one series that runs on in the next line"), "{:?}", table.remarks);
+        assert!(table.remarks[0].contains("one series that continues in the next line"), "{:?}", table.remarks);
     }
 }
 

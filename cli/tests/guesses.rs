@@ -83,7 +83,7 @@ type Case = (&'static str, fn(u32) -> String, &'static [&'static str]);
 
 const STILL: &str = "its numbers never change";
 const COUNTER: &str = "it counts the rows";
-const UNIT: &str = "its unit is neither one of a motion nor of a force";
+const UNIT: &str = "its unit is that of neither a motion nor a force";
 const AXIS: &str = "another axis moves more";
 const TURNS: &str = "it turns, and another sensor moves along a line";
 

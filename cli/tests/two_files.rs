@@ -56,7 +56,7 @@ fn numbers_that_are_no_readings_are_not_moved_into_others() {
         .collect();
     folder.file("sensor.csv", &sensor);
     let (_, said) = folder.succeeds(&[&IMPORT[..], &["--offset", "2.5"]].concat());
-    assert!(said.contains("-9999 in 78 cells of `displacement` is taken for missing"), "{said}");
+    assert!(said.contains("-9999 in 78 cells of `displacement` counts as missing"), "{said}");
     let text = folder.read("both.csv");
     let readings = text.lines().skip(1).filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok());
     let largest = readings.map(f64::abs).fold(0.0, f64::max);

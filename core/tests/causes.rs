@@ -349,7 +349,7 @@ fn an_input_that_stops_is_named_and_nothing_is_turned_for_it() {
         let first = &judged(&scenario, &with_input(&whole, values)).1[0];
         assert_eq!((keys(first), first.edits.len()), (vec!["still_input"], 0), "seed {seed}");
         let sentence = &first.first.sentence;
-        assert!(sentence.starts_with("the input stands still from 22 s on, where "), "{sentence}");
+        assert!(sentence.starts_with("the input is constant from 22 s on, where "), "{sentence}");
     }
 }
 

@@ -132,7 +132,7 @@ fn what_is_no_free_decay_is_said() {
     assert!(matches!(Decay::of(&few.readings()), Err(NoDecay::TooFew { .. })));
     let cut = Phone { seconds: 3.0, ..USUAL };
     let error = Decay::of(&cut.readings()).expect_err("it is cut off").to_string();
-    assert!(error.contains("swung freely for"), "{error}");
+    assert!(error.contains("the free motion lasted only"), "{error}");
     assert!(Decay::of(&[]).is_err() && Decay::of(&[[f64::NAN; 4]; 500]).is_err());
     let same = [[1.0, 2.0, 3.0, 4.0]; 500];
     assert!(matches!(Decay::of(&same), Err(NoDecay::TooFew(1, ..))));
@@ -205,7 +205,7 @@ fn a_decay_is_told_in_the_words_of_a_hall() {
     let story = told(&run);
     // T = 2π / 6, t½ = ln 2 / 0.06, Q = 50, δ = 2π 0.01.
     for (before, expected) in
-        [("swings once in ", 1.0473), (", and in ", 11.552), ("Q = ", 50.0), ("logarithmic decrement ", 0.06283)]
+        [("period is ", 1.0473), ("halves in ", 11.552), ("Q = ", 50.0), ("logarithmic decrement ", 0.06283)]
     {
         let words = story.split_once(before).unwrap_or_else(|| panic!("{story}")).1;
         let mut numbers = words.split([' ', ',']).filter(|word| *word != "±").map(|word| word.trim_end_matches('.'));
@@ -305,7 +305,7 @@ fn pitch_and_damping_are_found_from_what_was_struck() {
             let name = format!("seed {seed}, {frequency} Hz: {found:?} {ring:?}");
             count_inside(&mut inside, found, [TAU * frequency, damping], &name);
             count += 1;
-            believed += i32::from(told(&run).contains("Both can be believed"));
+            believed += i32::from(told(&run).contains("Trust both"));
         }
     }
     println!("inside ±2σ: {inside:?} of {count}, {believed} believed");
@@ -350,7 +350,7 @@ fn long_steps_that_make_a_band_too_narrow_are_said() {
         );
         told(&finished(&Scenario::from_toml(&text).expect("a scenario")))
     };
-    let said = "may claim more than it knows: the motion turns by more than 30° in a step";
+    let said = "its band may be too narrow: the motion turns by more than 30° in a step";
     assert!(story(1).contains(said), "{}", story(1));
     assert!(!story(6).contains(said), "{}", story(6));
 }

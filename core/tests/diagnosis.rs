@@ -150,7 +150,7 @@ fn what_a_filter_has_recovered_from_is_said() {
         told.extend(recovery.map(|one| one.sentence));
     }
     assert_eq!(told.len(), 3);
-    assert!(told.iter().all(|sentence| sentence.contains("times its σ off")), "{told:#?}");
+    assert!(told.iter().all(|sentence| sentence.contains("is off by")), "{told:#?}");
 }
 
 const WINDOW: usize = 2000;

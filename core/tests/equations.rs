@@ -172,11 +172,11 @@ fn a_fault_is_said_with_its_character_and_what_is_allowed() {
             "x' + x = f",
             "`x'` is a velocity, and no equation has the acceleration `x''`, at character 1 (▶): ▶x' + x = f",
         ),
-        ("x'' + y'' = f", "masses are x, or x1 to x10: `y''` is none, at character 7 (▶): x'' + ▶y'' = f"),
+        ("x'' + y'' = f", "masses are x, or x1 to x10: `y''` is not one, at character 7 (▶): x'' + ▶y'' = f"),
         ("x2'' + x2 = f", "`x2` lacks the masses before it, at character 1 (▶): ▶x2'' + x2 = f"),
         ("x'' + z = f; z' = x'; x'' = 0", "there are 3 equations for 2 components that move, at character 1 (▶)"),
         ("x1'' + x2'' = f; x2'' = x1", "this equation has the highest derivatives of two components"),
-        ("x''^2 = f", "the highest derivative stands in a product or a function of itself"),
+        ("x''^2 = f", "the highest derivative is in a product or a function of itself"),
         (
             "m x'' + k x = f",
             "f is the force over mass, and its factor is a number: write `m f` beside `m x''`, or divide by m",
@@ -184,8 +184,8 @@ fn a_fault_is_said_with_its_character_and_what_is_allowed() {
         ("x'' + k x = f; z' = 1; z' = 2", "there are 3 equations for 2 components that move"),
         ("x'' + x''' = f", "`x` has at most two primes"),
         ("x'' + initial x = f", "`initial` cannot be a name"),
-        ("x'' + input_gain x = f", "`input_gain` cannot be a name: an augmentation is called so"),
-        ("x'' + velocity x = f", "`velocity` means the velocity already"),
+        ("x'' + input_gain x = f", "`input_gain` cannot be a name: an augmentation has that name"),
+        ("x'' + velocity x = f", "`velocity` already means the velocity"),
         ("x'' + a x = sin(f'; 2)", "f is the force over mass"),
     ] {
         let error = refused(text);

@@ -226,7 +226,7 @@ fn what_cannot_be_taken_in_is_refused_in_words_and_changes_nothing() {
     for (time, input, readings, words) in [
         (NONE, 1.0, vec![0.0, 0.0], "the time is NaN"),
         (f64::INFINITY, 1.0, vec![0.0, 0.0], "the time is inf"),
-        (0.5, 1.0, vec![0.0, 0.0], "it comes too late"),
+        (0.5, 1.0, vec![0.0, 0.0], "which is too late"),
         (1e9, 1.0, vec![0.0, 0.0], "begin a new filter"),
         (1.0, f64::NEG_INFINITY, vec![0.0, 0.0], "the input is -inf"),
         (1.0, 1.0, vec![0.0], "there are 1 readings, but the scenario has 2 sensors"),

@@ -52,7 +52,7 @@ fn irregular_times_are_kept() {
             wanted.push(wanted[wanted.len() - 1] + (wait as usize).clamp(1, 99));
         }
         let Imported { record, remarks, .. } = import(&text(seed, &wanted), false);
-        assert!(remarks[0].starts_with("the times are irregular: the filters take each reading"), "{remarks:?}");
+        assert!(remarks[0].starts_with("the times are irregular: the filters use each reading"), "{remarks:?}");
         let clocks = record.clocks().expect("it has times");
         let kept = wanted.iter().filter(|k| {
             let step = (**k as f64 * 1e-3 - record.time(0)) / record.dt();
@@ -309,7 +309,7 @@ fn a_course_that_the_readings_do_not_tell_stays_linear() {
     let (suggestion, _) = suggested(&simulated_slowly(400.0, 2000, 3));
     let Suggestion { scenario, reasons, .. } = &suggestion;
     assert_eq!((scenario.hold, scenario.record.as_ref().unwrap().interpolate), (Hold::First, 1));
-    assert!(reasons.iter().any(|reason| reason.contains("is taken for linear between samples")), "{reasons:?}");
+    assert!(reasons.iter().any(|reason| reason.contains("input is linear between samples")), "{reasons:?}");
 }
 
 /// This includes a record whose columns have no meaning.

@@ -188,7 +188,7 @@ fn a_diverging_plant_ends_the_record_with_a_reason() {
     let run = checked(&scenario);
     let TruthStop { sample, reason } = run.truth_stop().unwrap();
     assert!([Channel::DISPLACEMENT, Channel::VELOCITY].map(TruthError::Channel).contains(&reason), "{reason:?}");
-    assert!(reason.to_string().contains("run away"));
+    assert!(reason.to_string().contains("plant is unstable"));
     assert_eq!((sample, sample), (run.len(), run.samples()));
     assert!(sample < scenario.samples());
 }

@@ -242,6 +242,6 @@ fn substeps_are_those_of_a_finer_record() {
 fn an_impossible_number_of_substeps_is_named() {
     let mut scenario = divided("ekf", 1);
     scenario.filters[0].substeps = 101;
-    let said = "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as its error asks for)";
+    let said = "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as accuracy needs)";
     assert_eq!(scenario.validate().unwrap_err().to_string(), said);
 }

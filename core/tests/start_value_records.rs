@@ -147,7 +147,7 @@ fn an_accelerometer_beside_a_displacement_leaves_it_right() {
     {
         let end = end(&building(rate, both, kind, seed), 0);
         assert_right(&end, 3.0, &format!("{rate} Hz {kind:?}"));
-        assert!(end.reasons.contains("the filters do without the acceleration"), "{}", end.reasons);
+        assert!(end.reasons.contains("the filters ignore the acceleration"), "{}", end.reasons);
     }
 }
 

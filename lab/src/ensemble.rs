@@ -37,7 +37,7 @@ pub enum EnsembleError {
     #[error("two axes vary `{0}`")]
     Repeated(String),
     /// A measure is no number of a single filter's run.
-    #[error("`{0}` is no number of one filter's run by itself, which a cell has")]
+    #[error("a cell has one run of one filter, and `{0}` is not a number of that")]
     Measure(Measure),
     /// There are too many cells.
     #[error("the axes have {0} cells, but there may be at most {MAX_CELLS}")]
@@ -469,7 +469,7 @@ mod tests {
         for word in ["remark", "probability"] {
             let plan = Plan { filters: vec![0], measures: vec![word.parse().unwrap()], ..Plan::default() };
             let error = Ensemble::new(Scenario::default(), plan).unwrap_err().to_string();
-            assert_eq!(error, format!("`{word}` is no number of one filter's run by itself, which a cell has"));
+            assert_eq!(error, format!("a cell has one run of one filter, and `{word}` is not a number of that"));
         }
         let plan = Plan { filters: vec![2], ..Plan::default() };
         assert!(Ensemble::new(Scenario::default(), plan).unwrap_err().to_string().contains("no filter number 3"));

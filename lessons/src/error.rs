@@ -27,7 +27,7 @@ pub enum LessonError {
     #[error("the scenario has no sensor for {}", .0.key())]
     UnknownSensor(Quantity),
     /// An axis of a map or of a check's cells is none.
-    #[error("`{0}` is not an axis: write KEY=FROM:TO:COUNT with 2 to 256 values, and :log behind it for equal ratios")]
+    #[error("`{0}` is not an axis: write KEY=FROM:TO:COUNT with 2 to 256 values, and :log for equal ratios")]
     Axis(String),
     /// A check lacks a setting or a limit.
     #[error("the check of `{measure}` {trouble}")]

@@ -59,10 +59,10 @@ impl<'a> Told<'a> {
             let kind = self.kind(*id);
             for (words, allowed) in [
                 ("does not know it", &[VerdictKind::Overconfident][..]),
-                ("more than it knows", &[VerdictKind::Overconfident]),
-                ("more than it claims", &[VerdictKind::Underconfident]),
-                ("its band says so", &[VerdictKind::Consistent, VerdictKind::Recovered]),
-                ("its band is right", &[VerdictKind::Consistent, VerdictKind::Recovered]),
+                ("band is too narrow", &[VerdictKind::Overconfident]),
+                ("band is too wide", &[VerdictKind::Underconfident]),
+                ("but inside its ±2σ band", &[VerdictKind::Consistent, VerdictKind::Recovered]),
+                ("its band covers it", &[VerdictKind::Consistent, VerdictKind::Recovered]),
                 ("does not determine", &[VerdictKind::NotIdentifiable]),
                 ("leaves a pattern", &[VerdictKind::PatternLeft]),
                 ("is lost", &[VerdictKind::Lost]),
@@ -75,12 +75,12 @@ impl<'a> Told<'a> {
         }
         let last = story.sentences.last().expect("it has sentences");
         let words: String = last.iter().map(Phrase::to_string).collect();
-        let is_of_all = words.starts_with("Both can") || words.starts_with("All ");
+        let is_of_all = words.starts_with("Trust both") || words.starts_with("Trust all ");
         let is_named =
             |id: u32| last.iter().any(|phrase| matches!(phrase, Phrase::Filter { id: named, .. } if *named == id));
-        let advises = is_of_all || words.starts_with("Believe ");
+        let advises = words.starts_with("Trust ") && !words.starts_with("Trust n");
         let honest = |kind: VerdictKind| kind.is_good() || kind == VerdictKind::NotIdentifiable;
-        let behind_a_band = text.contains("as they are behind a band").then_some(VerdictKind::Underconfident);
+        let behind_a_band = text.contains("because the import filters them").then_some(VerdictKind::Underconfident);
         for filter in scenario.filters.iter().filter(|filter| advises && (is_of_all || is_named(filter.id))) {
             let kind = self.kind(filter.id);
             if !kind.is_some_and(honest) && (kind.is_none() || kind != behind_a_band) {

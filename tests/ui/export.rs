@@ -88,7 +88,7 @@ fn the_report_has_the_story_the_verdicts_and_the_figures() {
     let file = exported(&mut screen, &files, "Report (HTML)");
     assert_eq!((file.name.as_str(), file.kind), ("report.html", "text/html"));
     let page = text(file);
-    for part in ["A linear oscillator with", "nothing about it changes", "kalmanscope-cli run"] {
+    for part in ["A linear oscillator with", "its parameters stay constant", "kalmanscope-cli run"] {
         assert!(page.contains(part), "no {part}");
     }
     // Oscillator, parameters, states; innovations and predictions.

@@ -328,7 +328,7 @@ fn irregular() -> Screen {
 #[test]
 fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
     let mut screen = irregular();
-    screen.get_by_label_contains("the filters take each reading at its own time");
+    screen.get_by_label_contains("the filters use each reading at its own time");
     screen.get_by_label("at even steps").click();
     screen.run_steps(30);
     screen.get_by_label_contains("even steps of");

@@ -28,7 +28,7 @@ fn the_first_screen_says_what_happens_and_which_filter_to_believe() {
         assert!(text.contains(
             "plain EKF, which forgets nothing (λ = 1.000), is still 1.4 % off, and does not know it (overconfident)."
         ));
-        assert!(text.ends_with("Believe fading EKF."), "{text}");
+        assert!(text.ends_with("Trust fading EKF."), "{text}");
     }
 }
 
@@ -53,7 +53,7 @@ fn a_change_is_compared_with_what_was_before() {
     screen.run_steps(10);
     assert_eq!(scenario(&screen).filters[1].fading, 1.01);
     let text = story(&screen);
-    assert!(text.contains("Before (plain EKF λ = 1), the error of ωₙ by plain EKF was "), "{text}");
+    assert!(text.contains("With λ = 1, the error of plain EKF in ωₙ was "), "{text}");
 }
 
 #[test]

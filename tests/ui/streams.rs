@@ -91,7 +91,7 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     // A reading that goes back is refused in a sentence, and nothing else changes.
     readings.put(&[StreamRow { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
     screen.run_steps(3);
-    screen.get_by_label_contains("it comes too late");
+    screen.get_by_label_contains("which is too late");
     readings.end(&screen.ctx);
     screen.run_steps(3);
     screen.get_by_label_contains("The source has ended.");

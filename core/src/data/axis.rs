@@ -50,7 +50,7 @@ pub enum AxisError {
     #[error("the logarithmic axis of `{0}` must have ends above zero")]
     NotPositive(String),
     /// The text is not an axis.
-    #[error("`{0}` is not an axis: write KEY=FROM:TO:COUNT, and :log behind it for equal ratios")]
+    #[error("`{0}` is not an axis: write KEY=FROM:TO:COUNT, and add :log for equal ratios")]
     Syntax(String),
 }
 

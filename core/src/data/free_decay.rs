@@ -55,10 +55,10 @@ pub enum NoDecay {
     #[error("there are {0} readings over {1:.2} s, but at least {MOST_FEW} over {2:.2} s are needed")]
     TooFew(usize, f64, f64),
     /// Nothing moved: the largest reading over the noise, and the noise \[m/s²\].
-    #[error("nothing swung: the largest reading is {0:.1} times the noise, which is {1:.3} m/s²")]
+    #[error("nothing moved: the largest reading is {0:.1} times the noise of {1:.3} m/s²")]
     Still(f64, f64),
     /// A hand or a force moved it during the swing: the length of the longest free decay, and the length that it has at least \[s\].
-    #[error("it swung freely for {0:.2} s only, but at least {1:.2} s are needed: pull it and let go")]
+    #[error("the free motion lasted only {0:.2} s, but at least {1:.2} s are needed: pull it and let go")]
     Short(f64, f64),
 }
 

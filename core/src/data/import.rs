@@ -89,12 +89,10 @@ pub enum ImportError {
     #[error("this sound cannot be read: {0}; save it as WAV with whole numbers or floats")]
     Sound(String),
     /// No column has numbers.
-    #[error(
-        "there is no column of numbers in {0} line(s): commas, semicolons, tabs or blanks stand between those of a line"
-    )]
+    #[error("there is no column of numbers in {0} line(s): separate them by commas, semicolons, tabs or blanks")]
     NoNumbers(usize),
     /// No series of the file is one of readings; of the first one the reason, and the number of all.
-    #[error("{0}, and none of the {1} function(s) of this file is one: export the readings over time")]
+    #[error("{0}, like all {1} function(s) of this file: export the readings over time")]
     NoRecord(String, usize),
     /// There are too many columns: a line of the file, counted from 1, and the number of its cells.
     #[error("line {0} has {1} cells, but at most {most} columns can be read", most = MOST_COLUMNS)]
@@ -127,7 +125,7 @@ pub enum ImportError {
     #[error("no column is chosen for a sensor")]
     NoSensor,
     /// There is no motion in a sensor's readings.
-    #[error("all readings of the {0} are the same: there is no motion to make start values of")]
+    #[error("all readings of the {0} are the same: there is no motion for start values")]
     Still(String),
     /// A setting is impossible.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 //! ```text
 //! Scenario ──happening──▶ "At 8 s the spring loses 36 % of its stiffness."
 //! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF is still 1.4 % off, and does not know it (overconfident)."
-//! Verdicts ──belief──▶ "Believe fading EKF."
+//! Verdicts ──belief──▶ "Trust fading EKF."
 //! ```
 //!
 //! Every number is a result of the run or a setting of its scenario, and no sentence contradicts a verdict.

@@ -243,7 +243,7 @@ static EKF: FilterInfo = LINEARISED;
 static KF: FilterInfo = FilterInfo {
     key: "kf",
     name: "KF",
-    description: "takes the parameters for known; optimal on a linear plant",
+    description: "assumes known parameters; optimal on a linear plant",
     reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
     ..LINEARISED
 };
@@ -251,7 +251,7 @@ static KF: FilterInfo = FilterInfo {
 static IEKF: FilterInfo = FilterInfo {
     key: "iekf",
     name: "IEKF",
-    description: "linearises the sensors again where the update leads, by Gauss-Newton",
+    description: "linearises the sensors again at the updated mean, by Gauss-Newton",
     reference: "Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method",
     time: |settings, n| settings.iterations.max(1) as f64 * time_of_linearised(n),
     algorithm: Algorithm::Gaussian(|settings, _| Method::Linearised(settings.propagation, settings.iterations)),
@@ -286,7 +286,7 @@ static CKF: FilterInfo = FilterInfo {
 static SR_UKF: FilterInfo = FilterInfo {
     key: "sr_ukf",
     name: "SR-UKF",
-    description: "a UKF on the root of its covariance, which no rounding makes indefinite",
+    description: "a UKF on the square root of its covariance, which rounding cannot make indefinite",
     reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
     algorithm: Algorithm::Gaussian(|_, _| Method::SquareRoot(Rule::UNSCENTED)),
     ..SIGMA_POINTS

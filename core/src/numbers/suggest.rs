@@ -120,7 +120,7 @@ impl Suggestion {
             let own = record.clocks().and_then(|clocks| noise(&clocks.readings[column]));
             let own = own.filter(|own| floor.is_none_or(|floor| *own < floor));
             let why = if own.is_some() {
-                "what is left of its readings in differences over their times, in which a motion is next to nothing"
+                "from differences of successive readings, in which the motion nearly cancels"
             } else {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
@@ -189,12 +189,12 @@ impl Suggestion {
         let place = self.scenario.sensor_place(quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
         let [low, high] = spectra::passed(self.scenario.record.as_ref(), dt);
-        let (share, mut nearby, mut why) = (high - low, 1.0, "what the free decay leaves".to_owned());
+        let (share, mut nearby, mut why) = (high - low, 1.0, "the rest beside the free decay".to_owned());
         if share <= WHOLE {
             // Where a filter of the import has been, noise has colours, and its density about the decay counts.
             nearby = decay.nearby.max(1.0);
             why = format!(
-                "{why}, at the density that it has in the band; innovations have {:.0} % of its power, which moves no parameter",
+                "{why}, with its density in the band; innovations have {:.0} % of its power, which is harmless",
                 100.0 * share / nearby
             );
         }
@@ -246,7 +246,7 @@ impl Suggestion {
     fn process_noise(&mut self, share: f64) {
         set_share(&mut self.scenario, share);
         self.reasons.push(format!(
-            "Q of the motion: {} of its size a step, the most likely of {} that were tried",
+            "Q of the motion: {} of its size a step, the likeliest of {} trials",
             if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") },
             SHARES.len()
         ));
@@ -293,8 +293,8 @@ impl Suggestion {
         let errors: Vec<f64> = mapped(before, &|error| surprise * error);
         self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
-            "R as large as the innovations of a filter that takes the error of its free run for noise, and no Q of the motion: the model is not quite right, and its \
-             free run then errs {:.0} % less",
+            "R as large as the errors of a free run, and no Q of the motion: the model is not quite right, and the \
+             error of its free run is {:.0} % smaller then",
             100.0 * (1.0 - mean)
         ));
     }

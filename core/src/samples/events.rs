@@ -387,7 +387,7 @@ pub enum EventError {
     #[error("the time is {0}, but must be a finite number of seconds")]
     Time(f64),
     /// It comes later than the filter keeps its beliefs.
-    #[error("the time is {time} s, but what was before {oldest} s is no longer kept: it comes too late")]
+    #[error("the time is {time} s, which is too late: nothing before {oldest} s is kept")]
     TooLate {
         /// The time \[s\].
         time: f64,

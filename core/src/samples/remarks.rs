@@ -14,7 +14,7 @@ pub enum Trouble {
     /// A standard deviation exceeds a thousand times the larger of its initial and its usual value. The usual value of
     /// a motion is scaled with the noise of the best sensor.
     #[error(
-        "the covariance winds up: the filter forgets what it knew of the {} faster than the sensors tell it anew",
+        "the covariance winds up: the filter forgets the {} faster than it learns it",
         .0.name()
     )]
     WindUp(Channel),
@@ -25,7 +25,7 @@ pub enum Trouble {
     #[error("the sensor for {} delivers nothing", .0.key())]
     Missing(Quantity),
     /// The filter's plant lacks the quantity that the sensor measures.
-    #[error("the filter's plant has no {}, so that its sensor is ignored", .0.key())]
+    #[error("the filter ignores the sensor for {}: its plant has none", .0.key())]
     Unknown(Quantity),
     /// The record's readings have times of their own, and this option counts in samples.
     #[error("each reading counts at the sample after it, not at its own time, because the filter has {0}")]
@@ -37,25 +37,25 @@ pub enum Trouble {
     #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
     Collapse,
     /// The filter has jumped ([`FilterSettings::jump`]).
-    #[error("its innovations grew at once, and it let its parameters move")]
+    #[error("its innovations grew suddenly, and it let its parameters change")]
     Widened,
     /// R has learnt a standard deviation a thousandth of the initial one.
-    #[error("the noise that the filter learns for the sensor for {} runs to zero", .0.key())]
+    #[error("the learnt noise of the sensor for {} goes to zero", .0.key())]
     VanishingSensorNoise(Quantity),
     /// R has learnt a standard deviation a thousand times the initial one.
-    #[error("the noise that the filter learns for the sensor for {} runs away", .0.key())]
+    #[error("the learnt noise of the sensor for {} grows without limit", .0.key())]
     GrowingSensorNoise(Quantity),
     /// Q may be beyond the scales of it that the filter has ([`FilterSettings::process_scales`]), for 200 samples or more.
     #[error(
-        "the process noise may be beyond the scales of Q that the filter has: from 1/{0} to {0} times √Q",
+        "the process noise may be outside the filter's scales of Q: from 1/{0} to {0} times √Q",
         noise_scale::REACH
     )]
     ScaleAtEnd,
     /// Q has learnt a standard deviation a thousandth of the initial one.
-    #[error("the process noise that the filter learns for the {} runs to zero", .0.name())]
+    #[error("the learnt process noise of the {} goes to zero", .0.name())]
     VanishingProcessNoise(Channel),
     /// Q has learnt a standard deviation a thousand times the initial one.
-    #[error("the process noise that the filter learns for the {} runs away", .0.name())]
+    #[error("the learnt process noise of the {} grows without limit", .0.name())]
     GrowingProcessNoise(Channel),
 }
 

@@ -20,7 +20,7 @@ use response::{HALVED, Response};
 #[non_exhaustive]
 pub enum TruthError {
     /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
-    #[error("the true {} is no longer a finite number: the plant has run away", .0.name())]
+    #[error("the true {} is no longer a finite number: the plant is unstable", .0.name())]
     Channel(Channel),
     /// The force and the disturbance overflow.
     #[error("the force is no longer a finite number")]
@@ -29,7 +29,7 @@ pub enum TruthError {
     #[error("the sensor for {} no longer reads a finite number", .0.key())]
     Reading(Quantity),
     /// The plant oscillates too fast to be integrated between two samples.
-    #[error("the plant swings too fast to be followed from one sample to the next: dt is too long for it")]
+    #[error("the plant moves too fast between two samples: dt is too long for it")]
     StepTooLong,
 }
 

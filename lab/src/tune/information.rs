@@ -144,7 +144,7 @@ impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoBetter => f.write_str("No values are better than the present ones."),
-            Self::Flat(key) => write!(f, "The record hardly tells {key}: half and twice the value are as good."),
+            Self::Flat(key) => write!(f, "The record hardly determines {key}: half and twice the value are as good."),
             Self::Edge(key) => {
                 write!(f, "The best value of {key} is at an end of its range: widen the range, or doubt the model.")
             }
@@ -156,7 +156,7 @@ impl fmt::Display for Remark {
                 };
                 write!(
                     f,
-                    "{goal} is best for a filter whose verdict is “{}”: the model lacks something that no Q or R mends.",
+                    "{goal} is best for a filter whose verdict is “{}”: no Q or R replaces what the model lacks.",
                     verdict.name()
                 )
             }

@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
                 remarks.extend((table.rate == Some(rate)).then(|| format!("the file says {rate} samples a second")));
                 match counted(table, mapping, rate) {
                     Some((name, times)) => {
-                        remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
+                        remarks.push(format!("`{name}` counts the samples: numbers that it skips are missing rows"));
                         Timing::of_times(&times, &name, |row| table.line(row))?
                     }
                     None => Timing::of_rate(rate, table.rows())?,
@@ -185,7 +185,7 @@ impl<'a> Builder<'a> {
 
     fn input(&mut self) -> Result<Vec<f64>, ImportError> {
         let Some(mapped) = &self.mapping.input else {
-            self.remarks.push("there is no column for the input; it is taken for zero".to_owned());
+            self.remarks.push("there is no column for the input; it counts as zero".to_owned());
             return Ok(vec![0.0; self.conditioning().steps().count]);
         };
         let (mut values, remarks) = self.mapped(mapped)?;
@@ -193,7 +193,7 @@ impl<'a> Builder<'a> {
         let (hold, steps) = (self.hold, self.conditioning().steps());
         if let Some(own) = self.own.as_mut().filter(|_| self.is_kept) {
             let Some(values) = own.input(mapped, hold, steps) else {
-                self.remarks.push("the input is missing in all rows; it is taken for zero".to_owned());
+                self.remarks.push("the input is missing in all rows; it counts as zero".to_owned());
                 return Ok(vec![0.0; steps.count]);
             };
             let count = own.empty(&mapped.column);
@@ -384,7 +384,7 @@ pub(super) mod tests {
         assert_eq!((said.remarks.len(), said.record.dt()), (0, 10.0));
         assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);
         let unknown = import(text, |mapping| mapping.time.unit = "ticks".to_owned()).unwrap().remarks;
-        assert!(unknown[0].contains("`ticks` is no known unit of time"), "{unknown:?}");
+        assert!(unknown[0].contains("`ticks` is not a known unit of time"), "{unknown:?}");
     }
 
     #[test]

@@ -109,7 +109,7 @@ pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Opti
         return Err(MappingError { key, value, allowed }.into());
     }
     Ok(Some(format!(
-        "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"
+        "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it removes nothing"
     )))
 }
 
@@ -202,7 +202,7 @@ impl Table {
             let cells = column.values.iter_mut().filter(|value| **value == number);
             let count = cells.map(|value| *value = f64::NAN).count();
             if count > 0 {
-                let remark = format!("{number} in {count} cells of `{}` is taken for missing", column.name);
+                let remark = format!("{number} in {count} cells of `{}` counts as missing", column.name);
                 with_gaps.remarks.push(remark);
             }
         }

@@ -191,7 +191,7 @@ impl SeriesReader {
                 continue;
             }
             if let Some(count) = series.count.filter(|count| *count != values.len()) {
-                remarks.push(format!("`{name}` has {} numbers, but its header tells of {count}", values.len()));
+                remarks.push(format!("`{name}` has {} numbers, but its header says {count}", values.len()));
             }
             let missing = values.iter().filter(|value| value.is_nan()).count();
             if missing > 0 {

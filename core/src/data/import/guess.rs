@@ -45,11 +45,11 @@ impl ColumnGuess {
 
 const BY_SHAPE: &str = "its numbers rise evenly";
 const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
-const OTHERS_TOO: &str = "it may be the input, but others may be too: name it, if one is";
+const OTHERS_TOO: &str = "several columns may be the input: choose it, if there is one";
 const LOST: &str = "another column has that meaning already";
 const COUNTER: &str = "it counts the rows";
 const STILL: &str = "its numbers never change";
-const UNIT: &str = "its unit is neither one of a motion nor of a force";
+const UNIT: &str = "its unit is that of neither a motion nor a force";
 const CLOCK: &str = "it has the times of other columns";
 const LONG: &str = "another column names the channel of each row: give each channel a column of its own";
 
@@ -68,7 +68,7 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     }
     let is_acceleration = |text: &str| unit(text).is_none_or(|(of, _)| of == Dimension::Acceleration);
     if role == Some(Role::Input(InputKind::GroundAcceleration)) && !column.unit.as_deref().is_none_or(is_acceleration) {
-        return Some("the ground moves the oscillator by its acceleration, and this is another motion of it");
+        return Some("of the ground's motions, only the acceleration can be the input");
     }
     let is_other = has_word(name, OTHERS) || has_word(name, "wind") && role != Some(Role::Input(InputKind::Force));
     (Quantity::from_key(name).is_none() && is_other).then_some("its name says that it is something else")

@@ -33,7 +33,7 @@ pub(super) fn mend(mut table: Table) -> Table {
         table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
         table
             .remarks
-            .push(format!("the times in `{name}` fall, the newest first: the rows are read from the last one up"));
+            .push(format!("the times in `{name}` fall, the newest first: the rows are read from last to first"));
     }
     for &place in &named {
         let column = &mut table.columns[place];
@@ -44,7 +44,7 @@ pub(super) fn mend(mut table: Table) -> Table {
         if let Some((row, range)) = turned.filter(|_| seldom_falls(&times)) {
             column.values = times;
             let (name, line) = (column.name.clone(), table.line(row));
-            table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times go on from there"));
+            table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times continue from there"));
         }
     }
     let midnight = |before: f64, now: f64| (now < before - 0.5 * DAY).then_some(DAY);
@@ -100,7 +100,7 @@ fn without_first_rows(table: Table) -> Table {
     let mut kept = table.of_rows((rows..table.rows()).map(|row| vec![row]));
     kept.rate = begins.then_some(rate).or(kept.rate);
     kept.remarks.push(if begins {
-        format!("the first {rows} rows are a time, the start, and {rate}, the samples a second: so they are read")
+        format!("the first {rows} rows are the start time and the sample rate, {rate} samples a second")
     } else {
         format!("the numbers of the first {rows} row(s) are far from all others: these rows are left out")
     });
@@ -178,7 +178,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
             for &k in &backward {
                 let shift = times[rows[k - 1]] + step - times[rows[k]];
                 said.push(format!(
-                    "the clock `{name}` is set back by {:.3} of its unit in line {}: from there on the times go on with a usual step",
+                    "the clock `{name}` is set back by {:.3} of its unit in line {}: the times continue by a usual step",
                     shift,
                     line(k)
                 ));
@@ -190,7 +190,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
     if groups.len() < rows.len() {
         let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
         said.push(format!(
-            "{} rows have the time of the row before them, the first is line {}: of their cells the last reading counts",
+            "{} rows have the time of the row before them, the first is line {}: their last reading counts",
             rows.len() - groups.len(),
             table.line(first)
         ));

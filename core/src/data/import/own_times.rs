@@ -191,12 +191,12 @@ pub(super) fn on_one_clock(
         let (seconds, dt, fast) = (steps.seconds(), steps.dt, &table.columns[parts[fast].0].name);
         format!(
             "the clocks {names} have {seconds:.3} s in common, at the steps of the clock `{fast}`, {dt} s apart; the readings of others, \
-             and all with uneven times, go to the nearest step"
+             and all with uneven times, move to the nearest step"
         )
     } else {
         format!(
-            "the columns have clocks of their own, {names}: the filters take each reading at its own time, and tell what they know at the \
-             steps of the fastest one"
+            "each column has its own clock, {names}: the filters use each reading at its own time, and report at the \
+             steps of the fastest clock"
         )
     });
     let is_even = all[fast].0.timing.is_even();

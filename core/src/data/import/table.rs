@@ -361,8 +361,8 @@ impl RowsReader {
         columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
         let late = (grouped.count > 0 && doubtful.count > 0 && !dialect.thousands).then(|| {
             format!(
-                "line {} has thousands apart, but line {} has a point that was taken for a decimal one, as the first lines \
-                 have no thousands: state `thousands = true` in the dialect",
+                "line {} has thousands apart, but the point in line {} counts as a decimal one, because the first \
+                 lines have no thousands: state `thousands = true` in the dialect",
                 grouped.first, doubtful.first
             )
         });

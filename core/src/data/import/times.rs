@@ -76,7 +76,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
             size
         }
         known => {
-            remarks.push(format!("`{text}` is no known unit of time: the times are taken for seconds"));
+            remarks.push(format!("`{text}` is not a known unit of time: the times count as seconds"));
             known.map_or(1.0, |(_, size)| size)
         }
     };
@@ -269,10 +269,10 @@ impl Timing {
         let dt = rounded(self.dt);
         match self.places {
             Places::Times(_) => format!(
-                "the times are irregular: the filters take each reading at its own time, and tell what they know at steps of {dt} s"
+                "the times are irregular: the filters use each reading at its own time, and report at steps of {dt} s"
             ),
             _ => format!(
-                "the times are off by up to {:.0} % of a step of {dt} s: the filters take each reading at its own time",
+                "the times are off by up to {:.0} % of a step of {dt} s: the filters use each reading at its own time",
                 100.0 * self.worst
             ),
         }

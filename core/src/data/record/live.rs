@@ -265,10 +265,10 @@ pub enum LiveError {
     #[error("a reading, the input or the time is no finite number")]
     Infinite,
     /// Its sample is complete: its time, and that of the last complete sample \[s\].
-    #[error("the time is {0} s, but what was until {1} s is complete: it comes too late")]
+    #[error("the time is {0} s, which is too late: the record is complete until {1} s")]
     TooLate(f64, f64),
     /// The clock stands still, or is far too slow, while readings come.
-    #[error("{} readings of a sensor wait for their samples: the clock hardly goes on", LiveRecord::MOST_WAITING)]
+    #[error("{} readings of a sensor wait for their samples: the clock hardly advances", LiveRecord::MOST_WAITING)]
     Burst,
     /// Nothing came for too long: the time, and the newest time before it \[s\].
     #[error("the time is {0} s, but before it was {1} s: at most {most} steps may be empty", most = LiveRecord::LONGEST_GAP)]

@@ -133,7 +133,7 @@ families! {
     /// Another scale, or sign.
     SCALED: "scaled", stream 0, Exact {
         name: "wrong scale",
-        description: "reads so many times what it should; a negative factor is a wrong sign",
+        description: "multiplies each reading by a factor; a negative one is a wrong sign",
         numbers: &[number("factor", "factor", Scale::Pure, 1.2, (-2.0, 2.0), Allowed::Finite)],
         sentence: "The @ sensor reads {} times what it should",
         change: |[factor, ..], _| Box::new(move |exact, _| factor * exact),
@@ -190,7 +190,7 @@ families! {
     /// Readings that come late.
     LATE: "late", stream 5, Reading {
         name: "late readings",
-        description: "each reading is that of so many seconds before, to the nearest sample",
+        description: "each reading comes late by this time, to the nearest sample",
         numbers: &[number("delay", "delay", Scale::Seconds, 0.05, (0.0, 1.0), Allowed::AtLeast(0.0))],
         sentence: "The readings of the @ sensor come {} late",
         change: |[delay, ..], _| {
@@ -244,7 +244,7 @@ families! {
     /// A reading is repeated.
     STUCK: "stuck", stream 10, Reading {
         name: "sticking",
-        description: "for a share of the time the sensor tells its last reading again, in spells of a mean length",
+        description: "for a share of the time the sensor repeats its last reading, in spells of a mean length",
         numbers: &OF_SPELLS,
         sentence: "For a share of {} of the time the @ sensor sticks, for {} on average",
         change: |[share, length, _], random| {
@@ -271,10 +271,10 @@ families! {
     /// Readings at other times than those that are reported.
     JITTER: "jitter", stream 12, Exact {
         name: "jitter",
-        description: "each reading is taken at another time than is told: up to so many steps before or after, uniformly, along a \
-                      parabola through the last three values",
+        description: "the true time of each reading differs from the stated one by up to this many steps, uniformly, \
+                      along a parabola through the last three values",
         numbers: &[number("spread", "spread in steps", Scale::Pure, 0.5, (0.0, 1.0), Allowed::Within(0.0, 1.0))],
-        sentence: "The @ sensor reads up to {} steps before or after the time that it tells",
+        sentence: "The @ sensor reads up to {} steps before or after the time that it states",
         change: |[spread, ..], mut random| {
             let mut both: [Option<f64>; 2] = [None; 2];
             Box::new(move |exact, _| {

@@ -74,10 +74,10 @@ settings! {
         pub substeps: usize = 0;
         SUBSTEPS: substeps, "steps a sample" {
             allowed: Allowed::Whole(0, 100),
-            note: "0 for as many as its error asks for",
+            note: "0 for as many as accuracy needs",
             slider: (0.0, 20.0),
-            hint: "Divide each prediction into this number of steps; 0 takes one on a linear plant, and on others as many as the error of a \
-                   Runge-Kutta step asks for",
+            hint: "Divide each prediction into this number of steps; 0 takes one step on a linear plant, and on others \
+                   as many as accuracy needs",
         }
         /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
         pub iterations: usize = 5;
@@ -94,8 +94,8 @@ settings! {
         GUESSES: guesses, "guesses of ωₙ" {
             allowed: Allowed::Whole(1, 8),
             slider: (1.0, 8.0),
-            hint: "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
-                   is shown",
+            hint: "Run this many filters side by side, with guesses of ωₙ from 0.14 to 7.4 times the initial mean, and \
+                   show the likeliest",
             serves: |filter, truth| filter.has_frequency(truth) && filter.can_have("guesses"),
         }
         /// The number of filters that run side by side with Q as it is set, smaller and larger, √Q from 1/30 to 30 times; the estimates are their
@@ -106,8 +106,8 @@ settings! {
             allowed: Allowed::Whole(1, 41),
             note: "1 for Q as it is set",
             slider: (1.0, 25.0),
-            hint: "Filters side by side with so many scales of Q, √Q from 1/30 to 30 times: the likelihood of their readings tells how large Q is, \
-                   with ±2σ, and what is shown is their mixture; 17 do well (Magill 1965)",
+            hint: "Run this many filters side by side, with √Q from 1/30 to 30 times its setting. Their likelihoods \
+                   give the size of Q, with ±2σ, and the plots show their mixture. 17 are usually enough (Magill 1965)",
             serves: |filter, _| filter.can_have("process_scales"),
         }
         /// The number of members of an EnKF, or of particles of a PF.
@@ -138,7 +138,7 @@ settings! {
             allowed: Allowed::AtLeast(0.0),
             note: "0 learns all the time",
             slider: (0.0, 60.0),
-            hint: "Learns R and Q for so many seconds, then works with what it has learnt; 0 learns all the time",
+            hint: "Learn R and Q for this many seconds, then keep them; 0 learns all the time",
             serves: |filter, _| filter.adaptation.is_on() || filter.process_scales > 1,
         }
         /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
@@ -147,8 +147,8 @@ settings! {
         pub jump: bool = false;
         JUMP: jump, "jump at a sudden change" {
             allowed: Allowed::Flag,
-            hint: "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
-                   forget nothing. A remark says when",
+            hint: "If the innovations suddenly grow, widen P once by its initial covariance, and learn again. \
+                   Otherwise forget nothing. A remark says when",
             serves: |filter, _| filter.can_have("jump"),
         }
         /// w \[1/√s\] of a bank of two models: the parameters are still in the first, and walk by w initial standard deviations in a
@@ -162,8 +162,8 @@ settings! {
             allowed: Allowed::AtLeast(0.0),
             note: "0 for no bank",
             slider: (0.0, 2.0),
-            hint: "Two filters that mix by the likelihood of their readings: parameters are still in one, and walk in the other, by so many \
-                   initial σ in a second; 0 for one filter (IMM: Blom and Bar-Shalom 1988)",
+            hint: "Mix two filters by the likelihood of their readings. In one, parameters are constant; in the other, \
+                   they walk by this many initial σ in a second. 0 for one filter (IMM: Blom and Bar-Shalom 1988)",
             serves: |filter, _| filter.can_have("walk"),
             is_varied: true,
         }
@@ -174,8 +174,8 @@ settings! {
         pub smoother: bool = false;
         SMOOTHER: smoother, "hindsight" {
             allowed: Allowed::Flag,
-            hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
-                   Rauch, Tung and Striebel (1965)",
+            hint: "For the whole record, also show, dashed, each estimate with the help of all later readings: Rauch, \
+                   Tung and Striebel (1965)",
             serves: |filter, _| filter.can_have("smoother"),
         }
         /// The time after each sample of which its smoothed estimate knows \[s\], 10,000 samples at most; 0 for all of the record.
@@ -187,8 +187,8 @@ settings! {
             allowed: Allowed::AtLeast(0.0),
             note: "0 waits for the whole record",
             slider: (0.0, 5.0),
-            hint: "Hindsight of so many seconds goes along with the filter, and stays that much behind it, 10,000 samples at \
-                   most; 0 waits for the whole record",
+            hint: "Hindsight of this many seconds follows the filter with that delay, of at most 10,000 samples; 0 \
+                   waits for the whole record",
             serves: |filter, _| filter.smoother,
         }
         /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
@@ -210,7 +210,7 @@ settings! {
             unit: "1/s",
             allowed: Allowed::AtLeast(0.0),
             slider: (0.0, 0.1),
-            hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
+            hint: "Rate at which the parameters decay in the filter's model; 0 keeps them constant",
             serves: |filter, _| filter.kind != FilterKind::KF,
             is_varied: true,
         }

@@ -96,7 +96,7 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "force",
     name: "force over time",
     label: "over time",
-    hint: "The shape of the force; the filters are told it exactly",
+    hint: "The shape of the force; the filters know it exactly",
     options: || named(SHAPES.map(|(name, _)| name)),
     value: |at| SHAPES.get(at).and_then(|(_, force)| Value::try_from(force).ok()).unwrap_or_else(|| word(&[], at)),
     serves: |_| true,

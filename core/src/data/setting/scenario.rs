@@ -97,7 +97,7 @@ macro_rules! of_shape {
             label: |_| Some($label),
             unit: $unit,
             serves: |scenario, _| matches!(scenario.force, Force::$shape { .. }),
-            hint: "The filters are told the force exactly",
+            hint: "The filters know the force exactly",
             $($data)*
             ..SettingInfo::new(
                 $key,

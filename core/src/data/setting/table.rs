@@ -70,7 +70,7 @@ pub static INITIAL_STD: TableInfo = table! { initial_std in Channels, "± σ",
     name: "initial std",
     factor: Some("√P₀"),
     allowed: Allowed::AtLeast(0.0),
-    hint: "How sure the filter is of its guess",
+    hint: "How uncertain the guess is",
 };
 
 /// The standard deviations of the process noise per step.
@@ -86,7 +86,7 @@ pub static CORRELATION_TIME: TableInfo = table! { correlation_time in Channels, 
     words: "correlation time",
     name: "correlation time",
     allowed: Allowed::AtLeast(0.0),
-    hint: "A bias that is forgotten in this time stands for coloured noise; 0: it lasts",
+    hint: "A bias with this correlation time models coloured noise; 0: a constant bias",
     unit: Some("s"),
 };
 
@@ -95,14 +95,14 @@ pub static SENSOR_STD: TableInfo = table! { sensor_std in Sensors, "√R",
     name: "sensor std",
     factor: Some("√R"),
     allowed: Allowed::Above(0.0),
-    hint: "Standard deviation that the filter ascribes to the sensor",
+    hint: "Standard deviation of the sensor's noise that the filter assumes",
 };
 
 /// The times by which the filter takes the sensors to be late.
 pub static SENSOR_DELAY: TableInfo = table! { sensor_delay in Sensors, "delay",
     name: "sensor delay",
     allowed: Allowed::Within(-LATEST, LATEST),
-    hint: "A reading tells of so long before its own time; negative where it is early",
+    hint: "How late the readings are; negative if they are early",
     otherwise: Some(0.0),
     unit: Some("s"),
 };

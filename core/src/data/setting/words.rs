@@ -50,8 +50,8 @@ impl Edit {
                     format!("estimate {}", new.join(" and "))
                 })
             }
-            ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
-            ("plant", Value::Table(plant)) => Some(format!("take the equation {}", plant.get("equation")?.as_str()?)),
+            ("plant", Value::String(kind)) => Some(format!("choose the plant: {}", PlantKind::from_key(kind)?.name())),
+            ("plant", Value::Table(plant)) => Some(format!("choose the equation {}", plant.get("equation")?.as_str()?)),
             ("sensor_std", Value::Array(stds)) => {
                 let is_left_out = |(std, own): (&Value, &f64)| std.as_float().is_some_and(|std| std >= LEFT_OUT * own);
                 if let Some(place) = stds.iter().zip(&filter.sensor_std).position(is_left_out) {

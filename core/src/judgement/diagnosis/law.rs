@@ -99,14 +99,14 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     }
     let is_linear = shares[best] < BEYOND;
     let text = match (best, grows) {
-        _ if is_linear => "it is linear in the motion: the parameters themselves are other ones",
+        _ if is_linear => "it is linear in the motion: the parameters themselves are wrong",
         (0, false) => "it opposes the motion with the same size at any speed: dry friction",
         (0, true) | (1, false) => "it opposes the motion, and grows faster than the speed: a drag, as in a fluid",
         (1, true) => "it opposes the motion, and grows less than the speed: friction",
         (_, false) => "it grows with the cube of the displacement: the spring hardens",
         (_, true) => "it grows with the cube of the displacement: the spring softens",
     };
-    Some(Law { text: format!("{text}, and ζ is not to be trusted"), is_own: !is_linear && best < 2 })
+    Some(Law { text: format!("{text}; do not trust ζ"), is_own: !is_linear && best < 2 })
 }
 
 /// The largest share of the mean square that one wave explains over all samples, and its frequency in radians a sample.

@@ -61,7 +61,7 @@ impl Verdict {
                 |(channel, size): (Channel, f64)| format!("{} may be off by about {size:.1}σ", channel.symbol());
             reasons.extend(size_of_pattern(case).map(words));
         }
-        reasons.extend(besides.first().map(|one| format!("besides, {}", one.sentence)));
+        reasons.extend(besides.first().map(|one| format!("also, {}", one.sentence)));
         let unknown = if case.errors.is_empty() { " (the truth is not known: innovations only)" } else { "" };
         Some(Self { kind, reason: reasons.join("; ") + unknown })
     }
@@ -73,25 +73,24 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     if let Some(share) = case.share_in_ellipsoid() {
         text += &format!(", the truth is in its 95 % ellipsoid in {} of the samples", percent(share));
         if share < 0.5 {
-            text += ", as one record in many may have it: errors of parameters stay for as long as it lasts";
+            text += ", perhaps by chance: the error of a parameter stays for the whole record";
         }
     }
     let most = case.largest_first_correlation();
     let count = case.sensors.iter().map(|one| one.count(&case.kept)).fold(f64::INFINITY, f64::min);
     if most.abs() * count.sqrt() > 3.3 {
-        text += &format!("; they are not quite white ({most:.2} at lag 1), which does no harm");
+        text += &format!("; they are not quite white ({most:.2} at lag 1), which is harmless");
     }
     if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let (std, first) = (case.estimates.std(last, place), case.estimates.initial_std(place));
             if first == 0.0 && std > 0.0 {
-                text +=
-                    &format!("; the {} begins as known for certain, and walks by its process noise", channel.name());
+                text += &format!("; the {} begins with σ = 0, and its process noise lets it change", channel.name());
             }
             let share = if first == 0.0 { 0.0 } else { std / first };
             // The text above has already named the parameters that are not identifiable.
             if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
-                text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
+                text += &format!("; σ of the {} is {} times its first value", channel.name(), short(share));
             }
         }
         text += &ridges(case, last);
@@ -129,7 +128,7 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
             if known < RIDGE * open {
                 let (one, other) = (channels[i].name(), channels[j].name());
                 text += &format!(
-                    "; of the {one} and the {other} only the {word} is known, to {}",
+                    "; only the {word} of the {one} and the {other} is known, to {}",
                     percent(known.max(0.0).sqrt())
                 );
             }

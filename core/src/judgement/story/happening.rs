@@ -92,9 +92,9 @@ impl Change {
                 text.setting(time("ramp.start", start)).say(" to ").setting(time("ramp.end", end))
             }
             Signal::Sine(Sine { mean, amplitude, period }) => {
-                let text = text.say(format!("{} swings by ", capital(&named(channel))));
+                let text = text.say(format!("{} varies by ", capital(&named(channel))));
                 let text =
-                    text.setting(value("sine.amplitude", amplitude)).say(format!(" around {}, once in ", plain(mean)));
+                    text.setting(value("sine.amplitude", amplitude)).say(format!(" around {}, every ", plain(mean)));
                 text.setting(Adjustable::new(key("sine.period"), period, (0.1, 2.0 * duration), "s"))
             }
         }
@@ -135,9 +135,8 @@ impl Happening {
             Some(change) => change.text(now, scenario.duration),
             None => still(scenario),
         };
-        let text = if self.changes.len() > 1 { text.say(", and it is not all that changes") } else { text };
-        let hidden =
-            if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
+        let text = if self.changes.len() > 1 { text.say(", and other parameters change too") } else { text };
+        let hidden = if scenario.plant.disturbance_std > 0.0 { "; an unmeasured force shakes it too" } else { "" };
         text.say(hidden).say(".").done()
     }
 }
@@ -186,13 +185,13 @@ fn still(scenario: &Scenario) -> Writer {
             Adjustable::new(format!("plant.{}", channel.key()), signal.at(0.0), channel.usual().slider, channel.unit());
         text = text.say(format!("{before}{} ", channel.symbol())).setting(number);
     }
-    text.say(format!(" {}, and nothing about it changes", moved(scenario)))
+    text.say(format!(" {}; its parameters stay constant", moved(scenario)))
 }
 
 fn noun(kind: &PlantKind) -> String {
     let name = kind.name().replace(", ", " of ");
     match name.as_str() {
-        name if name.starts_with("equation") => format!("A system with an {name}"),
+        name if name.starts_with("equation") => "Your own equation".to_owned(),
         name => format!("A {name}"),
     }
 }
@@ -203,17 +202,17 @@ fn moved(scenario: &Scenario) -> String {
         Force::WhiteNoise { std: 0.0 } | Force::None => {
             let motion = scenario.plant.initial;
             if motion.displacement == 0.0 && motion.velocity == 0.0 {
-                "stands still, as nothing moves it"
+                "is at rest, and nothing moves it"
             } else {
                 "is pulled aside and let go"
             }
             .to_owned()
         }
         Force::WhiteNoise { .. } if by_ground => "is shaken by its ground".to_owned(),
-        Force::WhiteNoise { .. } => "is shaken by noise".to_owned(),
+        Force::WhiteNoise { .. } => "is shaken by white noise".to_owned(),
         Force::Sine { frequency, .. } => format!("is driven at {} rad/s", plain(frequency)),
         Force::Chirp { from, to, .. } => format!("is driven from {} to {} rad/s", plain(from), plain(to)),
-        Force::ImpulseTrain { period, .. } => format!("is struck once in {} s", plain(period)),
+        Force::ImpulseTrain { period, .. } => format!("is struck every {} s", plain(period)),
         Force::Step { at, .. } => format!("is pushed from {} s on", plain(at)),
     }
 }

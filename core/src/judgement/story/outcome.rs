@@ -155,8 +155,8 @@ impl<'a> Outcome<'a> {
         }
         let text = match self.kind {
             Some(VerdictKind::Diverged) => text.say(" has lost the truth"),
-            Some(VerdictKind::Lost) => text.say(" is lost: what it estimates is no such oscillator"),
-            Some(VerdictKind::Collapsed) => text.say(" has one particle left, so its band says nothing"),
+            Some(VerdictKind::Lost) => text.say(" is lost: its estimates are impossible"),
+            Some(VerdictKind::Collapsed) => text.say(" has one particle left, and its band means nothing"),
             Some(VerdictKind::WoundUp) => text.say(" forgets faster than it learns, and its band grows"),
             _ => {
                 let (text, is_off) = self.found(text, change);
@@ -204,7 +204,7 @@ impl<'a> Outcome<'a> {
 
     fn found(&self, text: Writer, change: Option<&Change>) -> (Writer, bool) {
         let Some(main) = &self.main else {
-            return (text.say(" takes its parameters as known"), false);
+            return (text.say(" assumes known parameters"), false);
         };
         let symbol = main.channel.symbol();
         let Some(truth) = &main.truth else {
@@ -220,16 +220,14 @@ impl<'a> Outcome<'a> {
                 Some(since) if since > change.start() => {
                     (text.say(" settles after ").result(seconds(since - change.start())), false)
                 }
-                Some(_) => (text.say(" has it to ").result(percent_to_a_tenth(truth.error)), false),
+                Some(_) => (near(text, truth.error, symbol), false),
                 None => (text.say(" is still ").result(percent_to_a_tenth(truth.error)).say(" off"), true),
             },
             Some(_) if truth.lately < FOUND => {
-                (text.say(" follows it to ").result(percent_to_a_tenth(truth.lately)), false)
+                (text.say(" follows it with an error of ").result(percent_to_a_tenth(truth.lately)), false)
             }
-            Some(_) => (text.say(" lags behind, ").result(percent_to_a_tenth(truth.lately)).say(" off"), true),
-            None if truth.error.abs() < FOUND => {
-                (text.say(format!(" has {symbol} to ")).result(percent_to_a_tenth(truth.error)), false)
-            }
+            Some(_) => (text.say(" lags behind by ").result(percent_to_a_tenth(truth.lately)), true),
+            None if truth.error.abs() < FOUND => (near(text, truth.error, symbol), false),
             None => {
                 let verb = if self.kind.is_none() { "begins with" } else { "has" };
                 (text.say(format!(" {verb} {symbol} ")).result(percent_to_a_tenth(truth.error)).say(" off"), true)
@@ -249,44 +247,46 @@ impl<'a> Outcome<'a> {
 
     fn verdict(&self, text: Writer, is_off: bool) -> Writer {
         let is_outside = self.main.as_ref().is_some_and(|main| self.is_outside(main.channel));
+        let is_known = self.main.as_ref().is_some_and(|main| main.truth.is_some());
         if self.is_early() {
-            return text.say(": it is too early to tell");
+            return text.say(": it is too early to judge");
         }
         let words = match self.kind {
             None => return text,
-            Some(kind) if is_outside && self.is_open() => {
-                &format!(", and its error is outside its ±2σ band{}", suffix(kind))
-            }
+            Some(kind) if is_outside && self.is_open() => &format!(", outside its ±2σ band{}", suffix(kind)),
             Some(kind) if let Some(channel) = self.outside.filter(|_| self.is_open()) => {
-                &format!(", and its error of {} is outside its ±2σ band{}", channel.symbol(), suffix(kind))
+                &format!(", but the true {} is outside its ±2σ band{}", channel.symbol(), suffix(kind))
             }
             Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it (overconfident)",
-            Some(VerdictKind::Overconfident) => {
-                ", but claims more than it knows: its band is too narrow (overconfident)"
-            }
+            Some(VerdictKind::Overconfident) => ", but its band is too narrow (overconfident)",
             Some(VerdictKind::PatternLeft) => ", and leaves a pattern in its innovations (pattern left)",
             Some(kind) if kind.is_good() && self.long_steps.is_some() => &format!(
-                ", but may claim more than it knows: the motion turns by more than {}° in a step, which “steps a sample” divide",
+                ", but its band may be too narrow: the motion turns by more than {}° in a step (add “steps a sample”)",
                 self.long_steps.unwrap_or_default()
             ),
             Some(VerdictKind::Underconfident) if self.is_behind_a_band => {
-                ", and its innovations are small, as they are behind a band (underconfident)"
+                ", and its innovations are small, because the import filters them (underconfident)"
             }
-            Some(VerdictKind::Underconfident) => {
-                ", and knows more than it claims: its band is too wide (underconfident)"
-            }
+            Some(VerdictKind::Underconfident) => ", but its band is too wide (underconfident)",
             Some(VerdictKind::NotIdentifiable) if !self.undetermined.is_empty() => {
                 let names: Vec<&str> = mapped(&self.undetermined, &|channel| channel.symbol());
                 let so_far = if self.is_whole { "" } else { "so far " };
                 &format!("; {so_far}the record does not determine {} (not identifiable)", names.join(" and "))
             }
-            Some(kind) if kind.is_good() && !is_outside && is_off => &format!(", and its band says so{}", suffix(kind)),
-            Some(VerdictKind::Consistent) if !is_outside => ", and its band is right (consistent)",
-            Some(VerdictKind::Recovered) if !is_outside => ", and its band is right again (recovered)",
+            Some(kind) if kind.is_good() && is_off => &format!(", but inside its ±2σ band{}", suffix(kind)),
+            Some(VerdictKind::Consistent) if is_known => ", and its band covers it (consistent)",
+            Some(VerdictKind::Consistent) => ", and its band is right (consistent)",
+            Some(VerdictKind::Recovered) => ", and its band is right again (recovered)",
             _ => "",
         };
         text.say(words)
     }
+}
+
+fn near(text: Writer, error: f64, symbol: &str) -> Writer {
+    let share = percent_to_a_tenth(error);
+    let (verb, of) = if share.starts_with("less") { (" is within ", "of") } else { (" is ", "off") };
+    text.say(verb).result(share.trim_start_matches("less than ")).say(format!(" {of} the true {symbol}"))
 }
 
 fn suffix(kind: VerdictKind) -> String {

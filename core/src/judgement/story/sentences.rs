@@ -19,8 +19,7 @@ pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     };
     let length = record.dt() * run.samples().saturating_sub(1) as f64;
     let input = if has_input(run) { "" } else { ", and no input" };
-    let (begin, so_far) =
-        if run.is_live() { ("It is being measured: ", " so far") } else { ("A measured record: ", "") };
+    let (begin, so_far) = if run.is_live() { ("Live measurement: ", " so far") } else { ("A measured record: ", "") };
     let text = Writer::default().say(begin).result(seconds(length));
     text.say(format!(" of {of}{so_far}{input}.")).done()
 }
@@ -39,7 +38,7 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
         return None;
     }
     if judged.iter().any(|outcome| outcome.is_early()) {
-        return Some(Writer::default().say("It is too early to tell which to believe.").done());
+        return Some(Writer::default().say("It is too early to say which to trust.").done());
     }
     let honest: Vec<&Outcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
     let text = Writer::default();
@@ -48,16 +47,16 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
             text.say("Their bands may be too narrow: the verdicts say by how much.")
         }
         ([], _) if judged.iter().any(|outcome| outcome.ends_outside()) => {
-            text.say("None is advised: an error may end outside its ±2σ band by chance, as one in twenty does; Monte Carlo runs show it.")
+            text.say("No advice: one error in twenty is outside its ±2σ band by chance. Monte Carlo runs show more.")
         }
-        ([], 2) => text.say("Trust neither ±2σ band: the verdicts say why."),
-        ([], _) => text.say("Trust none of the ±2σ bands: the verdicts say why."),
-        ([only], _) => text.say("Believe ").filter(only.filter.id, only.name).say("."),
+        ([], 2) => text.say("Trust neither ±2σ band yet."),
+        ([], _) => text.say("Trust none of the ±2σ bands yet."),
+        ([only], _) => text.say("Trust ").filter(only.filter.id, only.name).say("."),
         (several, all) => {
             let text = match several.len() {
-                2 if all == 2 => text.say("Both can be believed"),
-                count if count == all => text.say(format!("All {all} can be believed")),
-                count => several.iter().enumerate().fold(text.say("Believe "), |text, (place, one)| {
+                2 if all == 2 => text.say("Trust both"),
+                count if count == all => text.say(format!("Trust all {all}")),
+                count => several.iter().enumerate().fold(text.say("Trust "), |text, (place, one)| {
                     let text = text.filter(one.filter.id, one.name);
                     let left = count - 1 - place;
                     text.say(["", " and ", ", "][left.min(2)])
@@ -65,7 +64,7 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
             };
             match narrowest(several) {
                 _ if several.iter().any(|one| one.kind == Some(VerdictKind::NotIdentifiable)) => {
-                    text.say(": their bands say what they do not know.")
+                    text.say(": their bands show what is unknown.")
                 }
                 Some(best) => {
                     let degree = if several.len() == 2 { "narrower" } else { "narrowest" };
@@ -102,11 +101,11 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     let p = classes.probabilities()[best];
     let text = Writer::default();
     if p < FOUND {
-        let text = text.say("The readings do not tell the models apart so far: they give ");
-        let text = text.result(percent_to_a_tenth(p)).say(" to ").filter(estimates.id(), estimates.name());
+        let text = text.say("The readings do not separate the models yet: the probability is ");
+        let text = text.result(percent_to_a_tenth(p)).say(" for ").filter(estimates.id(), estimates.name());
         return Some(text.say(".").done());
     }
-    let text = text.say("Of these models the readings are for ").filter(estimates.id(), estimates.name());
+    let text = text.say("The likeliest model is that of ").filter(estimates.id(), estimates.name());
     let certainty = ModelClasses::in_percent(p).replace('>', "more than");
     Some(text.say(", with a probability of ").result(certainty).say(".").done())
 }
@@ -121,20 +120,19 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
         let ratio = lately(before, channel)? / lately(now, channel)?;
         (ratio.is_finite() && ratio > 0.0).then_some((*id, *name, channel, ratio))
     });
-    let mut text = Writer::default().say(format!("Before ({words})"));
-    let mut is_empty = true;
-    for (id, name, channel, ratio) in compared.take(MOST) {
-        let begin = if is_empty { ", the error of " } else { ", and that of " };
-        let (symbol, verb) = (channel.symbol(), if is_empty { " was " } else { " " });
-        text = text.say(format!("{begin}{symbol} by ")).filter(id, name).say(verb);
+    let words = filters.first().and_then(|one| words.strip_prefix(&format!("{} ", one.1))).unwrap_or(words);
+    let begin = if words.starts_with("with") { "Before, " } else { "With " };
+    let mut text = Writer::default().say(format!("{begin}{words}"));
+    for (place, (id, name, channel, ratio)) in compared.take(MOST).enumerate() {
+        let begin = [", the error of ", ", and that of "][place.min(1)];
+        text = text.say(begin).filter(id, name).say(format!(" in {} was ", channel.symbol()));
         text = match ratio {
-            ratio if ratio > EQUAL => text.result(times(ratio)).say(" times as large"),
+            ratio if ratio > EQUAL => text.result(times(ratio)).say(" times larger"),
             ratio if ratio < 1.0 / EQUAL => text.result(times(1.0 / ratio)).say(" times smaller"),
-            _ => text.say("as large"),
+            _ => text.say("the same"),
         };
-        is_empty = false;
     }
-    (!is_empty).then(|| text.say(".").done())
+    (text.0.len() > 1).then(|| text.say(".").done())
 }
 
 fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
@@ -169,13 +167,13 @@ pub(super) fn of_swing(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
     let period = TAU / (frequency * damped);
     let half = LN_2 / (zeta * frequency);
     let text = if period < QUICK {
-        let text = Writer::default().say("It swings ").result(with_band(period.recip(), shares[0] / period, ""));
-        text.say(" times a second")
+        Writer::default().say("Its frequency is ").result(with_band(period.recip(), shares[0] / period, "Hz"))
     } else {
-        Writer::default().say("It swings once in ").result(with_band(period, shares[0] * period, "s"))
+        Writer::default().say("Its period is ").result(with_band(period, shares[0] * period, "s"))
     };
-    let text = text.say(", and in ").result(with_band(half, libm::hypot(shares[0], shares[1]) * half, "s"));
-    let text = text.say(" half of the swing is gone: Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
+    let band = libm::hypot(shares[0], shares[1]) * half;
+    let text = text.say(", and its amplitude halves in ").result(with_band(half, band, "s"));
+    let text = text.say(": Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
     let decrement = 2.0 * PI * zeta / damped;
     let text = text.say(", logarithmic decrement ").result(with_band(decrement, shares[1] * decrement, ""));
     Some(text.say(".").done())

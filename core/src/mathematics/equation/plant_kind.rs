@@ -108,11 +108,11 @@ fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -
     let settings = known.iter().find(|(key, _)| key == name).map(|(_, settings)| *settings);
     let as_key = as_key(name);
     if RESERVED.contains(&as_key) {
-        return Err(EquationError::new(format!("`{name}` cannot be a name: a plant has a setting that is called so")));
+        return Err(EquationError::new(format!("`{name}` cannot be a name: a plant has a setting of that name")));
     }
     if let Some(channel) = of_all_plants(name) {
         if channel.is_parameter() != is_parameter {
-            return Err(EquationError::new(format!("`{name}` means the {} already", channel.name())));
+            return Err(EquationError::new(format!("`{name}` already means the {}", channel.name())));
         }
         if settings.is_some() {
             let what = format!("`{name}` is the {} of all plants, and has its numbers from there", channel.name());
@@ -121,7 +121,7 @@ fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -
         return Ok(channel);
     }
     if Channel::from_key(as_key).is_some() {
-        return Err(EquationError::new(format!("`{name}` cannot be a name: an augmentation is called so")));
+        return Err(EquationError::new(format!("`{name}` cannot be a name: an augmentation has that name")));
     }
     let usual = ParameterSettings::default();
     Ok(Channel::new(info(name, is_parameter, settings.unwrap_or(&usual))?))
@@ -137,13 +137,13 @@ fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<
     let numbers = [mean, std, low, high];
     if !numbers.iter().all(|number| number.abs() <= LARGEST) || std < 0.0 || low >= high {
         return Err(EquationError::new(format!(
-            "the numbers of `{name}` are impossible: a guess and a range from below to above are finite, std is at least 0"
+            "the numbers of `{name}` are impossible: guess and range are finite, the range rises, std is at least 0"
         )));
     }
     let unsafe_text = |text: &str| text.chars().any(char::is_control) || text.chars().count() > 40;
     if settings.name.as_deref().is_some_and(unsafe_text) || unsafe_text(&settings.unit) {
         return Err(EquationError::new(format!(
-            "the name and the unit of `{name}` have at most 40 characters, none of control"
+            "the name and the unit of `{name}` have at most 40 characters, and no control characters"
         )));
     }
     let mut infos = INFOS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -66,7 +66,7 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     for equation in equations {
         let (place, rate) = inputs.solve(equation, &mut builder)?;
         if rates[place].replace(rate).is_some() {
-            return Err(EquationError::at(equation.place, "another equation gives the same derivative already"));
+            return Err(EquationError::at(equation.place, "another equation already gives the same derivative"));
         }
         let by_force = builder.derivative(rate, n);
         if builder.value(by_force).is_none() && !builder.is_too_long() {
@@ -135,7 +135,7 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<StateCompon
         let fault = |what: String| Err(EquationError::at(place, what));
         match primes {
             _ if key == "f" && primes > 0 => {
-                return fault("f is the force over mass: it has no rate of its own".to_owned());
+                return fault("f is the force over mass: it has no rate".to_owned());
             }
             0 if key == "f" => {}
             0 if mass(key).is_some() => {
@@ -148,7 +148,7 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<StateCompon
             1 => internal.push(StateComponent::Internal(key.to_owned())),
             2 => match mass(key) {
                 Some(mass) if mass < MAX_MASSES => masses.push((mass, key, place)),
-                _ => return fault(format!("masses are x, or x1 to x{MAX_MASSES}: `{key}''` is none")),
+                _ => return fault(format!("masses are x, or x1 to x{MAX_MASSES}: `{key}''` is not one")),
             },
             _ => return fault(format!("`{key}` has at most two primes")),
         }
@@ -214,7 +214,7 @@ impl RateInputs<'_> {
         if builder.needs(slope) & 1 << input != 0 {
             return Err(EquationError::at(
                 equation.place,
-                "the highest derivative stands in a product or a function of itself",
+                "the highest derivative is in a product or a function of itself",
             ));
         }
         let rest = builder.without(residual, 1 << input);

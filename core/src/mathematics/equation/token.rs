@@ -100,7 +100,7 @@ impl TokenReader {
         }
         let text = self.since(begin);
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        number.map(Token::Number).ok_or_else(|| EquationError::at(begin, format!("`{text}` is no number")))
+        number.map(Token::Number).ok_or_else(|| EquationError::at(begin, format!("`{text}` is not a number")))
     }
 
     fn power(&mut self) -> Token {

@@ -63,7 +63,7 @@ registry! {
 static NONE: RobustInfo = RobustInfo {
     key: "none",
     name: "none",
-    description: "takes every measurement as its R says",
+    description: "weighs every measurement by its R",
     reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
     passes: 0,
     is_probable: false,
@@ -109,7 +109,7 @@ const DEGREES: f64 = 4.0;
 static STUDENT_T: RobustInfo = RobustInfo {
     key: "student_t",
     name: "Student-t",
-    description: "takes each sensor's noise for Student's with 4 degrees of freedom",
+    description: "assumes Student's noise with 4 degrees of freedom for each sensor",
     reference: "Agamennoni, Nieto and Nebot (2012), Approximate inference in state-space models with heavy-tailed noise",
     passes: 10,
     is_probable: false,
@@ -134,7 +134,7 @@ const MOST_ODDS: f64 = 1e6;
 static MIXTURE: RobustInfo = RobustInfo {
     key: "mixture",
     name: "good or outlier",
-    description: "weighs each reading by the probability that it is no outlier, of which there are 5 % with 10 times the noise",
+    description: "weighs each reading by its probability to be good, with 5 % outliers of 10 times the noise",
     reference: "Box and Tiao (1968), A Bayesian approach to some outlier problems",
     passes: 10,
     is_probable: true,

@@ -89,8 +89,8 @@ impl Suggestion {
         let left_out: Vec<Quantity> = sensors().filter(|quantity| is_other && order(*quantity) == 2).collect();
         for quantity in &left_out {
             self.reasons.push(format!(
-                "the filters do without the {}: without a recorded force it tells nothing of ωₙ and ζ that the other sensor does \
-                 not, and the course of the force between samples, which is not known, would count as damping",
+                "the filters ignore the {}: without a recorded force it adds nothing to the other sensor, and the \
+                 unknown force between samples would count as damping",
                 quantity.name()
             ));
         }
@@ -124,8 +124,8 @@ impl Suggestion {
                 filter.initial_std[Channel::DAMPING_RATIO] = rounded(found.damping_ratio * errors[1]);
             }
             self.reasons.push(
-                "σ of ωₙ and ζ begin as small as the spectrum tells them, because an accelerometer alone tells an unknown force \
-                 from the motion only if both are known well"
+                "σ of ωₙ and ζ begin as small as the spectrum allows, because an accelerometer alone separates an \
+                 unknown force from the motion only if both are known well"
                     .to_owned(),
             );
         }
@@ -162,8 +162,8 @@ impl Suggestion {
         let (force, unit) = (sizes.force, self.unit("m/s²"));
         let lasts = if sizes.hold == Hold::Zero { ", and that lasts until the next" } else { "" };
         self.reasons.push(format!(
-            "there is no input: the filters take a white force for the cause of the motion, of {force} {unit} at a sample, which an \
-             accelerometer feels too{lasts}"
+            "there is no input: the filters assume a white force as the cause of the motion, of {force} {unit} at a \
+             sample, which an accelerometer reads too{lasts}"
         ));
         for (place, noise) in sizes.noise.iter().enumerate() {
             self.set_noise(place, *noise, "the most likely together with that force");

@@ -59,7 +59,7 @@ impl Suggestion {
         for filter in self.filters() {
             removed.iter().for_each(|(channel, mean, _)| augment(filter, *channel, (*mean, 0.0)));
         }
-        self.reasons.push(format!("the filters take the mean of {what} for an offset: a constant part is no motion"));
+        self.reasons.push(format!("the filters treat the mean of {what} as an offset: a constant part is no motion"));
     }
 }
 
@@ -189,8 +189,8 @@ impl Plucked {
         }
         let times: Vec<String> = mapped(&self.times, &|time| format!("{} s", rounded(*time)));
         suggestion.reasons.push(format!(
-            "plucked again at {}: each time the motion begins anew behind a pause, and what is known of ωₙ and ζ stays; start values are \
-             those of the longest part",
+            "plucked again at {}: each time the motion begins again after a pause, and the estimates of ωₙ and ζ stay; \
+             start values are those of the longest part",
             times.join(", ")
         ));
     }
@@ -325,8 +325,8 @@ impl CourseTrials {
             )
         } else {
             format!(
-                "the input is taken for {name} between samples: the readings do not tell it from {other}, whose log likelihood \
-                 differs by {:.1}",
+                "the filters assume that the input is {name} between samples: the readings do not exclude {other}, \
+                 whose log likelihood differs by {:.1}",
                 lead.abs()
             )
         };
@@ -349,7 +349,7 @@ mod tests {
             ([of(1000.0), of(1300.0), of(900.0)], Course::Held, "is held between samples, the likeliest"),
             ([of(1000.0), of(1300.0), of(900.0)], Course::Held, "by 300 in log likelihood before linear"),
             ([of(1000.0), of(500.0), of(1200.0)], Course::BandLimited, "by 200 in log likelihood before linear"),
-            ([of(1000.0), of(500.0), of(1004.0)], Course::Linear, "do not tell it from band-limited"),
+            ([of(1000.0), of(500.0), of(1004.0)], Course::Linear, "do not exclude band-limited"),
             ([of(1000.0), of(1300.0), of(1302.0)], Course::Held, "differs by 2.0"),
             ([of(1000.0), Some((899, 9000.0)), of(800.0)], Course::Linear, "before band-limited"),
         ] {

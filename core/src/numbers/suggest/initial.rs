@@ -360,8 +360,8 @@ impl Search {
         let Self { channels, ends: Likeliest { best, trials }, points, .. } = self;
         let Some(((ends, _), _)) = best else {
             suggestion.reasons.push(format!(
-                "no start values of {names} could be found: the filter goes through from none of {points} points, and begins with \
-                 the guesses of the equation"
+                "no start values of {names} could be found: the filter fails from each of {points} points, and begins \
+                 with the guesses of the equation"
             ));
             return;
         };
@@ -374,8 +374,8 @@ impl Search {
             suggestion.filters().for_each(|filter| begin_with(filter, channel, (mean, std)));
         }
         suggestion.reasons.push(format!(
-            "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
-             of it, but {WITHIN} of the filter's σ at most and three at least",
+            "guess of the equation's parameters: {}, the end of the likeliest of {trials} runs of a filter; their \
+             spread is a fifth of it, but from three to {WITHIN} of the filter's σ",
             guesses.join(", ")
         ));
     }

@@ -96,7 +96,7 @@ impl Suggest {
         // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
         if self.suggestion.knows_zero() {
-            let reason = "the means of input and readings stay: an equation that is not linear says where zero is";
+            let reason = "the means of input and readings stay: a nonlinear equation defines its own zero";
             self.suggestion.reasons.push(reason.to_owned());
         } else {
             self.suggestion.remove_means(&mut self.record);

@@ -160,7 +160,7 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let width = body.first().map_or(0, Vec::len);
     let facts = Facts::of(header);
     if name.is_none() && are_pairs(&body) {
-        rows.remarks.push("the numbers of a line are times and values in turn, and run on in the next line".to_owned());
+        rows.remarks.push("the numbers of a line are times and values in turn, across lines".to_owned());
         rows.cells =
             [("time", Some("s")), ("value", None)].map(|(a, b)| Some((a.to_owned(), b.map(str::to_owned)))).into();
         (rows.run_on, rows.ends, rows.dialect.names) = (Some((2, 0)), is_title_of_next, 0);
@@ -200,8 +200,8 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     if let Some(share) = agreement {
         let percent = libm::round(100.0 * share);
         rows.remarks.push(format!(
-            "the numbers of a line are one series that runs on in the next line: neighbours in it differ by {percent} % of what those \
-             below each other do"
+            "the numbers of a line are one series that continues in the next line: neighbours differ by {percent} % of \
+             the step between lines"
         ));
         rows.ends = is_title_of_next;
     }

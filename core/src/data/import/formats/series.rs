@@ -159,9 +159,9 @@ fn next_uff58(header: &[String]) -> Option<Series> {
     let numbers = if is_complex { 2 } else { 1 } + if is_even { 0 } else { 1 };
     let no_record = match function {
         _ if is_time => None,
-        "4" => Some("is a frequency response, no function of time"),
-        "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, no function of time"),
-        _ => Some("is no function of time"),
+        "4" => Some("is a frequency response, not a function of time"),
+        "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, not a function of time"),
+        _ => Some("is not a function of time"),
     };
     let (unit, count) = (unit.map(str::to_owned), Some((count as usize).saturating_mul(numbers)));
     Some(Series { name, unit, start, dt, count, width, has_times: !is_even, no_record })
@@ -260,7 +260,7 @@ pub(super) mod tests {
         let table = uff58b(&file_58b()).unwrap();
         let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
         assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
-        assert!(table.remarks[0].contains("no function of time"), "{:?}", table.remarks);
+        assert!(table.remarks[0].contains("not a function of time"), "{:?}", table.remarks);
         let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
         let table = uff58b(&set(2, 4, 0, 2, &uneven)).unwrap();
         assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.25; 2], [7.0; 2]]);

@@ -16,7 +16,7 @@ const NOISE: f64 = 1.5;
 pub(super) static NO_EXCITATION: Cause = Cause {
     key: "no_excitation",
     name: "too little excitation",
-    hint: "Parameters are learnt from motion. Shake the oscillator, near its resonance; until then do not let the memory fade.",
+    hint: "A filter learns parameters from motion. Shake the oscillator near its resonance; until then, set λ = 1.",
     likely_causes: |bad, cause, found| {
         let of = [VerdictKind::NotIdentifiable, VerdictKind::WoundUp];
         let still = is_still(bad);
@@ -26,7 +26,7 @@ pub(super) static NO_EXCITATION: Cause = Cause {
         }
         let samples =
             bad.evidence.iter().find(|one| one.counts && of.contains(&one.speaks_for)).map(|one| one.samples.clone());
-        let sentence = "the motion is too small against the noise to tell the parameters".to_owned();
+        let sentence = "the motion is too small, compared with the noise, to show the parameters".to_owned();
         let likely = LikelyCause::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence);
         found.push(LikelyCause { certain: true, samples, ..likely });
     },
@@ -62,8 +62,8 @@ const FADING: [f64; 2] = [1.005, 1.02];
 pub(super) static SUDDEN_CHANGE: Cause = Cause {
     key: "sudden_change",
     name: "a sudden change",
-    hint: "Something has changed at once, and a filter that is sure of its parameters does not follow. Let it widen P once, where its \
-           innovations jump, or let its memory fade.",
+    hint: "A parameter changed suddenly, and a filter that is sure of its parameters does not follow. Let it widen P \
+           once, when its innovations jump, or let it forget (fading factor).",
     likely_causes: sudden_change,
 };
 
@@ -82,7 +82,7 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let fading = fading.map(|fading| (FADES, bad.edit("fading", fading)));
     for (share, edit) in jump.map(|jump| (1.0, jump)).into_iter().chain(fading) {
         let sentence =
-            format!("something changed at once, near {time} s: innovations² rise {} times there{chance}", short(rise));
+            format!("something changed near {time} s: innovations² are {} times larger after it{chance}", short(rise));
         let likely = LikelyCause::new(cause, share * weight, 2.0, vec![edit], sentence);
         found.push(LikelyCause { samples: Some(samples.clone()), begins_anew: true, ..likely });
     }
@@ -95,7 +95,7 @@ const SINGLY: usize = 4;
 pub(super) static SLOW_DRIFT: Cause = Cause {
     key: "slow_drift",
     name: "a slow drift, or Q of the parameters",
-    hint: "The parameters change, and the filter takes them for constant. Give them a process noise.",
+    hint: "The parameters change, but the filter assumes that they are constant. Give them process noise.",
     likely_causes: slow_drift,
 };
 
@@ -139,8 +139,8 @@ const SPREAD: f64 = 0.2;
 
 pub(super) static INITIAL_GUESS: Cause = Cause {
     key: "initial_guess",
-    name: "an initial guess that is too sure",
-    hint: "A filter does not look far from where it begins. Begin with larger standard deviations, or a better guess.",
+    name: "an initial guess with too small a σ",
+    hint: "A filter searches only near its guess. Begin with larger standard deviations, or with a better guess.",
     likely_causes: initial_guess,
 };
 
@@ -158,14 +158,14 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             bad.edit(&format!("initial_std.{}", channel.key()), if mean > 0.0 { OPEN * mean } else { OPEN })
         };
         let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
-        let sentence = format!("σ of the {names} is 0 at first, and the filter takes its guess for certain");
+        let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
         let edits = mapped(&frozen, &spread);
         found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
     }
     if edits.is_empty() {
         return;
     }
-    let sentence = "the filter begins too sure of a guess that is far off".to_owned();
+    let sentence = "the initial guess is far off, and its σ is too small".to_owned();
     found.push(LikelyCause::new(cause, 0.1, 1.0, edits.clone(), sentence));
     // From far off, a filter may settle elsewhere however wide it begins: then the measured motion has a better guess.
     let frequency = Channel::NATURAL_FREQUENCY;
@@ -177,7 +177,7 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         let mut edits: Vec<_> = edits.into_iter().filter(|edit| !edit.key.ends_with(&std)).collect();
         edits.extend([bad.edit(&mean, peak), bad.edit(&std, SPREAD * peak)]);
         let sentence =
-            format!("the filter begins too sure of a guess that is far off: the motion turns at {} rad/s", short(peak));
+            format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
         found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));
     }
 }

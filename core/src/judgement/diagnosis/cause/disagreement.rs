@@ -23,29 +23,29 @@ const GAIN_STD: f64 = 0.05;
 pub(super) static SIGN: Cause = Cause {
     key: "sensor_sign",
     name: "the sign of a sensor",
-    hint: "One of two sensors counts in the other direction. Let the filter estimate its gain, or give its column the gain -1.",
+    hint: "One of two sensors has the opposite sign. Let the filter estimate its gain, or give its column the gain -1.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Sign),
 };
 
 pub(super) static SCALE_OF: Cause = Cause {
     key: "sensor_scale",
     name: "the scale of a sensor",
-    hint: "One of two sensors reads too much or too little by a factor: a unit, a gain, a calibration. Let the filter estimate its gain, or \
-           give its column the right one.",
+    hint: "One of two sensors reads too much or too little by a factor: a wrong unit, gain or calibration. Let the \
+           filter estimate its gain, or give its column the right gain.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Scale),
 };
 
 pub(super) static TIMES: Cause = Cause {
     key: "times",
     name: "the time between samples",
-    hint: "All sensors agree with each other once the times are stretched: the sample rate or the unit of the times is wrong. Give the \
-           record the right one.",
+    hint: "All sensors agree with each other if the times are stretched: the sample rate or the unit of time is wrong. \
+           Give the record the right one.",
     likely_causes: |bad, cause, found| {
         let Some(factor) = common_factor(&pairs(bad)) else { return };
         let dt = bad.case.record.dt();
         let sentence = format!(
-            "each sensor changes {} times as much as the next one says: the time between samples is about {factor:.3} times the {dt} s that \
-         are told, and no setting mends that",
+            "each sensor changes {} times as much as the next one says: the true time between samples is about \
+         {factor:.3} times the stated {dt} s, and no setting corrects that",
             short(factor)
         );
         let off = (factor - 1.0).abs();
@@ -57,8 +57,8 @@ pub(super) static TIMES: Cause = Cause {
 pub(super) static LATENESS: Cause = Cause {
     key: "sensor_late",
     name: "a sensor that is late",
-    hint: "One of two sensors reads later than the other: a filter of its amplifier, or another clock. Give the filter, or its column, the \
-           delay.",
+    hint: "One of two sensors is late: its amplifier filters the signal, or it has another clock. Set the delay in the \
+           filter, or in its column.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Late),
 };
 
@@ -154,9 +154,9 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     let edit = |table: &str, value: f64| bad.edit(&format!("{table}.{}", channel.key()), value);
                     let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
                     let end = match fault {
-                        Fault::Sign => format!("so it is if the {name} counts in the other direction"),
+                        Fault::Sign => format!("perhaps the {name} has the wrong sign"),
                         _ => format!(
-                            "so it is if the {name} reads {} times what it should, or if there are {} samples a second and not {}",
+                            "perhaps the {name} reads {} times what it should, or there are {} samples a second, not {}",
                             short(gain.abs()),
                             short(1.0 / (pair.of_time().abs() * dt)),
                             short(1.0 / dt)
@@ -171,9 +171,9 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     delays.resize(bad.scenario.sensors.len(), 0.0);
                     delays[own] = delay;
                     let end = match delay {
-                        0.0 => format!("so it is if the {name} is in time"),
-                        late if late > 0.0 => format!("so it is if the {name} is {} s late", short(late)),
-                        early => format!("so it is if the {name} is {} s early", short(-early)),
+                        0.0 => format!("perhaps the {name} has no delay"),
+                        late if late > 0.0 => format!("perhaps the {name} is {} s late", short(late)),
+                        early => format!("perhaps the {name} is {} s early", short(-early)),
                     };
                     (vec![bad.edit("sensor_delay", delays)], end)
                 }
@@ -197,7 +197,7 @@ fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> O
         }
         Fault::Late => {
             let (first, second) = if late > 0.0 { (&rate_name, &name) } else { (&name, &rate_name) };
-            let sentence = format!("the {first} comes {} s after the {second}", short(late.abs() * dt));
+            let sentence = format!("the {first} is {} s later than the {second}", short(late.abs() * dt));
             let is_so = late.abs() > LATE && late.abs() > SURE * late_std;
             (is_so, late.abs() / (1.0 + late.abs()), sentence)
         }

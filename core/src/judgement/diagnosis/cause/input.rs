@@ -13,7 +13,7 @@ const MOST: i32 = 3;
 pub(super) static INPUT_DELAY: Cause = Cause {
     key: "input_delay",
     name: "an input that is late or early",
-    hint: "Where input and sensors pass different filters or clocks, one is late. Shift the input by whole samples.",
+    hint: "If input and sensors have different filters or clocks, one is late. Shift the input by whole samples.",
     likely_causes: |bad, cause, found| {
         if bad.input_size() == 0.0 {
             return;
@@ -37,9 +37,9 @@ const FINER: i32 = 4;
 
 pub(super) static INPUT_HOLD: Cause = Cause {
     key: "input_hold",
-    name: "an input that is linear between samples, or held",
-    hint: "A digital output holds its value between samples; a measured input does not, and is nearer to a line, or, with few samples a \
-           swing, to a smooth curve.",
+    name: "the input between samples: linear or held",
+    hint: "A digital output holds its value between samples. A measured input is nearer to a straight line, or, with \
+           few samples a cycle, to a smooth curve.",
     likely_causes: hold,
 };
 
@@ -48,8 +48,8 @@ fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         return;
     }
     let (value, sentence) = match bad.scenario.hold {
-        Hold::Zero => ("first", "the input goes on between samples instead of being held"),
-        Hold::First => ("zero", "the input is held between samples instead of going on"),
+        Hold::Zero => ("first", "the input is linear between samples, not held"),
+        Hold::First => ("zero", "the input is held between samples, not linear"),
     };
     let near = bad.follows_input(-1..=1);
     let weight = 2.0 * near / (1.0 + 2.0 * near);
@@ -66,7 +66,7 @@ fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         };
         let mut edits = vec![Edit::new("record.interpolate", i64::from(FINER))];
         edits.extend(bad.case.estimates.channels().iter().filter_map(noise));
-        let sentence = "the input is a smooth curve between its samples, and lines cut its bends".to_owned();
+        let sentence = "the input is a smooth curve between samples, and straight lines cut its peaks".to_owned();
         found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
     }
 }
@@ -74,7 +74,7 @@ fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
 pub(super) static INPUT_GAIN: Cause = Cause {
     key: "input_gain",
     name: "the gain of the input",
-    hint: "The record's input is not the force over mass: another unit, a mass, a calibration. Let the filter estimate its gain.",
+    hint: "The input is not force over mass: a wrong unit, mass or calibration. Let the filter estimate its gain.",
     likely_causes: |bad, cause, found| {
         if bad.input_size() == 0.0 || bad.filter.augment.contains(&Channel::INPUT_GAIN) {
             return;
@@ -89,7 +89,7 @@ pub(super) static INPUT_GAIN: Cause = Cause {
         } else {
             vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
         };
-        found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
+        found.push(LikelyCause::new(cause, weight, 1.0, edits, "the gain of the input is wrong".to_owned()));
     },
 };
 
@@ -108,7 +108,7 @@ fn load(bad: &BadFilter<'_>) -> Option<f64> {
 pub(super) static INPUT_OFFSET: Cause = Cause {
     key: "input_offset",
     name: "an offset of the input",
-    hint: "An amplifier's zero, or a constant force that is not recorded. Let the filter estimate it, or subtract the mean.",
+    hint: "An amplifier's zero is off, or a constant force acts. Let the filter estimate it, or subtract the mean.",
     likely_causes: offset,
 };
 
@@ -124,7 +124,7 @@ fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     let std = bad.input_size().max(stiffness).max(1e-9);
     let name = Channel::INPUT_OFFSET.key();
     let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.edit(&format!("initial_std.{name}"), std)];
-    found.push(LikelyCause::new(cause, weight, 1.0, edits, "a constant force acts that the record lacks".to_owned()));
+    found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
 }
 
 const STILL: f64 = 0.05;
@@ -139,7 +139,7 @@ const RISE: f64 = 1.5;
 pub(super) static STILL_INPUT: Cause = Cause {
     key: "still_input",
     name: "an input that is not recorded for a while",
-    hint: "A cable, an amplifier or a logger has stopped. No setting of a filter makes up for it: leave that part of the record out.",
+    hint: "A cable, an amplifier or a logger stopped. No setting corrects that: leave out that part of the record.",
     likely_causes: still,
 };
 
@@ -163,8 +163,8 @@ fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     let time = |sample: usize| short(case.record.time(sample));
     let until = if part.end == case.samples.end { "on".to_owned() } else { format!("to {} s", time(part.end)) };
     let sentence = format!(
-        "the input stands still from {} s {until}, where innovations² are {} times what is expected ({} elsewhere): it is not \
-         recorded there, and no setting mends that",
+        "the input is constant from {} s {until}, where innovations² are {} times what is expected ({} elsewhere): it \
+         is not recorded there, and no setting corrects that",
         time(part.start),
         short(there),
         short(elsewhere)
@@ -195,8 +195,8 @@ const COARSE: f64 = 0.3;
 pub(super) static COARSE_PROPAGATION: Cause = Cause {
     key: "coarse_propagation",
     name: "steps of the propagation that are too coarse",
-    hint: "Euler's step adds about ωₙ dt/2 to the damping ratio, and one Runge-Kutta step errs where a sample is a large part of a \
-           swing. Let the propagation and its parts be chosen automatically.",
+    hint: "Euler's step adds about ωₙ dt/2 to the damping ratio. A Runge-Kutta step is inexact if a sample is a large \
+           part of a cycle. Choose automatic steps.",
     likely_causes: coarse_propagation,
 };
 
@@ -210,7 +210,7 @@ fn coarse_propagation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Ve
             format!("the steps of Euler's propagation are too coarse: they change ζ by about {}", short(0.5 * turn))
         }
         _ if turn > COARSE && (filter.substeps > 0 || filter.propagation.is_some()) => {
-            format!("the steps of the propagation are too coarse: a swing has {}", short(std::f64::consts::TAU / turn))
+            format!("the steps of the propagation are too coarse: a cycle has {}", short(std::f64::consts::TAU / turn))
         }
         _ => return,
     };
@@ -223,9 +223,9 @@ const CLEAR: f64 = 0.3;
 
 pub(super) static ABSOLUTE_ACCELERATION: Cause = Cause {
     key: "absolute_acceleration",
-    name: "an absolute accelerometer taken for a relative one, or the other way round",
-    hint: "On a ground that moves, an accelerometer reads the ground's acceleration besides that against the ground. Give its column \
-           the other meaning.",
+    name: "an accelerometer of the wrong kind: absolute or relative",
+    hint: "On moving ground, an absolute accelerometer also reads the ground's acceleration, and a relative one does \
+           not. Give its column the other meaning.",
     likely_causes: absolute_acceleration,
 };
 
@@ -253,8 +253,8 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
             continue;
         }
         let sentence = format!(
-            "the innovations of the {} contain {share:.2} times the ground's acceleration: it is no {is_told} one, but `{is}`, and no \
-             setting of a filter mends that",
+            "the innovations of the {} contain {share:.2} times the ground's acceleration: it is not {is_told}, but \
+             `{is}`, and no setting of a filter corrects that",
             one.sensor.key()
         );
         let likely = LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence);

@@ -23,8 +23,8 @@ const LEAST_R: f64 = 1e-4;
 pub(super) static SENSOR_NOISE: Cause = Cause {
     key: "sensor_noise",
     name: "R of a sensor",
-    hint: "R is the variance of a sensor's noise. Where the innovations are larger than S, or smaller, and S is mostly R, set R \
-           to what they are.",
+    hint: "R is the variance of a sensor's noise. If innovations² are larger or smaller than S, and S is mostly R, set \
+           R to their size.",
     likely_causes: sensor_noise,
 };
 
@@ -55,10 +55,7 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         let turned = numbers(m, &|i| if taken.contains(&i) { assumed[i].sqrt() } else { assumed[i] });
         let of = |&i: &usize| {
             let (name, std) = (case.sensors[i].sensor.key(), short(assumed[i]));
-            format!(
-                "R of the {name} is {} times too small: {std} may be a variance, and not σ",
-                short(1.0 / assumed[i])
-            )
+            format!("R of the {name} is {} times too small: {std} may be a variance, not σ", short(1.0 / assumed[i]))
         };
         let sentence = mapped(&taken, &of).join(", ");
         found.push(LikelyCause::new(cause, 0.9, 0.0, vec![bad.edit("sensor_std", turned)], sentence));
@@ -111,8 +108,8 @@ const LEVEL: f64 = 1e-4;
 pub(super) static CHANGING_NOISE: Cause = Cause {
     key: "changing_noise",
     name: "R that changes with time",
-    hint: "A sensor is noisier for a while: another range, a loose cable, more traffic. Let the filter learn R as it goes, or leave \
-           out the noisy part.",
+    hint: "A sensor is noisier for a while: another range, a loose cable, more traffic. Let the filter learn R, or \
+           leave out the noisy part.",
     likely_causes: changing_noise,
 };
 
@@ -181,8 +178,8 @@ fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &Change) -> String {
 pub(super) static FELT_DISTURBANCE: Cause = Cause {
     key: "felt_disturbance",
     name: "a disturbance felt by an accelerometer",
-    hint: "An accelerometer reads the disturbance itself, so that its R is its own noise² and the disturbance² besides; or the \
-           filter knows it as a white force, which moves the plant and is read.",
+    hint: "An accelerometer also reads the disturbance. Add the disturbance² to its R, or let the filter model the \
+           disturbance as a white force.",
     likely_causes: felt_disturbance,
 };
 
@@ -207,7 +204,7 @@ fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
     let of = |subject: Subject| places.iter().any(|&i| subject == Subject::Sensor(case.sensors[i].sensor));
     let weight = bad.effect_of(|one| of(one.subject));
     let sentence =
-        format!("Q stands for a disturbance of {} m/s², which the accelerometer feels too", short(disturbance));
+        format!("Q contains a disturbance of {} m/s², which the accelerometer reads too", short(disturbance));
     found.push(LikelyCause::new(cause, weight, 0.0, vec![bad.edit("sensor_std", turned)], sentence.clone()));
     // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
     if let Some(edits) = with_white_force(bad) {
@@ -232,8 +229,8 @@ const ALONE: f64 = 0.08;
 pub(super) static COMMON_NOISE: Cause = Cause {
     key: "common_noise",
     name: "noise that is common to two sensors",
-    hint: "One supply, one amplifier or one mount shakes both, and R takes their noises for independent: the filter counts the same \
-           error twice. Leave one of them out.",
+    hint: "One supply, amplifier or mount disturbs both sensors, but R assumes independent noise: the filter counts \
+           the same error twice. Leave one sensor out.",
     likely_causes: |bad, cause, found| {
         let case = bad.case;
         let is_white = |place: usize| case.sensors[place].autocorrelation(&case.kept).iter().all(|r| r.abs() < ALONE);
@@ -245,8 +242,8 @@ pub(super) static COMMON_NOISE: Cause = Cause {
             }
             let (one, other) = (case.sensors[pair.places[0]].sensor.key(), case.sensors[pair.places[1]].sensor.key());
             let sentence = format!(
-                "the {one} and the {other} have noise in common: their innovations, each white, are correlated by {r:.2} within a sample, and \
-             no setting mends that"
+                "the {one} and the {other} share noise: their innovations are white, but have a correlation of {r:.2} \
+             within a sample, and no setting corrects that"
             );
             let likely = LikelyCause::new(cause, r.abs(), 0.0, Vec::new(), sentence);
             found.push(LikelyCause { certain: true, ..likely });
@@ -257,8 +254,8 @@ pub(super) static COMMON_NOISE: Cause = Cause {
 pub(super) static WHITE_FORCE: Cause = Cause {
     key: "white_force",
     name: "a white force in place of Q",
-    hint: "A force that nobody records moves the plant within a step too. Q on the velocity alone leaves that out, and with fast \
-           samples the parameters are off. Let the filter know the force as white noise.",
+    hint: "An unrecorded force also moves the plant within a step. Q of the velocity alone leaves that out, and with \
+           fast sampling the parameters are off. Let the filter model a white force.",
     likely_causes: |bad, cause, found| {
         if let Some(edits) = with_white_force(bad) {
             let sentence = "Q of the velocity stands for a force that also moves the plant within a step".to_owned();
@@ -272,8 +269,8 @@ const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
 pub(super) static PROCESS_NOISE: Cause = Cause {
     key: "process_noise",
     name: "Q of the motion",
-    hint: "Q of the motion stands for forces that nobody records. Too small, and innovations resemble the one before; too \
-           large, and they alternate.",
+    hint: "Q of the motion stands for unrecorded forces. If Q is too small, each innovation resembles the one before; \
+           if it is too large, their signs alternate.",
     likely_causes: process_noise,
 };
 
@@ -313,7 +310,7 @@ fn process_std(bad: &BadFilter<'_>, of: &FilterSettings, channel: Channel) -> f6
 pub(super) static WIND_UP: Cause = Cause {
     key: "wind_up",
     name: "wind-up by fading",
-    hint: "A fading memory forgets even while nothing is learnt. Switch it off, or give the parameters a process noise instead.",
+    hint: "Fading forgets even while nothing is learnt. Switch it off, or give the parameters process noise instead.",
     likely_causes: |bad, cause, found| {
         if bad.filter.fading <= 1.0 {
             return;
@@ -321,7 +318,7 @@ pub(super) static WIND_UP: Cause = Cause {
         let weight = bad.effect_of(|one| one.speaks_for == VerdictKind::WoundUp);
         let fading = bad.filter.fading;
         let fading = if fading < 1e6 { fading.to_string() } else { short(fading) };
-        let sentence = format!("the memory fades by λ = {fading} a sample while little is learnt");
+        let sentence = format!("the filter forgets by λ = {fading} a sample while it learns little");
         let edits = vec![bad.edit("fading", 1.0)];
         found.push(LikelyCause { certain: weight > 0.0, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
     },
@@ -330,7 +327,7 @@ pub(super) static WIND_UP: Cause = Cause {
 pub(super) static COLLAPSED_SAMPLE: Cause = Cause {
     key: "collapsed_sample",
     name: "a collapsed sample",
-    hint: "Hardly a particle agrees with the measurements, and one stands for all. Take more of them, or a wider process noise.",
+    hint: "One particle has all the weight: the others do not fit. Use more particles, or more process noise.",
     likely_causes: |bad, cause, found| {
         let sizes = bad.case.estimates.effective_samples();
         let least = sizes.iter().copied().filter(|size| !size.is_nan()).fold(f64::INFINITY, f64::min);
@@ -341,7 +338,7 @@ pub(super) static COLLAPSED_SAMPLE: Cause = Cause {
         let particles = bad.filter.ensemble_size;
         let more = (10 * particles).min(20_000);
         let edits = vec![bad.edit("ensemble_size", more as i64)];
-        let sentence = format!("of {particles} particles as few as {} have had all the weight", short(least));
+        let sentence = format!("of {particles} particles only {} had all the weight at times", short(least));
         let weight = if collapsed > 0.0 || least < 3.0 { 0.9 } else { 0.3 };
         found.push(LikelyCause { certain: weight > 0.5, ..LikelyCause::new(cause, weight, 0.0, edits, sentence) });
     },

@@ -13,7 +13,7 @@ use crate::{Channel, PlantKind};
 pub(super) static SPRING: Cause = Cause {
     key: "spring",
     name: "a spring that hardens, softens or yields",
-    hint: "A linear plant is right for small motions only. Take a plant whose spring has a cubic part, or one that yields.",
+    hint: "A linear plant is right for small motion only. Choose a plant with a cubic spring, or one that yields.",
     likely_causes: spring,
 };
 
@@ -63,7 +63,7 @@ const STIFFNESS: f64 = 2.618;
 pub(super) static MISSING_MODE: Cause = Cause {
     key: "missing_mode",
     name: "a mode that the model lacks",
-    hint: "A line in the spectrum of the innovations is a resonance that the model does not have. Take a plant with one mass more.",
+    hint: "A peak in the spectrum of the innovations is a mode that the model lacks. Add one more mass.",
     likely_causes: missing_mode,
 };
 
@@ -99,8 +99,8 @@ const CHANGES: [f64; 3] = [0.03, 0.3, 2.0];
 pub(super) static UNKNOWN_FORCE: Cause = Cause {
     key: "unknown_force",
     name: "a force that is not recorded",
-    hint: "Wind, a rotor, a load that comes and goes: a force that changes slowly pushes innovations to one side for a while. Let \
-           the filter estimate it as a random walk; it takes up what damping and spring do too, so that ζ is known less.",
+    hint: "Wind, a rotor or a moving load: a slow force pushes innovations to one side for a while. Let the filter \
+           estimate it as a random walk. It also absorbs a part of spring and damping, and σ of ζ grows.",
     likely_causes: unknown_force,
 };
 
@@ -122,7 +122,7 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             bad.edit(&format!("initial_std.{key}"), force),
             bad.edit(&format!("process_std.{key}"), change * force / period.sqrt()),
         ];
-        let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
+        let sentence = "the record lacks a force that changes slowly".to_owned();
         // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
         let fitted = 2.0 + periods * change / FREE;
         found.push(LikelyCause::new(cause, weight, fitted, edits, sentence));
@@ -200,7 +200,7 @@ static TERMS: [Term; 5] = [
         parameter: ["uneven stiffness", "1/(m s²)", "any"],
         mean: 0.0,
         std: |frequency, size| 0.3 * frequency * frequency / size,
-        sentence: "the spring is stiffer one way than the other, the more so the further it goes",
+        sentence: "the spring is stiffer on one side, and more so at larger displacements",
     },
     Term {
         cause: &UNEVEN_SPRING,
@@ -209,7 +209,7 @@ static TERMS: [Term; 5] = [
         parameter: ["stiffness of one side", "1/s²", "any"],
         mean: 0.0,
         std: |frequency, _| 0.2 * frequency * frequency,
-        sentence: "the spring is stiffer one way than the other, as with a crack that opens or a stop",
+        sentence: "the spring is stiffer on one side, as with a crack that opens or a stop",
     },
     Term {
         cause: &DAMPING_OF_SWING,
@@ -218,36 +218,36 @@ static TERMS: [Term; 5] = [
         parameter: ["damping of large swings", "1/(m² s)", "any"],
         mean: 0.0,
         std: |frequency, size| 0.1 * frequency / (size * size),
-        sentence: "the damping grows with the swing",
+        sentence: "the damping grows with the amplitude",
     },
 ];
 
 pub(super) static DRY_FRICTION: Cause = Cause {
     key: "dry_friction",
     name: "dry friction",
-    hint: "Friction that has the same size at any speed takes away as much of a small swing as of a large one: a decay is a straight \
-           line, and ends. Take an equation with such a term.",
+    hint: "Dry friction has the same size at any speed: the amplitude decays along a straight line, and the motion \
+           stops. Choose an equation with such a term.",
     likely_causes: terms,
 };
 
 pub(super) static DRAG: Cause = Cause {
     key: "drag",
     name: "drag, as of air or water",
-    hint: "Drag grows with the square of the speed: a large swing dies out fast, a small one hardly. Take an equation with such a term.",
+    hint: "Large motion decays fast, small motion hardly. Choose an equation with such a term.",
     likely_causes: terms,
 };
 
 pub(super) static UNEVEN_SPRING: Cause = Cause {
     key: "uneven_spring",
-    name: "a spring that is stiffer one way than the other",
-    hint: "A crack that opens, a stop, a spring that was bent: the swing is longer to one side. Take an equation with such a term.",
+    name: "a spring that is stiffer on one side",
+    hint: "A crack, a stop or a bent spring: the motion is larger on one side. Choose an equation with such a term.",
     likely_causes: terms,
 };
 
 pub(super) static DAMPING_OF_SWING: Cause = Cause {
     key: "damping_of_swing",
-    name: "damping that grows with the swing",
-    hint: "As in van der Pol's oscillator, the damping depends on how far the mass goes. Take an equation with such a term.",
+    name: "damping that grows with the amplitude",
+    hint: "As in van der Pol's oscillator, damping depends on the displacement. Choose an equation with such a term.",
     likely_causes: terms,
 };
 
@@ -274,8 +274,8 @@ fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
 pub(super) static PERIODIC_FORCE: Cause = Cause {
     key: "periodic_force",
     name: "a periodic force that is not recorded",
-    hint: "A motor or the mains push in a line of the spectrum, which the plant has no mode for. Take an equation in which a second \
-           oscillator without damping is that force: its frequency is estimated too.",
+    hint: "A motor or the mains adds a peak to the spectrum that no mode explains. Choose an equation in which a \
+           second, undamped oscillator is that force. The filter estimates its frequency too.",
     likely_causes: |bad, cause, found| {
         let Some((frequency, size)) = oscillator(bad) else { return };
         let Some((_, line)) = bad.line().filter(|(height, line)| *height >= LINE && *line > 0.0) else { return };
@@ -284,16 +284,16 @@ pub(super) static PERIODIC_FORCE: Cause = Cause {
         let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
         let components = swing(bad, force, [line, 0.01], "frequency of the force");
         let edits = edits_of(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);
-        let sentence = format!("a periodic force acts that the record lacks, at {} rad/s", short(line));
+        let sentence = format!("the record lacks a periodic force of {} rad/s", short(line));
         found.push(LikelyCause::new(cause, weight, 3.0, edits, sentence));
     },
 };
 
 pub(super) static SWINGING_STIFFNESS: Cause = Cause {
     key: "swinging_stiffness",
-    name: "a stiffness that swings with time",
-    hint: "A rope whose tension swings, a pivot that moves up and down, a gear: the spring is stiffer and softer in turn, whatever the \
-           mass does. Take an equation in which a second oscillator without damping is that swing: its frequency is estimated too.",
+    name: "a stiffness that varies with time",
+    hint: "A rope with varying tension, a moving pivot or a gear: the stiffness varies with time. Choose an equation \
+           in which a second, undamped oscillator is that variation. The filter estimates its frequency too.",
     likely_causes: swinging_stiffness,
 };
 
@@ -322,7 +322,7 @@ fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Ve
         let components = swing(bad, 0.3, [frequency, 0.04], "frequency of the swing");
         let equation = "x'' + 2 ζ ωₙ x' + ωₙ² (1 + u) x = f; u' = s; s' = -w² u";
         let edits = edits_of(bad, equation, &components);
-        let sentence = format!("the stiffness swings with time, at about {} rad/s", short(frequency));
+        let sentence = format!("the stiffness varies with time, at about {} rad/s", short(frequency));
         found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 3.0, edits, sentence));
     }
 }
@@ -330,8 +330,8 @@ fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Ve
 pub(super) static CREEP: Cause = Cause {
     key: "creep",
     name: "a damper or a spring that creeps",
-    hint: "Rubber, oil in a gap, a coil that feeds back: a part of the force follows the motion late. Take an equation in which that force \
-           has a time constant.",
+    hint: "Rubber, oil in a gap, a coil that feeds back: a part of the force lags the motion. Choose an equation in \
+           which that force has a time constant.",
     likely_causes: creep,
 };
 
@@ -343,7 +343,7 @@ fn creep(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
         Component { key: "a", parameter: Some(["corner", "rad/s", "positive"]), mean: frequency, std: 0.5 * frequency },
     ];
     let edits = edits_of(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + b z = f; z' = a (x' - z)", &components);
-    let sentence = "a part of the damping follows the motion late".to_owned();
+    let sentence = "a part of the damping lags the motion".to_owned();
     let likely = LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 2.0, edits, sentence);
     found.push(LikelyCause { softens: true, ..likely });
 }

@@ -10,8 +10,8 @@ use crate::mathematics::lists::{mapped, sort_numbers};
 pub(super) static CLIPPED: Cause = Cause {
     key: "clipped",
     name: "a sensor that is clipped",
-    hint: "Readings stop at the end of the sensor's range. Those at the end are no readings: leave them out, or take a sensor with a \
-           wider range. A filter that weighs its readings does so as far as it can.",
+    hint: "Readings stop at the end of the sensor's range. Leave out those at the end, or use a sensor with a wider \
+           range. A filter that weighs its readings leaves them out in part.",
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::clipped, "are at the end of its range"),
 };
 
@@ -20,8 +20,8 @@ const RISE: f64 = 1.5;
 pub(super) static STICKING: Cause = Cause {
     key: "sticking",
     name: "a sensor that sticks",
-    hint: "A logger writes the last reading again where none has come. Such readings are none: leave them out, as empty cells. A filter \
-           that weighs its readings does so as far as it can.",
+    hint: "A logger repeats the last reading if no new one arrives. Leave the repeats out, as empty cells. A filter \
+           that weighs its readings leaves them out in part.",
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::stuck, "repeat the last one"),
 };
 
@@ -62,8 +62,8 @@ const LEAST_STEP: f64 = 2.0;
 pub(super) static COARSE: Cause = Cause {
     key: "coarse",
     name: "the coarse steps of a sensor",
-    hint: "A converter with few bits rounds each reading to a step. The rounding is a noise of a twelfth of the step squared: give it \
-           to R.",
+    hint: "A converter with few bits rounds each reading to a step. Rounding adds a twelfth of the step squared to the \
+           noise: add it to R.",
     likely_causes: coarse,
 };
 
@@ -82,7 +82,7 @@ fn coarse(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         stds[place] = (own * own + step * step / 12.0).sqrt();
         most = most.max(step / own);
         told.push(format!(
-            "the {} reads in steps of {} {}, {} times the σ that is assumed",
+            "the {} reads in steps of {} {}, {} times the assumed σ",
             one.sensor.key(),
             short(step),
             length.in_place_of(one.sensor.unit()),
@@ -102,8 +102,8 @@ const RULES: [&str; 2] = ["student_t", "gate"];
 pub(super) static OUTLIERS: Cause = Cause {
     key: "outliers",
     name: "outliers of a sensor",
-    hint: "Single readings are far off, and those beside them are not. A larger R would weaken all readings for the sake of a few: let \
-           the filter weigh each by how well it fits.",
+    hint: "Single readings are far off, and their neighbours are not. A larger R would weaken all readings because of \
+           a few. Let the filter weigh each reading by its fit.",
     likely_causes: outliers,
 };
 
@@ -141,7 +141,7 @@ const WIDE: f64 = 10.0;
 pub(super) static SENSOR_BIAS: Cause = Cause {
     key: "sensor_bias",
     name: "a sensor's bias or drift",
-    hint: "A zero that is off, or wanders. Let the filter estimate it; with a process noise if it drifts.",
+    hint: "The sensor's zero is off, or drifts. Let the filter estimate it, with process noise if it drifts.",
     likely_causes: bias,
 };
 
@@ -155,7 +155,7 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         if bad.filter.augment.contains(&bias) {
             for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
                 let edits = vec![bad.edit(&format!("process_std.{key}"), step)];
-                let sentence = format!("the bias of the {name} drifts, which its Q does not allow");
+                let sentence = format!("the bias of the {name} drifts, but its Q is too small");
                 found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
             }
             continue;
@@ -179,8 +179,8 @@ const WHITE_PART: f64 = 0.05;
 pub(super) static COLOURED_NOISE: Cause = Cause {
     key: "coloured_noise",
     name: "coloured noise of a sensor",
-    hint: "A sensor's filter, or a loose mount, gives its noise a memory, and a filter takes each reading for new. Let it estimate a \
-           bias with that memory.",
+    hint: "A sensor's filter or a loose mount correlates its noise over time, but the filter assumes white noise. Let \
+           it estimate a bias with a correlation time.",
     likely_causes: coloured,
 };
 
@@ -210,7 +210,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
                 bad.edit("sensor_std", stds),
             ];
             let sentence = format!(
-                "the noise of the {} is coloured, with a memory of about {} s: a bias with that memory stands for it",
+                "the noise of the {} is coloured, with a correlation time of about {} s: a bias can model it",
                 one.sensor.key(),
                 short(samples * case.record.dt())
             );
@@ -227,15 +227,15 @@ const LEAST_TURNS: usize = 3;
 pub(super) static WRAPS: Cause = Cause {
     key: "wraps",
     name: "an angle that wraps",
-    hint: "An encoder begins again after each turn, and its readings jump from one end to the other. Add a turn at each jump, as an \
-           import does.",
+    hint: "An encoder restarts after each turn, and its readings jump from one end to the other. Add a turn at each \
+           jump, as an import does.",
     likely_causes: |bad, cause, found| {
         for (place, one) in bad.case.sensors.iter().enumerate() {
             let Some(readings) = Readings::of(bad.case, place) else { continue };
             let Some((count, turn)) = readings.turns() else { continue };
             let sentence = format!(
-                "the readings of the {} jump {count} times from one end to the other, by about {}: an angle that wraps, and no setting \
-             mends that",
+                "the readings of the {} jump {count} times from one end to the other, by about {}: an angle that \
+             wraps, and no setting corrects that",
                 one.sensor.key(),
                 short(turn)
             );

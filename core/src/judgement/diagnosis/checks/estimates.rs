@@ -18,7 +18,7 @@ pub(super) static DIVERGENCE: Test = Test {
     statistic: "root mean square error over the last fifth, over σ",
     distribution: "none",
     source: "Fitzgerald (1971), Divergence of the Kalman filter, IEEE Transactions on Automatic Control 16",
-    reading: "more than 10, and larger than the truth and all doubts at first: nothing is left of the truth",
+    reading: "more than 10, and an error above the true value and its initial σ: the filter has lost the truth",
     run: divergence,
 };
 
@@ -48,7 +48,7 @@ pub(super) static RANGE: Test = Test {
     statistic: "the last estimates",
     distribution: "none",
     source: "Nyquist (1928), Certain topics in telegraph transmission theory (the limit π/dt)",
-    reading: "a frequency beyond what the samples can show, a negative damping, or a number far from any start: the filter is lost",
+    reading: "a frequency above the Nyquist limit, a negative damping, or an impossible number: the filter is lost",
     run: range,
 };
 
@@ -67,9 +67,9 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             found.push(one.certain(VerdictKind::Lost, effect, effect, sentence));
         };
         if !mean.is_finite() {
-            push(f64::MAX, format!("the {name} is no number"));
+            push(f64::MAX, format!("the {name} is not a number"));
         } else if start > 0.0 && mean.abs() > FAR * start {
-            let sentence = format!("the {name} is {}{space}{unit}, more than 1000 times any start", short(mean.abs()));
+            let sentence = format!("the {name} is {}{space}{unit}, over 1000 times any start", short(mean.abs()));
             push(mean.abs() / (FAR * start), sentence);
         } else if channel == Channel::NATURAL_FREQUENCY {
             let sentence = format!(
@@ -120,7 +120,7 @@ pub(super) static ELLIPSOID: Test = Test {
     statistic: "share of samples with eᵀ P⁻¹ e below the 95 % quantile of χ²",
     distribution: "95 % on average over many runs; errors of one run are much alike from sample to sample",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
-    reading: "near 95 % is right; below a half, the truth is outside what the filter holds possible most of the time",
+    reading: "near 95 % is right; below a half, the truth is outside the filter's ellipsoid most of the time",
     run: |case, test, found| {
         let Some(share) = case.share_in_ellipsoid() else { return };
         let late = case.diagnostics.nees_within(case.part(PARTS / 2).start..case.samples.end);
@@ -157,7 +157,7 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 speaks_for: VerdictKind::Overconfident,
                 samples: case.late(),
                 sentence: format!(
-                    "the {name} is {} times its σ off in the last fifth, and inside ±2σ in {} of it",
+                    "the {name} is off by {} times its σ in the last fifth, and inside ±2σ in {} of it",
                     short(off),
                     percent(one.coverage(&late))
                 ),
@@ -191,10 +191,10 @@ const BELOW_BOUND: f64 = 3.0;
 
 pub(super) static BOUND: Test = Test {
     name: "σ against the Cramér-Rao bound",
-    statistic: "the bound over σ of a parameter, at last",
-    distribution: "none: it is at most 1 for a filter that takes no more for true than is so",
+    statistic: "the bound over the last σ of a parameter",
+    distribution: "none: it is at most 1 for a filter whose assumptions are true",
     source: "Tichavský, Muravchik and Nehorai (1998)",
-    reading: "above 1: the filter claims to know more than the record can tell",
+    reading: "above 1: σ is smaller than the record allows",
     run: bound,
 };
 
@@ -224,10 +224,10 @@ const UNLEARNT_SHARE: f64 = 0.9;
 
 pub(super) static WIND_UP: Test = Test {
     name: "growth of P",
-    statistic: "σ of a parameter at last over that at first",
-    distribution: "none: it is below 1 where anything is learnt",
+    statistic: "last σ of a parameter over its initial σ",
+    distribution: "none: it is below 1 if the filter learns anything",
     source: "Parkum, Poulsen and Holst (1992), Recursive forgetting algorithms, International Journal of Control 55",
-    reading: "above 1 and growing: the filter forgets faster than the sensors tell anew",
+    reading: "above 1 and growing: the filter forgets faster than it learns",
     run: |case, test, found| {
         let Some(last) = case.last() else { return };
         let is_estimated = |channel: Channel| channel.is_parameter() && !case.estimates.considers(channel);
@@ -241,7 +241,7 @@ pub(super) static WIND_UP: Test = Test {
             let effect = if unbounded { growth / GROWN } else { 0.0 };
             if first > 0.0 && growth.is_finite() {
                 let grows = if now > GROWS * third { " and grows" } else { "" };
-                let sentence = format!("σ of the {} is {} times that at first{grows}", channel.name(), short(growth));
+                let sentence = format!("σ of the {} is {} times its first value{grows}", channel.name(), short(growth));
                 let one = Evidence::new(test, Subject::Channel(channel), case);
                 found.push(one.certain(VerdictKind::WoundUp, effect, growth, sentence));
             }
@@ -250,11 +250,11 @@ pub(super) static WIND_UP: Test = Test {
 };
 
 pub(super) static UNLEARNT: Test = Test {
-    name: "what is learnt of a parameter",
-    statistic: "σ of a parameter at last over that at first",
-    distribution: "none: it is below 1 where anything is learnt",
+    name: "information on a parameter",
+    statistic: "last σ of a parameter over its initial σ",
+    distribution: "none: it is below 1 if the filter learns anything",
     source: "Söderström and Stoica (1989), System Identification, section 2.4",
-    reading: "near 1: the record does not tell, since nothing excites what the parameter does",
+    reading: "near 1: the record has no information on the parameter, because nothing excites its effect",
     run: unlearnt,
 };
 
@@ -274,8 +274,8 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
         let time = case.record.time(since);
         let when =
-            if learnt.is_some() { format!(", and nothing is learnt since {} s", short(time)) } else { String::new() };
-        let sentence = format!("σ of the {} is still {} times that at first{when}", channel.name(), short(share));
+            if learnt.is_some() { format!(", and does not fall after {} s", short(time)) } else { String::new() };
+        let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
         let samples = since..case.samples.end;
         let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
         found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
@@ -291,7 +291,7 @@ pub(super) static RECOVERY: Test = Test {
     statistic: "the parts of the record whose errors are too large, or innovations too large or too small, if the last part is good",
     distribution: "none",
     source: "Basseville and Nikiforov (1993), Detection of Abrupt Changes",
-    reading: "a run of surprises that ends: something changed, and the filter followed",
+    reading: "too large for a while only: something changed, and the filter followed",
     run: |case, test, found| {
         let Some(samples) = case.forgiven_samples() else { return };
         let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
@@ -325,7 +325,7 @@ fn largest_error(case: &Case<'_>) -> (f64, String) {
     let of = |one: &ChannelErrors| (one.level(&case.forgiven).sqrt(), one.channel.name());
     let known = case.errors.iter().map(of).filter(|(off, _)| !off.is_nan());
     let (off, name) = known.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, ""));
-    (off, format!("the {name} is {} times its σ off", short(off)))
+    (off, format!("the {name} is off by {} times its σ", short(off)))
 }
 
 const FALL: f64 = 100.0;
@@ -339,7 +339,7 @@ pub(super) static SAMPLE: Test = Test {
     statistic: "the largest fall of a σ from one sample to the next; the least effective sample size",
     distribution: "none",
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems",
-    reading: "a fall by more than 100, or less than 2 particles for a while: one particle stands for all, and σ says nothing",
+    reading: "above 100 times, or fewer than 2 particles for a while: one has all the weight, and σ means nothing",
     run: sample,
 };
 
@@ -360,9 +360,9 @@ fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let time = short(case.record.time(at));
         let with = match sizes[k] {
             size if size.is_nan() => "where nothing is measured".to_owned(),
-            size => format!("with {} particles in effect", short(size)),
+            size => format!("with {} effective particles", short(size)),
         };
-        let sentence = format!("σ of the {} falls by {} times at {time} s, {with}", channel.name(), short(fall));
+        let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
         let samples = at..case.samples.end;
         let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
         found.push(one.certain(VerdictKind::Collapsed, fall / FALL, fall, sentence));
@@ -374,7 +374,7 @@ fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         least = size.min(least);
     }
     let sentence =
-        format!("the effective sample size goes down to {}, and stays below 2 for {longest} samples", short(least));
+        format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
     let one = Evidence::new(test, Subject::All, case);
     found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, least, sentence));
 }
@@ -390,8 +390,8 @@ pub(super) static DIVERSITY: Test = Test {
     statistic: "D = Σ -½ ln(1 - 1/N_eff) over all resamplings, as a share of D + Σ -½ ln(1 - K S Kᵀ / P) over all updates",
     distribution: "none: D is 0 for infinitely many particles",
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems; Liu and West (2001)",
-    reading: "a sample of N_eff particles has, on average, 1/N_eff less variance than what it is drawn from; where these losses \
-              explain a quarter of how σ has shrunk, it says how few particles are left and not what is known",
+    reading: "drawing N_eff particles loses, on average, 1/N_eff of the variance; if these losses explain a quarter of \
+              the shrinking of σ, then σ shows the lack of particles, not knowledge",
     run: diversity,
 };
 

@@ -16,7 +16,7 @@ pub(super) static SENSORS: Test = Test {
     statistic: "mean of ν² = e² / S",
     distribution: "χ² with one degree of freedom a measurement, over their number",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
-    reading: "1 is right; above, the sensor surprises the filter, and below, the filter trusts it too little",
+    reading: "1 is right; above 1, the sensor surprises the filter; below 1, the filter trusts it too little",
     run: |case, test, found| {
         for one in &case.sensors {
             for span in case.spans() {
@@ -66,7 +66,7 @@ pub(super) static MEAN: Test = Test {
     statistic: "mean of ν times √N",
     distribution: "standard normal",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
-    reading: "not zero: a sensor has a bias, or the input an offset",
+    reading: "not zero: a sensor has a bias, or the input has an offset",
     run: |case, test, found| {
         for one in &case.sensors {
             let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
@@ -79,7 +79,7 @@ pub(super) static MEAN: Test = Test {
                 p_value: normal_p(statistic),
                 effect: mean.abs() / OFF_ZERO,
                 speaks_for: case.pattern(one),
-                sentence: format!("the innovations of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
+                sentence: format!("prediction errors of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
                 ..Evidence::new(test, Subject::Sensor(one.sensor), case)
             });
         }
@@ -96,8 +96,8 @@ pub(super) static WHITENESS: Test = Test {
     statistic: "N (N + 2) Σ r_l² / (N - l) over the lags l = 1 … 20",
     distribution: "χ² with 20 degrees of freedom",
     source: "Ljung and Box (1978); Mehra (1970), On the identification of variances and adaptive Kalman filtering",
-    reading: "positive at lag 1: the gain is too low, and each innovation leaves something for the next; negative: it is too \
-              high",
+    reading: "positive at lag 1: the gain is too low, and a part of each error remains in the next; negative: the gain \
+              is too high",
     run: whiteness,
 };
 
@@ -124,7 +124,7 @@ fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 effect: largest.abs() / CORRELATED,
                 speaks_for: direction(case, one, telling, one.level(&span.parts)),
                 sentence: format!(
-                    "the innovations of the {sensor} are correlated{when}: {first:.2} at lag {next}{also}"
+                    "prediction errors of the {sensor} are correlated{when}: {first:.2} at lag {next}{also}"
                 ),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
@@ -137,7 +137,7 @@ pub(super) static PAIRS: Test = Test {
     statistic: "N Σ r_l² over the lags l = ±1 … ±20 of one sensor's innovations against another's",
     distribution: "χ² with 40 degrees of freedom",
     source: "Mehra (1970); Bar-Shalom, Li and Kirubarajan (2001), section 5.4.2",
-    reading: "what one sensor has shown, another shows again later: the model or Q is wrong, even where each is white by itself",
+    reading: "an error of one sensor returns later in another: the model or Q is wrong, even if each is white alone",
     run: pairs,
 };
 
@@ -154,7 +154,7 @@ fn pairs(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             effect: r.abs() / CORRELATED,
             speaks_for: case.pattern(later),
             sentence: format!(
-                "the innovations of the {} follow those of the {}: correlation {r:.2} at lag {lag}",
+                "prediction errors of the {} depend on earlier ones of the {} (correlation {r:.2} at lag {lag})",
                 later.sensor.key(),
                 earlier.sensor.key()
             ),
@@ -168,7 +168,7 @@ pub(super) static AT_ONCE: Test = Test {
     statistic: "(r - ρ) √N / (1 - ρ²), r of their innovations, ρ the mean of that in S",
     distribution: "standard normal",
     source: "Fisher (1921), On the probable error of a coefficient of correlation",
-    reading: "noise that is common to both sensors, or a force that both feel and R does not know",
+    reading: "not 0: both sensors share noise, or both read a force that R lacks",
     run: |case, test, found| {
         for pair in case.pairs.iter().filter(|pair| pair.count >= 2.0 * LAGS as f64) {
             let (r, expected) = (pair.correlation[0][0], case.expected_correlation(pair.places));
@@ -180,7 +180,7 @@ pub(super) static AT_ONCE: Test = Test {
             effect: (r - expected).abs() / CORRELATED,
             speaks_for: case.pattern(one),
             sentence: format!(
-                "the innovations of the {} and the {} go together: their correlation is {r:.2}, and {expected:.2} is expected",
+                "prediction errors of the {} and the {} are correlated by {r:.2}, not {expected:.2}, within a sample",
                 one.sensor.key(),
                 other.sensor.key()
             ),
@@ -205,8 +205,8 @@ pub(super) static INPUT: Test = Test {
     statistic: "the largest of |Σ ν_k f_(k - l)| / √(Σ ν² Σ f²) over the lags l = -4 … 15, times √N",
     distribution: "the largest of 20 standard normal numbers",
     source: "Ljung (1999), System Identification, section 16.6",
-    reading: "at lags of 0 or 1 alone: the input is late, early or held wrongly; at many positive lags: its gain or the plant is \
-              wrong",
+    reading: "only at lag 0 or 1: the input is late, early or held wrongly; at many positive lags: its gain or the \
+              plant is wrong",
     run: input,
 };
 
@@ -227,7 +227,7 @@ fn input(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             effect: largest.abs() / CORRELATED,
             speaks_for: case.pattern(one),
             sentence: format!(
-                "the innovations of the {sensor} follow the input: correlation {largest:.2} at lag {lag}"
+                "prediction errors of the {sensor} still depend on the input (correlation {largest:.2} at lag {lag})"
             ),
             ..Evidence::new(test, Subject::Sensor(one.sensor), case)
         });
@@ -241,7 +241,7 @@ pub(super) static LINES: Test = Test {
     statistic: "the largest power of a Welch periodogram over the mean power",
     distribution: "the largest of L/2 sums of squares, χ² with two degrees of freedom a window",
     source: "Welch (1967), The use of fast Fourier transform for the estimation of power spectra",
-    reading: "a peak at the frequency of a mode: the model lacks it, or has it elsewhere",
+    reading: "a peak: a mode that the model lacks, or has at another frequency",
     run: lines,
 };
 
@@ -260,7 +260,7 @@ fn lines(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             effect: statistic / LINE,
             speaks_for: case.pattern(one),
             sentence: format!(
-                "the innovations of the {} have a line of {} times the mean power at {} rad/s",
+                "prediction errors of the {} have a peak of {} times the mean power at {} rad/s",
                 one.sensor.key(),
                 short(statistic),
                 short(turn / case.record.dt())
