@@ -46,7 +46,6 @@ impl Edits<'_> {
     }
 }
 
-/// The settings that the story names, and `below` them more. Returns whether all settings are wanted.
 pub fn few_controls_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story, below: impl FnOnce(&mut Ui)) -> bool {
     let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);

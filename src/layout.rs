@@ -124,7 +124,6 @@ impl Layout {
         self.enlarged = self.enlarged.filter(|enlarged| *enlarged == view);
     }
 
-    /// Shows `wanted` in the place of `shown`, and this in the place of `wanted` if both are on screen.
     pub(crate) fn choose_tab(&mut self, shown: ViewKind, wanted: ViewKind) {
         let places = [shown, wanted].map(|view| self.tree.tiles.find_pane(&view));
         for (place, view) in places.into_iter().zip([wanted, shown]) {

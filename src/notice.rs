@@ -43,7 +43,6 @@ impl Notice {
         self.button.as_ref().is_some_and(|(_, request)| *request == Request::Leave)
     }
 
-    /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
     pub(crate) fn is_over(&mut self, ctx: &Context) -> bool {
         if self.is_failure {
             return false;

@@ -64,10 +64,6 @@ impl Tutor {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
-    /// The map that the step asks for, as soon as the scenario has its filters.
-    ///
-    /// # Errors
-    /// A sentence where the map is impossible, which a test rules out for built-in lessons.
     pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
         let Some(map) = self.current().and_then(|step| step.map.as_ref()) else { return Ok(None) };
         match map.missing_filter(scenario) {
@@ -110,10 +106,6 @@ impl Tutor {
         self.open_question()?.until
     }
 
-    /// Goes to a step, with the changes of the steps before it, and shows its record.
-    ///
-    /// # Errors
-    /// [`LessonError`] where a change is impossible, which a test rules out for built-in lessons.
     pub fn go_to(&mut self, step: usize, session: &mut Session) -> Result<(), LessonError> {
         self.step = step.min(self.lesson.steps.len().saturating_sub(1));
         self.changed = false;

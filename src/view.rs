@@ -111,7 +111,6 @@ impl<'a> ViewContext<'a> {
         self.filters().filter_map(move |(_, estimates)| before?.estimates(estimates.id()))
     }
 
-    /// Whether any filter is uncertain about a channel, initially or now; other channels have nothing to show.
     pub(crate) fn in_doubt(&self, channel: Channel) -> bool {
         self.session.run().estimates().iter().any(|estimates| {
             let std = |k: usize| estimates.place(channel).map_or(0.0, |at| estimates.std(k, at));

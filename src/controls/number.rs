@@ -146,7 +146,6 @@ pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Nam
     }
 }
 
-/// Shows an angular frequency \[rad/s\] in hertz, after some words, while the pointer rests on it.
 pub(super) fn tell_hertz(response: Response, value: f64, unit: &str, words: &str) {
     if unit == "rad/s" {
         hover_text(response, &|| format!("{words} {}", in_hertz(value, unit).unwrap_or_default()));

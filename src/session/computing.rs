@@ -27,8 +27,6 @@ impl Session {
         (!self.complete).then(|| (self.run().done() as f64 / (self.position() + 1) as f64).min(1.0))
     }
 
-    /// Cancels the present computation, and keeps the last complete picture and its scenario. Returns whether there was
-    /// one.
     pub fn cancel(&mut self) -> bool {
         if !self.behind() {
             return false;

@@ -65,10 +65,6 @@ impl Library {
         }
     }
 
-    /// The source of a scenario's samples: a simulation, or the record that it names.
-    ///
-    /// # Errors
-    /// A sentence where the file is not here, or is not a record.
     pub fn source(&mut self, scenario: &Scenario) -> Result<Source, String> {
         let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
         if let Some(live) = self.live.as_ref().filter(|live| live.mapping == *mapping) {
@@ -135,11 +131,6 @@ impl Library {
         self.held_out.as_ref().map(|(name, record)| (name.as_str(), record))
     }
 
-    /// Keeps a file as the record on which models are tested. Its columns get the meanings that they have in the
-    /// scenario.
-    ///
-    /// # Errors
-    /// A sentence if the scenario has no record, or the file is no record with these meanings.
     pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
         let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
         let mapping = Mapping { from: None, to: None, ..mapping.clone() };

@@ -60,7 +60,6 @@ impl LongFilters {
         }
     }
 
-    /// Notes whether only these filters are left to compute, which is so if the frame has time for more.
     pub(super) fn set_alone(&mut self, has_time: bool) {
         self.is_alone = has_time && self.filters.iter().any(|(_, work)| work.is_some());
     }
