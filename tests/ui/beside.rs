@@ -82,6 +82,8 @@ fn large_files_and_long_records_are_imported_on_threads() {
             }
         };
         wait(&mut screen, &|screen| screen.query_by_label("Open the record").is_some_and(|node| !is_disabled(&node)));
+        // The window comes to rest around its contents.
+        screen.run_steps(3);
         screen.get_by_label("Open the record").click();
         screen.run_steps(2);
         wait(&mut screen, &|screen| screen.state().session().is_measured());
