@@ -68,6 +68,8 @@ pub struct App {
     /// Whether the window is cleared in the ground's colour, so that panels need no fill.
     cleared: bool,
     inviting: bool,
+    /// The time of the screen when the present record or scenario came \[s\].
+    begun: f64,
     importing: Option<Import>,
     editor: Option<Editor>,
     story: Story,
@@ -119,6 +121,7 @@ impl App {
             theme: ThemePreference::System,
             cleared: false,
             inviting: false,
+            begun: 0.0,
             notice: None,
             importing: None,
             editor: None,

@@ -135,7 +135,11 @@ impl App {
             Request::Follow if axis.follows => axis.framed = None,
             Request::Follow => axis.follows = true,
             Request::Unfollow => axis.follows = false,
-            Request::PointAt(time) => axis.pointed = time,
+            Request::PointAt(time) => {
+                // A pointer that has rested since the record came, as on the button that opened it, points at nothing.
+                let moved = ctx.input(|input| input.time - f64::from(input.pointer.time_since_last_movement()));
+                axis.pointed = time.filter(|_| moved > self.begun);
+            }
             Request::MarkTime(time) => self.ruler.mark(time),
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
@@ -177,6 +181,7 @@ impl App {
 
     pub(super) fn begin_anew(&mut self, ctx: &egui::Context) {
         self.session.begin_anew();
+        self.begun = ctx.input(|input| input.time);
         self.axis = TimeAxis::default();
         self.ruler.clear();
         self.visible.reset();

@@ -3,12 +3,7 @@
 const FUNCTIONS: [&str; 9] = ["tanh", "sin", "cos", "tan", "exp", "log", "sqrt", "abs", "sign"];
 
 /// Names that are no states, with what stands for the state.
-const STATES: [(&str, &str); 4] = [
-    ("X", "the state is x"),
-    ("v", "the velocity is x'"),
-    ("F", "the force over mass is f"),
-    ("t", "time has no name"),
-];
+const STATES: [(&str, &str); 3] = [("X", "the state is x"), ("v", "the velocity is x'"), ("F", "the force is f")];
 
 fn names(equation: &str) -> impl Iterator<Item = (&str, bool)> {
     let is_letter = |c: char| c.is_alphabetic() || c.is_ascii_digit() || c == '_';

@@ -5,8 +5,7 @@ use egui::{Align2, Button, Context, Grid, Key, Popup, ProgressBar, RichText, Scr
 use kalmanscope_core::free_decay::{Decay, NoDecay};
 use kalmanscope_core::import::{Imported, Table, ThreeAxes};
 
-use super::columns::columns_ui;
-use super::columns::{conditioning_ui, meaning_ui};
+use super::columns::{columns_ui, conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
@@ -101,11 +100,7 @@ fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Op
     if is_still {
         ui.colored_label(palette.warning, "It has made no progress for 10 s. Esc stops it.");
     }
-    cancel_ui(ui).then_some(Choice::Cancel)
-}
-
-fn cancel_ui(ui: &mut Ui) -> bool {
-    button(ui, Button::new("Cancel"), "Cancel the import", true)
+    button(ui, Button::new("Cancel"), "Cancel the import", true).then_some(Choice::Cancel)
 }
 
 fn button(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
@@ -132,7 +127,7 @@ impl Draft {
             let hint = "The free run of the models on screen over this record, which the filters do not see";
             let tests =
                 can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
-            let cancel = cancel_ui(ui);
+            let cancel = button(ui, Button::new("Cancel"), "Cancel the import", true);
             match (open, tests, cancel) {
                 (true, ..) => Some(Choice::Open),
                 (_, true, _) => Some(Choice::HoldOut),

@@ -85,6 +85,8 @@ fn large_files_and_long_records_are_imported_on_threads() {
             screen.query_by_label("Open the record").is_some_and(|node| !node.accesskit_node().is_disabled())
         };
         wait(&mut screen, &is_read);
+        // The window comes to rest around its contents.
+        screen.run_steps(3);
         screen.get_by_label("Open the record").click();
         screen.run_steps(2);
         wait(&mut screen, &|screen| screen.state().session().is_measured());
