@@ -128,7 +128,7 @@ fn a_guess_is_dragged_at_the_beginning() {
     let mut screen = workbench();
     screen.state_mut().session_mut().pause();
     set_scenario(&mut screen, Scenario::default());
-    screen.state_mut().session_mut().seek(2.0);
+    screen.state_mut().session_mut().seek(0.1);
     screen.run_steps(4);
     // Both guesses are alike, and the second filter's handle is above the first one's.
     let guess = |screen: &Screen| scenario(screen).filters[1].initial_mean[Channel::NATURAL_FREQUENCY];

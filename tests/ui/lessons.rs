@@ -169,7 +169,7 @@ fn a_question_comes_before_the_change_and_its_effect() {
     assert!(shows(&screen, "Near the end of the 30 s. (your answer)"));
     assert!(screen.query_by_label_contains("Four σ are improbable at first").is_some());
     let mut screen = lesson(DESKTOP, "Parameter initialisation");
-    click(&mut screen, "Never: it rules such a value out.");
+    click(&mut screen, "Never: it excludes such a value.");
     // The choice is free until the change is made.
     click(&mut screen, "After about a second.");
     click(&mut screen, GUESS);

@@ -215,7 +215,7 @@ fn what_cannot_be_measured_is_said() {
     }
     screen.run_steps(3);
     click(&mut screen, "Stop and identify");
-    screen.get_by_label_contains("Nothing swung");
+    screen.get_by_label_contains("othing moved");
     press(&mut screen, Key::Escape);
     assert!(screen.query_by_label("Again").is_none(), "the window is closed");
 }

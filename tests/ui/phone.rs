@@ -76,7 +76,7 @@ fn a_swipe_on_a_lesson_scrolls_its_text_and_leaves_the_plots_their_room() {
         tap(&mut screen, "Show me");
         let before = plots(&screen, "lesson");
         assert!(before >= FOR_PLOTS * size.y, "{before} of {size}");
-        let text = "The guess of 8 rad/s is corrected within about a second, and the band shrinks from then on. By 30 s it is less than a hundredth of its initial width.";
+        let text = "The filter corrects the guess of 8 rad/s within about a second, and then the band shrinks. By 30 s it is less than a hundredth of its initial width.";
         let top = |screen: &Screen| screen.get_by_label(text).rect().top();
         let (at, buttons) = (top(&screen), screen.get_by_label("Next").rect());
         for way in [-200.0, -200.0, 90.0, -300.0] {
