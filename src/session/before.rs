@@ -155,7 +155,8 @@ impl Session {
     fn remember(&mut self, version: Version) {
         let was = &version.scenario;
         let changed = Changed::among(&self.changed, was, &self.scenario);
-        let changed = Some(changed).filter(|_| Arc::ptr_eq(&version.opening, &self.opening));
+        let is_same_plant = was.plant.kind.equation() == self.scenario.plant.kind.equation();
+        let changed = Some(changed).filter(|_| is_same_plant && Arc::ptr_eq(&version.opening, &self.opening));
         let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
         let concerns = |id: u32| is_kept(id) && changed.as_ref().is_none_or(|changed| changed.concerns(id));
         let ids: Vec<u32> = was.filters.iter().map(|filter| filter.id).filter(|&id| concerns(id)).collect();

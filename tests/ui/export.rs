@@ -191,6 +191,10 @@ fn figures_are_exported_by_keyboard_too() {
     let (mut screen, files) = exporting(DESKTOP);
     press(&mut screen, Key::E);
     click(&mut screen, "Figure…");
+    press(&mut screen, Key::Escape);
+    assert!(screen.query_by_label("Save as SVG").is_none());
+    press(&mut screen, Key::E);
+    click(&mut screen, "Figure…");
     click(&mut screen, "Paper, 84 mm");
     click(&mut screen, "Save as SVG");
     let svg = text(files.borrow_mut().pop().expect("a file is delivered"));
