@@ -9,13 +9,17 @@ use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
 use crate::request::{Arrangement, Request, Tabs, VIEWS, ViewKind};
 use crate::session::Session;
-use crate::theme;
+use crate::theme::{self, Palette};
 use crate::thumbnail;
 use crate::tutor::{self, Catalogue};
+use crate::views::sketch::sketch;
 use crate::widgets::named;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
+
+/// The size of the drawing of a view in the menu \[points\].
+const SKETCH: egui::Vec2 = egui::vec2(54.0, 20.0);
 
 const FORGET: &str = "Remove the record’s file from this device: it will not be here next time";
 
@@ -81,7 +85,6 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
     button.clicked()
 }
 
-/// The built-in scenarios; also the user's records: from a file, if the bar has no room for that button, and from this device.
 fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2], requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "Scenario", Closing::AtOnce, |ui| {
         if opens && choose_file_ui(ui, "Open a file…", requests) {
@@ -137,7 +140,12 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
             ui.label(RichText::new(question).small().weak());
             for Tabs { name, tabs } in views {
                 let of_view: Vec<ViewKind> = shown.iter().copied().filter(|kind| tabs.contains(kind)).collect();
-                let checkbox = ui.checkbox(&mut !of_view.is_empty(), *name);
+                let row = ui.horizontal(|ui| {
+                    let (rect, _) = ui.allocate_exact_size(SKETCH, egui::Sense::hover());
+                    sketch(tabs[0]).paint(ui.painter(), rect, &Palette::of(ui.ctx().theme()));
+                    ui.checkbox(&mut !of_view.is_empty(), *name)
+                });
+                let checkbox = row.inner;
                 probe::remember(ui.ctx(), name, checkbox.rect);
                 if checkbox.changed() {
                     let toggled = if of_view.is_empty() { &tabs[..1] } else { &of_view };
@@ -186,7 +194,6 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
     }
 }
 
-/// Keeps the settings as a snapshot, or exchanges them with it.
 fn snapshot_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let (text, hint) = if session.has_snapshot() {
         ("Swap snapshot", "Exchange the settings with those of the snapshot (X)")

@@ -129,8 +129,6 @@ impl Laboratory {
         }
     }
 
-    /// Runs the session's scenario with many seeds of some filters while its view is on screen, and rests otherwise. A
-    /// map under way comes first, because the user may be dragging its dot.
     pub fn follow_seeds(&mut self, session: &Session, filters: &[u32], is_in_sight: bool, ctx: &Context) {
         if !is_in_sight {
             return self.seeds.rest();

@@ -224,7 +224,6 @@ impl Session {
         self.run().scenario().sensors.iter().map(|sensor| sensor.measures).collect()
     }
 
-    /// The part of the record that is shown. A record too long to be shown as a whole is always live.
     pub fn mode(&self) -> Mode {
         if self.can_be_whole { self.wanted_mode } else { Mode::Live }
     }

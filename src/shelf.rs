@@ -10,7 +10,6 @@ use crate::inbox::{Done, Inbox};
 pub const LARGEST: usize = 64_000_000;
 
 pub trait Shelf {
-    /// Keeps a file in place of the one before it, which goes once the new one is written.
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done);
 
     fn fetch(&self, ctx: &Context, inbox: &Inbox);

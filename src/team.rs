@@ -90,7 +90,6 @@ impl<T: 'static> From<Parts<T>> for Handle<T> {
     }
 }
 
-/// Wakes the screen: soon for the progress of a task, at once for its end.
 fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
     let ctx = ctx.clone();
     move |is_over| if is_over { ctx.request_repaint() } else { ctx.request_repaint_after(BETWEEN) }
@@ -175,7 +174,6 @@ pub enum Finding {
     Lost(String),
 }
 
-/// The amount of computation in one frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
     Unlimited,
@@ -209,7 +207,6 @@ impl Budget {
     }
 }
 
-/// Runs cells in each frame for as long as a budget allows; a cell that takes longer continues in the next frame.
 pub struct Frames(pub Budget);
 
 impl Frames {

@@ -130,10 +130,6 @@ impl Tutor {
         }
     }
 
-    /// Makes the change of the step.
-    ///
-    /// # Errors
-    /// [`LessonError`] where the scenario no longer has the target of the change.
     pub fn change(&mut self, session: &mut Session) -> Result<(), LessonError> {
         if let Some(change) = self.current().and_then(|step| step.change.as_ref()) {
             session.edit(&change.change(session.scenario())?)?;

@@ -119,7 +119,6 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-/// Draws a view into all of its room. Returns the time that the user points at \[s\].
 type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 
 pub struct View {

@@ -9,7 +9,6 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
-
 mod map;
 mod matrices;
 mod measured;
@@ -18,6 +17,7 @@ mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
 mod scores;
+pub(crate) mod sketch;
 mod spectrogram;
 mod tune;
 mod weights;

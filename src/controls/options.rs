@@ -14,7 +14,6 @@ use super::row::{choice_row_ui, filter_row_ui, list_ui};
 use crate::text::significant;
 use crate::widgets::named;
 
-/// A list with several choices or numbers stays open until the user clicks elsewhere.
 const OUTSIDE: PopupCloseBehavior = PopupCloseBehavior::CloseOnClickOutside;
 
 pub(super) fn options_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
@@ -73,7 +72,6 @@ fn consider_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     channels_ui(ui, texts, &offered, (consider, filter.address("consider")), false, edits);
 }
 
-/// A list of channels with check boxes, which are on for those that are chosen, or else for the others.
 fn channels_ui(
     ui: &mut Ui,
     (label_and_hint, summary, name): ((&str, &str), String, String),
@@ -167,7 +165,6 @@ fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, m
     }
 }
 
-/// A time for each sensor or channel. An untouched list stays as it is, so that a file need not list zeros.
 fn times_ui(
     ui: &mut Ui,
     filter: &FilterSettings,

@@ -29,7 +29,6 @@ const LARGE: f32 = 19.0;
 const NEW: [f64; 2] = [1.0, 1.3];
 
 pub(crate) struct Editor {
-    /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
     symbols: Vec<Symbol>,

@@ -20,7 +20,6 @@ pub(super) struct Canvas {
 }
 
 pub(super) struct Part {
-    /// The shapes of the part; its left upper corner is the origin.
     pub(super) shapes: Vec<ClippedShape>,
     pub(super) to: TSTransform,
 }

@@ -122,7 +122,6 @@ fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], coun
     Some([first, second])
 }
 
-/// The error of the natural frequency, or of another parameter, if its truth is known; else the mean NIS.
 fn usual_measure(part: &Scenario, record: &Record) -> Measure {
     let wish = Measure::rmse(Channel::NATURAL_FREQUENCY);
     let offered = offered(part, record);

@@ -259,8 +259,6 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
     }
 }
 
-/// The map of a record that is being measured is of the samples at its beginning, until it is complete and there are a quarter
-/// more.
 #[test]
 fn a_map_of_a_growing_record_is_of_one_length() {
     let circuit = kalmanscope_lessons::BuiltIn::named("circuit").unwrap().scenario().unwrap();

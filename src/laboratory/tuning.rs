@@ -184,8 +184,6 @@ impl TuneChoice {
         }
     }
 
-    /// The choice, reduced to the settings that the scenario has. The usual choice if the scenario lacks the filter;
-    /// the goal is the likelihood if it lacks the sensor.
     pub(crate) fn fitted(&self, scenario: &Scenario) -> Option<Self> {
         if !scenario.filters.iter().any(|filter| filter.id == self.filter) {
             return Self::usual(scenario, None);

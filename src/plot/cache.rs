@@ -54,7 +54,6 @@ pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl Fn
 struct Turns {
     pass: u64,
     spent: Duration,
-    /// The chart that may draw first; those before it wait. `None` once it has drawn.
     first: Option<Id>,
     next: Option<Id>,
     over: bool,

@@ -54,7 +54,6 @@ pub(crate) struct ChartResponse {
 }
 
 impl<'a> Chart<'a> {
-    /// The values of the column that was added last in another unit.
     pub(crate) fn aside(&mut self, aside: impl Fn(usize) -> Option<String> + 'a) {
         let last = self.columns.pop();
         self.columns.extend(last.map(|column| column.with_aside(aside)));

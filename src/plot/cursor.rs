@@ -105,8 +105,6 @@ impl Cursors {
     }
 }
 
-/// A click on the line of a filter, `under`, selects that filter; elsewhere it goes to a time, with Shift it sets a mark. Marks
-/// are dragged.
 pub(super) fn cursor_gestures(
     ui: &Ui,
     key: &str,

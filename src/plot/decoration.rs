@@ -12,7 +12,6 @@ const MARK: (f32, f32) = (5.0, 2.0);
 
 const GROUND: f32 = 0.45;
 
-/// The times without readings, shaded.
 pub(super) fn gap_shapes(gaps: &[Gap], transform: &PlotTransform, palette: &Palette, shapes: &mut Vec<Shape>) {
     let frame = *transform.frame();
     for gap in gaps {
@@ -32,7 +31,6 @@ const OPACITY: f32 = 0.5;
 /// Half the width of the triangle of a jump [points].
 const JUMP: f32 = 4.5;
 
-/// The bad parts of each filter as strips at the foot, and its jumps as triangles.
 pub(super) fn strip_shapes(input: &PlotInput<'_>, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
     let PlotInput { session, visible, palette, .. } = *input;
     let (record, frame) = (session.run().record(), *transform.frame());

@@ -21,10 +21,8 @@ pub(crate) struct Handle<'a> {
     pub(crate) set: Set<'a>,
 }
 
-/// The settings, by their addresses, for a handle at a time \[s\] and a value.
 type Set<'a> = Box<dyn Fn(f64, f64) -> Vec<(String, f64)> + 'a>;
 
-/// Shows the handles of a chart. While one is dragged the axes stay, since the picture changes under the pointer.
 pub(super) fn handles_ui(
     ui: &Ui,
     key: &str,

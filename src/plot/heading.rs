@@ -103,7 +103,6 @@ impl<'a> Values<'a> {
         self.shown.iter().map(|(text, _)| text.size().y).fold(0.0, f32::max)
     }
 
-    /// From the right of a row; where some are left out, the hint lists all.
     fn ui(&self, ui: &Ui, row: Rect, symbol: &str) {
         let Self { all, shown } = self;
         let mut right = row.right();
@@ -142,7 +141,6 @@ fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
 }
 
-/// The largest width so far, unless that was much larger.
 fn steady(ui: &Ui, id: Id, width: f32) -> f32 {
     ui.data_mut(|data| {
         let kept = data.get_temp_mut_or(id, width);

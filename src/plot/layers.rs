@@ -13,7 +13,6 @@ use super::medium::{Medium, Y_AXIS};
 use super::series::{Column, Series, central_range};
 use super::simplify::simplify;
 
-/// A layer of a chart, at every sample; the first of a list is the lowest.
 pub(crate) enum Layer<'a> {
     Band {
         series: Series<'a>,

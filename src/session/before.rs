@@ -75,10 +75,6 @@ impl Before {
 }
 
 impl Session {
-    /// Changes the scenario. The picture from before the first of some edits in a row stays as [`Self::before`].
-    ///
-    /// # Errors
-    /// [`ScenarioError`] where the scenario has no place for a setting.
     pub fn edit(&mut self, change: &Change) -> Result<(), ScenarioError> {
         let mut scenario = (*self.scenario).clone();
         self.changed.extend(change.apply(&mut scenario)?);
@@ -128,7 +124,6 @@ impl Session {
         self.other.is_some()
     }
 
-    /// Keeps a snapshot of the settings, in exchange for the one before it, if there is one.
     pub fn swap_snapshot(&mut self) {
         let now = self.version();
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());

@@ -8,7 +8,6 @@ use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
 use super::Session;
 use crate::team::{Lost, Priority, Running};
 
-/// The estimates that make the model of a free run, as times \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ModelTime {
     #[default]
@@ -17,7 +16,6 @@ pub enum ModelTime {
     Over(f64, f64),
 }
 
-/// The picture's number, the samples that were done and the model.
 type Of = (u64, usize, ModelTime);
 
 #[derive(Default)]

@@ -15,9 +15,7 @@ const MOST: usize = 20_000;
 #[derive(Default)]
 pub(super) struct LiveVerdicts {
     diagnoses: Vec<Option<Diagnosis>>,
-    /// The sums of each filter, which the next diagnosis uses again if the picture has the same number.
     live: Vec<LiveDiagnosis>,
-    /// The picture's number and the samples that were done.
     of: Option<(u64, usize)>,
     age: f64,
 }

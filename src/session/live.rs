@@ -73,7 +73,6 @@ mod tests {
         (Session::new(Scenario::default()).expect("it can be run"), scenario, live)
     }
 
-    /// Readings ten times as far apart as the steps: the file has their times, and the steps stay, since Q is that of a step.
     #[test]
     fn a_record_that_ends_keeps_its_times_and_its_steps() {
         for hold in [Hold::Zero, Hold::First] {

@@ -22,7 +22,6 @@ impl Session {
         self.spectrograms.is_wanted = is_wanted;
     }
 
-    /// The last spectrogram that is complete, and a number that changes with it. `None` if there are too few samples.
     pub fn spectrogram(&self) -> Option<(Of, &Spectrogram)> {
         let (of, spectrogram) = self.spectrograms.made.as_ref()?;
         Some((*of, spectrogram.as_ref()?))

@@ -93,10 +93,6 @@ fn rows(scenario: &Scenario) -> Vec<Row> {
     rows
 }
 
-/// The address of the number of a row in a filter.
-///
-/// # Errors
-/// A word in place of the number, and its explanation.
 fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Address, [&'static str; 2]> {
     let address = Address::parse(scenario, &filter.address(&row.key));
     let address = address.map_err(|_| ["–", "This filter does not have the number"])?;

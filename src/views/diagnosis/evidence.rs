@@ -15,7 +15,6 @@ use crate::view::ViewContext;
 
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
-/// Below a heading, which is open at first if `is_open`.
 pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let title = RichText::new("Evidence").small().weak();
     egui::CollapsingHeader::new(title).show_unindented(ui, |ui| {

@@ -1,8 +1,7 @@
 //! Marks on a panel: the truth, the consistent region, and the dot of the present setting, which is dragged.
 
-use egui::{
-    Color32, CursorIcon, EventFilter, Id, InputState, Key, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2,
-};
+use egui::{Color32, CursorIcon, EventFilter, Id, InputState, Key, Rect, Sense, Stroke, Ui, Vec2};
+use egui_plot::{Line, LineStyle, MarkerShape, PlotUi, Points};
 use kalmanscope_core::setting::{Address, INITIAL_MEAN};
 use kalmanscope_core::{Axis, Measure, Scenario, Signal};
 
@@ -18,22 +17,15 @@ use crate::view::ViewContext;
 const RADIUS: f32 = 6.0;
 const GRASP: (f32, f32) = (11.0, 22.0);
 
-fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
-    let width = if Medium::of(ui.ctx()) == Medium::Figure { 0.8 * width } else { width };
-    [
-        Shape::line(points.clone(), Stroke::new(width + 1.8, Color32::from_white_alpha(200))),
-        Shape::line(points, Stroke::new(width, Color32::BLACK)),
-    ]
+pub(super) fn line_on(plot: &mut PlotUi<'_>, points: &[[f64; 2]], style: LineStyle) {
+    for (color, width) in [(Color32::from_white_alpha(200), 3.2), (Color32::BLACK, 1.4)] {
+        plot.line(Line::new("line", points.to_vec()).color(color).width(width).style(style).allow_hover(false));
+    }
 }
 
-pub(super) fn contour_ui(ui: &Ui, graph: &Graph, counts: [usize; 2], contour: &[Piece]) {
-    let counts = counts.map(|count| count as f64);
-    let at = |[x, y]: [f64; 2]| graph.at_shares([(x + 0.5) / counts[0], (y + 0.5) / counts[1]]);
-    let lines = contour.iter().map(|[from, to]| line(ui, vec![at(*from), at(*to)], 1.4));
-    let (under, over): (Vec<Shape>, Vec<Shape>) = lines.map(|[under, over]| (under, over)).unzip();
-    let painter = ui.painter_at(graph.rect);
-    painter.extend(under);
-    painter.extend(over);
+pub(super) fn contour_on(plot: &mut PlotUi<'_>, graph: &Graph, counts: [usize; 2], contour: &[Piece]) {
+    let at = |[x, y]: [f64; 2]| graph.in_plot([(x + 0.5) / counts[0] as f64, (y + 0.5) / counts[1] as f64]);
+    contour.iter().for_each(|piece| line_on(plot, &piece.map(at), LineStyle::Solid));
 }
 
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
@@ -53,21 +45,11 @@ pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize,
     truths.filter(|(_, value, axis)| axis.place_of(*value).is_some()).map(|(at, value, _)| (at, value)).collect()
 }
 
-pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
-    let rect = graph.rect;
+pub(super) fn truths_on(plot: &mut PlotUi<'_>, graph: &Graph, truths: &[(usize, f64)]) {
     for (at, value) in truths {
-        let ends = if *at == 0 {
-            let x = graph.at([*value, f64::NAN]).x;
-            [pos2(x, rect.top()), pos2(x, rect.bottom())]
-        } else {
-            let y = graph.at([f64::NAN, *value]).y;
-            [pos2(rect.left(), y), pos2(rect.right(), y)]
-        };
-        for dash in Shape::dashed_line(&ends, Stroke::NONE, 6.0, 4.0) {
-            if let Shape::LineSegment { points, .. } = dash {
-                ui.painter().extend(line(ui, points.to_vec(), 1.2));
-            }
-        }
+        let share = graph.scales[*at].share(*value);
+        let end = |along: f64| graph.in_plot(if *at == 0 { [share, along] } else { [along, share] });
+        line_on(plot, &[end(0.0), end(1.0)], LineStyle::Dashed { length: 6.0 });
     }
 }
 
@@ -154,6 +136,7 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     axis.value((place.max(0.0) as usize).min(last))
 }
 
+/// The radius of a point of the path, and of its ends \[points\].
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 
@@ -162,22 +145,24 @@ pub(super) struct Path {
     pub(super) points: Vec<[f64; 2]>,
 }
 
-pub(super) fn path_ui(ui: &Ui, graph: &Graph, path: &Path) {
-    let points: Vec<Pos2> =
-        path.points.iter().map(|point| graph.at(*point)).filter(|at| at.x.is_finite() && at.y.is_finite()).collect();
+pub(super) fn path_on(plot: &mut PlotUi<'_>, graph: &Graph, path: &Path) {
+    let shares = path.points.iter().map(|[x, y]| [graph.scales[0].share(*x), graph.scales[1].share(*y)]);
+    let points: Vec<[f64; 2]> =
+        shares.filter(|at| at.iter().all(|share| share.is_finite())).map(|at| graph.in_plot(at)).collect();
     let [first, .., last] = points[..] else { return };
-    let painter = ui.painter_at(graph.rect.expand(END));
-    painter.add(Shape::line(points.clone(), Stroke::new(3.2, Color32::from_black_alpha(200))));
-    painter.add(Shape::line(points.clone(), Stroke::new(1.4, Color32::WHITE)));
-    for point in &points {
-        painter.circle_filled(*point, POINT, Color32::WHITE);
+    for (color, width) in [(Color32::from_black_alpha(200), 3.2), (Color32::WHITE, 1.4)] {
+        plot.line(Line::new("path", points.clone()).color(color).width(width).allow_hover(false));
     }
-    painter.circle(first, END, Color32::BLACK, Stroke::new(1.6, Color32::WHITE));
-    let square = Rect::from_center_size(last, Vec2::splat(1.8 * END));
-    painter.rect(square, 0.0, Color32::WHITE, Stroke::new(1.4, Color32::BLACK), StrokeKind::Middle);
+    let dots = |at: Vec<[f64; 2]>, color: Color32, radius: f32| {
+        Points::new("path", at).color(color).radius(radius).allow_hover(false)
+    };
+    plot.points(dots(points, Color32::WHITE, POINT));
+    plot.points(dots(vec![first], Color32::WHITE, END + 0.8));
+    plot.points(dots(vec![first], Color32::BLACK, END - 0.8));
+    plot.points(dots(vec![last], Color32::BLACK, END + 1.6).shape(MarkerShape::Square));
+    plot.points(dots(vec![last], Color32::WHITE, END).shape(MarkerShape::Square));
 }
 
-/// A line between two places, in cells from the middle of the first.
 pub(super) type Piece = [[f64; 2]; 2];
 
 pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {

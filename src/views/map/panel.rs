@@ -4,7 +4,7 @@ use egui::{Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, U
 use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::{Axis, Measure, Scenario, Spacing, ValueKind, VerdictKind};
 
-use super::marks::{Path, contour_ui, dot_ui, path_ui, said, truth_ui, truths};
+use super::marks::{Path, contour_on, dot_ui, path_on, said, truths, truths_on};
 use super::picture::{Contents, Panel};
 use super::scale::{CONSISTENT, Graph, bar_room, bar_ui};
 use crate::controls::filter::color_of;
@@ -42,13 +42,10 @@ impl PanelView<'_> {
         let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
         let strip = profile_room(below.size(), self.measure);
         let below = Rect::from_min_max(below.min + vec2(0.0, strip), below.max - vec2(strip, 0.0));
-        let graph = self.axes_ui(ui, below, context.palette);
-        ui.painter().extend(panel.shapes(&graph, if is_old { OLD } else { 1.0 }));
-        contour_ui(ui, &graph, panel.counts, &panel.contour);
-        truth_ui(ui, &graph, &truths(axes, context));
-        if let Some(path) = path.filter(|path| panel.contents == Contents::Filter(path.filter)) {
-            path_ui(ui, &graph, path);
-        }
+        let cells = ui.painter().add(Shape::Noop);
+        let path = path.filter(|path| panel.contents == Contents::Filter(path.filter));
+        let graph = self.plot_ui(ui, below, context.palette, (&truths(axes, context), path));
+        ui.painter().set(cells, Shape::Vec(panel.shapes(&graph, if is_old { OLD } else { 1.0 })));
         if strip > 0.0 {
             profiles_ui(ui, &graph, panel, survey, context);
         }
@@ -62,7 +59,13 @@ impl PanelView<'_> {
         dot_ui(ui, &self.key(), &graph, survey, context, requests);
     }
 
-    fn axes_ui(&self, ui: &mut Ui, room: Rect, palette: &Palette) -> Graph {
+    fn plot_ui(
+        &self,
+        ui: &mut Ui,
+        room: Rect,
+        palette: &Palette,
+        (truths, path): (&[(usize, f64)], Option<&Path>),
+    ) -> Graph {
         let axes = self.survey.axes();
         let scales =
             axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
@@ -78,6 +81,10 @@ impl PanelView<'_> {
         let plot = plot.show(&mut child, |plot| {
             plot.set_plot_bounds_x(left.min(right)..=left.max(right));
             plot.set_plot_bounds_y(low.min(high)..=low.max(high));
+            let graph = Graph { rect: Rect::NOTHING, scales };
+            contour_on(plot, &graph, self.panel.counts, &self.panel.contour);
+            truths_on(plot, &graph, truths);
+            path.iter().for_each(|path| path_on(plot, &graph, path));
         });
         Graph { rect: *plot.transform.frame(), scales }
     }

@@ -38,6 +38,10 @@ impl Graph {
         pos2(rect.left() + x as f32 * rect.width(), rect.bottom() - y as f32 * rect.height())
     }
 
+    pub(super) fn in_plot(&self, shares: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|at| egui::lerp(self.scales[at].ends.0..=self.scales[at].ends.1, shares[at]))
+    }
+
     pub(super) fn shares(&self, at: Pos2) -> [f64; 2] {
         let Self { rect, .. } = self;
         let (x, y) = ((at.x - rect.left()) / rect.width(), (rect.bottom() - at.y) / rect.height());

@@ -33,7 +33,6 @@ pub(super) struct Curves {
 pub(super) struct FilterCurves {
     pub(super) id: u32,
     pub(super) name: String,
-    /// The mean NEES over its expectation, and the band of 95 % of such means.
     pub(super) nees: Vec<f64>,
     pub(super) nees_band: Vec<Option<RangeInclusive<f64>>>,
     pub(super) nis: Vec<f64>,

@@ -99,7 +99,6 @@ fn pendulum(scene: &Scene<'_>, beliefs: &Beliefs<'_>, reach: f64) -> Vec<Rect> {
     beliefs.iter().enumerate().map(ghost).collect()
 }
 
-/// A loop of source, resistor (hollow), coil (filled) and capacitor, with the state in a gauge beside the capacitor.
 fn circuit(scene: &Scene<'_>, beliefs: &Beliefs<'_>, reach: f64) -> Vec<Rect> {
     let (rect, unit, painter, palette) = (scene.stage.rect, scene.stage.unit, scene.painter, scene.context.palette);
     let high = rect.height();

@@ -80,7 +80,6 @@ impl<'a> Scene<'a> {
         self.filters(0).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates))).collect()
     }
 
-    /// The largest size of the state up to the sample `last`: of the truth, or of the first filter's mean.
     pub(super) fn reach(&self, last: usize) -> f64 {
         let mean = || self.filters(0).next().map(|filter| filter.estimates.canonical_means(filter.at));
         let values = self.record().truth(displacement(0)).or_else(mean).unwrap_or_default();
