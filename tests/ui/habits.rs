@@ -261,6 +261,8 @@ fn the_views_menu_stays_open_while_views_are_chosen() {
         click(&mut screen, name);
         assert!(screen.state_mut().layout_mut().shown().contains(&tab), "{name}");
     }
+    // The menu may cover the tabs.
+    click(&mut screen, "Views");
     show(&mut screen, &[ViewKind::Phase]);
     click(&mut screen, view(ViewKind::ParameterPlane).name);
     let shown = screen.state_mut().layout_mut().shown();
