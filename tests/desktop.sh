@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, a state that survives, a crash that is
-# said, and an error where there is no display.
+# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, a state that survives, one that is set aside after a start that
+# has ended, and an error where there is no display.
 set -euo pipefail
 program=$(realpath "$1")
 out=$2
@@ -96,11 +96,8 @@ wait "$window" || status=$?
 ((status > 0))
 [[ -s $state ]]
 
-echo 'a crash is said at the next start'
+echo 'a session with which a start has ended is set aside'
 display
-note='“the device is lost”, at a place, in the thread “main” of version 0 after 60 s.'
-rm -f "$folder"/crash*.txt
-echo "$note" >"$folder/crash.txt"
-start crash 300
-await "$folder/last-crash.txt" 'the device is lost'
-[[ ! -e $folder/crash.txt && -s $state ]]
+mv "$state" "$folder/state-opened.json"
+start ended 300
+[[ -s $folder/state-kept-2.json && ! -e $folder/state-opened.json ]]
