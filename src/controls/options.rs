@@ -65,10 +65,10 @@ fn consider_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         return;
     }
     let symbols = listed(consider.iter().map(|channel| channel.symbol()), "");
-    let summary = if symbols.is_empty() { "all of it".to_owned() } else { format!("all but {symbols}") };
+    let summary = if symbols.is_empty() { "all".to_owned() } else { format!("all but {symbols}") };
     let hint = "What is left out keeps its mean and its σ: the filter does not estimate it, but counts what is not known of it in all \
          other bands (Schmidt 1966)";
-    let texts = (("learns", hint), summary, format!("{name} learns"));
+    let texts = (("estimated", hint), summary, format!("{name} learns"));
     channels_ui(ui, texts, &offered, (consider, filter.address("consider")), false, edits);
 }
 
@@ -101,7 +101,7 @@ fn plant_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let FilterSettings { name, plant, .. } = filter;
     let mut chosen = plant.clone();
     let text = |plant: &Option<PlantKind>| plant.as_ref().map_or("same as truth", PlantKind::name).to_owned();
-    let (label, now) = (("its plant", "The model that the filter uses"), text(plant));
+    let (label, now) = (("model", "The model that the filter uses"), text(plant));
     list_ui(ui, label, &now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
             let text = text(&kind);

@@ -225,9 +225,9 @@ fn a_number_of_a_file_beyond_its_slider_stays() {
     given.filters[0].substeps = 50;
     set_scenario(&mut screen, given);
     open_options(&mut screen);
-    assert!(screen.query_by_label("EKF steps a sample").is_some(), "the options are open");
+    assert!(screen.query_by_label("EKF substeps per sample").is_some(), "the options are open");
     assert_eq!(scenario(&screen).filters[0].substeps, 50);
-    set(&mut screen, "EKF steps a sample", 3.0);
+    set(&mut screen, "EKF substeps per sample", 3.0);
     assert_eq!(scenario(&screen).filters[0].substeps, 3);
 }
 

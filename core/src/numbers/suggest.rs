@@ -231,7 +231,7 @@ impl Suggestion {
             most = most.max(filter.steps(&kind, input, dt));
         }
         if let Some(last) = self.replaceable.last_mut() {
-            let why = "steps a sample, because there are few samples in a period";
+            let why = "substeps per sample, because there are few samples in a period";
             *last = if most > 1 { format!("{most} {why}") } else { String::new() };
         }
     }

@@ -72,7 +72,7 @@ settings! {
         /// The number of steps into which a prediction is divided; 0 for as many as [the plant asks for](Self::steps).
         #[serde(skip_serializing_if = "is_default")]
         pub substeps: usize = 0;
-        SUBSTEPS: substeps, "steps a sample" {
+        SUBSTEPS: substeps, "substeps per sample" {
             allowed: Allowed::Whole(0, 100),
             note: "0 for as many as accuracy needs",
             slider: (0.0, 20.0),
@@ -157,7 +157,7 @@ settings! {
         pub walk: f64 = 0.0;
         WALK: walk, "walk of a bank's second model" {
             symbol: "w",
-            label: |_| Some("w bank's walk"),
+            label: |_| Some("drift of the bank w"),
             unit: "1/√s",
             allowed: Allowed::AtLeast(0.0),
             note: "0 for no bank",

@@ -110,7 +110,7 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
 static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
     key: "propagation",
     name: "steps",
-    label: "its steps",
+    label: "integration",
     hint: "How the mean moves from sample to sample; automatic is local linearisation where it is exact, on a linear plant, and \
            Runge-Kutta on others",
     options: || named(["automatic", "local linearisation", "Runge-Kutta", "Euler"]),

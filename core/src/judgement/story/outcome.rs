@@ -261,7 +261,7 @@ impl<'a> Outcome<'a> {
             Some(VerdictKind::Overconfident) => ", but its band is too narrow (overconfident)",
             Some(VerdictKind::PatternLeft) => ", and leaves a pattern in its innovations (pattern left)",
             Some(kind) if kind.is_good() && self.long_steps.is_some() => &format!(
-                ", but its band may be too narrow: the motion turns by more than {}° in a step (add “steps a sample”)",
+                ", but its band may be too narrow: the motion turns by more than {}° in a step (add “substeps per sample”)",
                 self.long_steps.unwrap_or_default()
             ),
             Some(VerdictKind::Underconfident) if self.is_behind_a_band => {

@@ -249,7 +249,8 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
             inputs += input * input;
         }
         let (share, correlation) = (factor * product / inputs, factor * product / (squares * inputs).sqrt());
-        if (share - 1.0).abs() > CLEAR || correlation < CLEAR {
+        let is_clear = (share - 1.0).abs() <= CLEAR && correlation >= CLEAR;
+        if !is_clear {
             continue;
         }
         let sentence = format!(
