@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, a state that survives, one that is set aside after a start that
-# has ended, and an error where there is no display.
+# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, a state that survives, one that is set aside
+# after a start that has ended, and an error where there is no display.
 set -euo pipefail
 program=$(realpath "$1")
 out=$2
