@@ -221,8 +221,10 @@ impl Measure {
                 // Above the numbers, so that it stays where it is while sentences come and go.
                 let [stop, close] = buttons_ui(ui, [instrument.words().ending, "Cancel"], palette);
                 instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
-                if instrument.watched().is_some() && ui.button("Watch the filters").clicked() {
-                    self.is_watched = true;
+                if instrument.watched().is_some() {
+                    let watch = ui.button("Watch the filters");
+                    probe::remember(ui.ctx(), "Watch the filters", watch.rect);
+                    self.is_watched |= watch.clicked();
                 }
                 if stop { self.stop(requests) } else { !close }
             }

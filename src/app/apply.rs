@@ -127,7 +127,7 @@ impl App {
                     layout.enlarge(view);
                 }
             }
-            Request::Arrange(arrangement) => *layout = Layout::of(arrangement),
+            Request::Arrange(arrangement) => (*layout, self.inviting) = (Layout::of(arrangement), false),
             Request::Rearrange(tree) => layout.rearrange(*tree),
             Request::TurnView(forward) => layout.turn(forward),
             Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),

@@ -181,7 +181,7 @@ impl App {
         }
         let is_tuning = self.is_tight() && self.controls_open();
         let is_told = narrow && self.tells_story();
-        let Self { session, axis, ruler, visible, layout, laboratory, requests, story, .. } = self;
+        let Self { session, axis, ruler, visible, layout, laboratory, requests, story, inviting, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
         let way = match (narrow, is_tuning || (self.low && !narrow)) {
             (_, true) => PaneArrangement::Plots,
@@ -191,6 +191,9 @@ impl App {
         panes_ui(ui, layout, &context, requests, way, |ui, requests| {
             if is_told {
                 story::story_ui(ui, (story, session), palette, false, requests);
+                if *inviting {
+                    tutor::invitation_ui(ui, requests);
+                }
             }
         });
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
