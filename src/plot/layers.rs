@@ -82,7 +82,8 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// The width of a column; a line is at least as wide \[points\].
+/// The width of a column; a line is at least as wide. Twice that width saves a quarter of a frame, and spoils swings of few columns
+/// \[points\].
 const COLUMN: f32 = 1.5;
 
 /// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
@@ -239,8 +240,10 @@ struct Shown<'a> {
     scale: f64,
 }
 
-/// A filter's line that goes up and down by more than this in a column is drawn as the area that it fills \[points\].
+/// A filter's line is drawn as the area that it fills where it goes up and down by more than this in a column \[points\], over a range of
+/// which this share is that of the next column too: noise, but no swing that the columns show.
 const DENSE: f64 = 8.0;
+const ALIKE_RANGES: f64 = 0.65;
 
 /// The opacity of a band, and of the area of a dense line.
 const OF_BAND: f32 = 0.24;
@@ -258,7 +261,9 @@ impl Shown<'_> {
     fn is_dense(&self, layer: &Layer<'_>, columns: &[Column]) -> bool {
         let is_line = matches!(layer, Layer::Line { filter: Some(_), dashed: false, .. });
         let climb: f64 = columns.iter().map(|column| column.high - column.low).sum();
-        is_line && self.scale * climb > DENSE * columns.len() as f64
+        let both = |two: &[Column]| (two[0].high.min(two[1].high) - two[0].low.max(two[1].low)).max(0.0);
+        let overlap: f64 = columns.windows(2).map(both).sum();
+        is_line && self.scale * climb > DENSE * columns.len() as f64 && overlap > ALIKE_RANGES * climb
     }
 
     /// A dense line: filled if it is the first, and as an outline if there are `before` it, so that all are seen.
