@@ -71,20 +71,19 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// The columns of the layer; bands and dots have half as many, which is enough for two points each.
     fn columns(&self, record: &Record, window: &Window) -> Vec<Column> {
-        let count = (((window.size.x - Y_AXIS) / COLUMN) as usize).max(16);
+        let count = |width: f32| (((window.size.x - Y_AXIS) / width) as usize).max(16);
         match self {
-            Self::Band { series, .. } | Self::Dots { series, .. } => series.columns(record, window.times, count / 2),
-            Self::Line { series, .. } => series.columns(record, window.times, count),
+            Self::Band { series, .. } | Self::Dots { series, .. } => series.columns(record, window.times, count(AREA)),
+            Self::Line { series, .. } => series.columns(record, window.times, count(COLUMN)),
             Self::Level { .. } => Vec::new(),
         }
     }
 }
 
-/// The width of a column; a line is at least as wide. Twice that width saves a quarter of a frame, and spoils swings of few columns
-/// \[points\].
-const COLUMN: f32 = 1.5;
+/// The width of a column of a line, and of a band or of dots \[points\].
+const COLUMN: f32 = 2.0;
+const AREA: f32 = 3.0;
 
 /// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
 /// than the one below it, so that both are seen where they coincide \[points\].
@@ -184,7 +183,8 @@ impl Drawing {
                 }
                 Mark::Line { points, stroke, dashed, .. } => {
                     let style = if *dashed { LineStyle::dashed_loose() } else { LineStyle::Solid };
-                    let line = Line::new("line", &points[..]).stroke(*stroke).style(style).allow_band(!is_figure);
+                    // A band has the width of the line upwards, so that a steep line would be thin.
+                    let line = Line::new("line", &points[..]).stroke(*stroke).style(style).allow_band(false);
                     line.shapes(ui, transform, &mut shapes);
                 }
                 Mark::Level { value, color } => {
