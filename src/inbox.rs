@@ -25,6 +25,8 @@ pub enum Arrival {
     File(String, Result<Vec<u8>, String>),
     Kept(String, Vec<u8>),
     Done(String),
+    /// A record with this name will be here at the next start.
+    Shelved(String),
     Failure(String),
 }
 

@@ -26,11 +26,4 @@ impl Candidate {
     pub(crate) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
     }
-
-    pub(crate) fn size(&self) -> String {
-        match self.bytes.len() {
-            small if small < 100_000 => format!("{} kB", small.div_ceil(1000)),
-            large => format!("{:.1} MB", large as f64 / 1e6),
-        }
-    }
 }

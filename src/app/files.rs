@@ -48,14 +48,20 @@ impl App {
                 // It is opened without questions, or not at all.
                 Arrival::Kept(name, bytes) if self.waits_for(&name, &bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
-                Arrival::Done(sentence) => {
-                    let stays = |notice: &Notice| notice.is_failure || notice.button.is_some();
-                    let before = self.notice.take().filter(stays).unwrap_or(Notice::done(""));
-                    self.notice = Some(before.with(&sentence));
+                Arrival::Done(sentence) => self.notice = Some(self.notice_with(&sentence)),
+                Arrival::Shelved(name) => {
+                    let mut notice = self.notice_with(&format!("“{name}” will be here next time."));
+                    notice.button.get_or_insert(("Forget it", Request::ForgetRecord));
+                    self.notice = Some(notice);
                 }
                 Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
             }
         }
+    }
+
+    fn notice_with(&mut self, sentence: &str) -> Notice {
+        let stays = |notice: &Notice| notice.is_failure || notice.button.is_some();
+        self.notice.take().filter(stays).unwrap_or(Notice::done("")).with(sentence)
     }
 
     #[must_use]

@@ -1,6 +1,7 @@
 //! Measured records: their import, and the scenarios that name them.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use egui::{Context, Frame, Panel, Ui};
 use kalmanscope_core::import::hash;
@@ -8,6 +9,7 @@ use kalmanscope_core::import::hash;
 use super::App;
 use super::window::NARROW;
 use crate::import::{Import, Opened};
+use crate::inbox::Arrival;
 use crate::layout::Layout;
 use crate::measure::{Measure, News};
 use crate::notice::Notice;
@@ -104,13 +106,12 @@ impl App {
 
     fn shelve(&mut self, ctx: &Context) {
         let (Some(shelf), Some(file)) = (&self.shelf, self.candidate.take()) else { return };
-        let (name, size) = (file.name.clone(), file.size());
-        let kept = move |place: &str| {
-            format!("“{name}” ({size}) is kept in {place} for the next start: More, Forget the record, removes it.")
+        let (name, inbox, ctx) = (file.name.clone(), self.inbox.clone(), ctx.clone());
+        let done = move |end: Result<String, String>| {
+            let failed = |reason: String| Arrival::Failure(format!("“{name}” will not be here next time: {reason}."));
+            inbox.put(end.map_or_else(failed, |_| Arrival::Shelved(name.clone())), &ctx);
         };
-        let name = file.name.clone();
-        let failed = move |reason: &str| format!("“{name}” will not be here next time: {reason}.");
-        shelf.keep(&file.name, file.bytes, self.inbox.done(ctx, kept, failed));
+        shelf.keep(&file.name, file.bytes, Arc::new(done));
     }
 
     pub(super) fn change_columns(&mut self) {

@@ -165,7 +165,7 @@ impl Draft {
             ui.add_space(6.0);
             meaning_ui(ui, self);
             conditioning_ui(ui, self);
-            ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
+            ui.checkbox(&mut self.suggest, "estimate noise and starting guess from the data")
                 .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
         }
         decay

@@ -30,14 +30,16 @@ impl Draft {
     pub(super) fn extent(made: &Imported) -> String {
         let record = &made.record;
         let about = if record.clocks().is_some() { "about " } else { "" };
-        let [span, rate] = [(record.len() - 1) as f64 * record.dt(), 1.0 / record.dt()].map(|x| significant(x, 4));
+        let [span, rate] =
+            [record.len().saturating_sub(1) as f64 * record.dt(), 1.0 / record.dt()].map(|x| significant(x, 4));
         format!("{} samples over {span} s at {about}{rate} Hz", grouped(record.len()))
     }
 
     pub(super) fn summary(&self) -> String {
         let remark = self.remark.as_deref().map(|remark| format!(" {}.", sentence(remark)));
         let made = self.outcome().and_then(Result::ok);
-        let extent = made.map(|made| format!(": {}.{}", Self::extent(made), self.missing(made).concat()));
+        let extent = made.map(|made| format!(": {}. {}", Self::extent(made), self.missing(made).join(" ")));
+        let extent = extent.as_deref().map(str::trim_end);
         format!("“{}”{}{}", self.file.name, extent.unwrap_or_default(), remark.unwrap_or_default())
     }
 

@@ -1,4 +1,4 @@
-//! What is painted under a chart's curves: missing readings, bad parts and jumps.
+//! Missing readings, bad parts and jumps, painted under a chart's curves.
 
 use egui::{Rect, Shape, Stroke, pos2};
 use egui_plot::PlotTransform;

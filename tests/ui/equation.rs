@@ -196,7 +196,7 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
     assert_eq!(shown.as_deref(), Some("30"), "the editor goes along");
 }
 
-/// What each filter's estimate is drawn on.
+/// The accessible name says which picture shows the estimates: a mass, a pendulum or a circuit.
 fn drawn(screen: &Screen) -> Option<&'static str> {
     let on = ["on the mass", "on the pendulum", "in the circuit"].into_iter();
     on.filter(|on| screen.query_all_by_label_contains(on).next().is_some()).last()

@@ -135,7 +135,7 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
 }
 
-/// What the window says of a file, and whether it shows the choices of engineers from the start.
+/// The window shows these sentences for a file, and unfolds the choices of engineers where something is in doubt.
 #[test]
 fn a_file_is_summed_up_and_what_is_in_doubt_is_unfolded() {
     let table = |header: &str, lost: usize| {
@@ -240,15 +240,30 @@ fn a_band_pass_and_decimation_are_applied() {
     check_result(&screen, "decimated");
 }
 
-fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {
+fn file_with_losses(is_lost: impl Fn(usize) -> bool) -> String {
     let mut text = "time,force,x (mm)\n".to_owned();
     for (k, [t, f, x]) in rows().into_iter().enumerate() {
         let reading = if is_lost(k) { String::new() } else { format!("{x:.5}") };
         writeln!(text, "{t:.3},{f:.5},{reading}").expect("memory");
     }
+    text
+}
+
+fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
-    drop_record(&mut screen, "gaps.csv", text.as_bytes());
+    drop_record(&mut screen, "gaps.csv", file_with_losses(is_lost).as_bytes());
     screen
+}
+
+#[test]
+fn a_phone_opens_a_record_at_once_and_says_what_is_missing() {
+    let mut screen = screen(PHONE, Theme::Light);
+    drop_file(&mut screen, "gaps.csv", file_with_losses(|k| [30, 31, 70].contains(&k)).as_bytes());
+    screen.run_steps(120);
+    let notice = screen.state().notice().expect("it says what was opened");
+    let said = "“gaps.csv”: 801 samples over 40 s at 20 Hz. 3 of 801 readings of x are missing: left out.";
+    assert!(notice.starts_with(said), "{notice}");
+    assert!(screen.state().session().is_measured() && screen.query_by_label("Columns…").is_some());
 }
 
 #[test]

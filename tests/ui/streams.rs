@@ -25,7 +25,7 @@ fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>, Readings<St
     (screen, device, readings)
 }
 
-/// What happens at a sample of a record.
+/// The readings of a sample, as a source of lines delivers them.
 fn row(record: &Record, k: usize) -> StreamRow {
     let readings = vec![record.measured(0)[k], record.measured(1)[k]];
     StreamRow { time: record.time(k), input: record.input()[k], readings }
