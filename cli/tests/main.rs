@@ -11,17 +11,16 @@ mod formats;
 mod guesses;
 mod hostile;
 mod import;
+mod of_filter;
 #[cfg(unix)]
 mod pipes;
 mod population;
-mod posterior;
 mod records;
 mod refused;
 mod report;
 mod run;
 mod stream;
 mod sweep;
-mod tune;
 mod two_files;
 #[cfg(unix)]
 mod words;
