@@ -201,6 +201,16 @@ impl Drawing {
         let dots: Vec<Shape> = shapes.extract_if(.., is_dot).collect();
         dots.into_iter().chain([Shape::mesh(mesh(ui, shapes))]).collect()
     }
+
+    pub(super) fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        let bounds = transform.bounds();
+        let place = (*transform.frame(), bounds.min(), bounds.max(), ui.pixels_per_point());
+        let mut painted = self.painted.lock();
+        if painted.as_ref().is_none_or(|(before, _)| *before != place) {
+            *painted = Some((place, self.paint(ui, transform)));
+        }
+        shapes.extend(painted.iter().flat_map(|(_, shapes)| shapes.iter().cloned()));
+    }
 }
 
 /// The triangles of shapes: they are kept while nothing moves, and a frame then takes 6 ms in place of 37 (six views, four filters).
@@ -214,18 +224,6 @@ fn mesh(ui: &Ui, shapes: Vec<Shape>) -> Mesh {
 }
 
 type Place = (Rect, [f64; 2], [f64; 2], f32);
-
-impl Drawing {
-    pub(super) fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
-        let bounds = transform.bounds();
-        let place = (*transform.frame(), bounds.min(), bounds.max(), ui.pixels_per_point());
-        let mut painted = self.painted.lock();
-        if painted.as_ref().is_none_or(|(before, _)| *before != place) {
-            *painted = Some((place, self.paint(ui, transform)));
-        }
-        shapes.extend(painted.iter().flat_map(|(_, shapes)| shapes.iter().cloned()));
-    }
-}
 
 /// Radius of a dot, of a dot among few, and the number of few dots \[points\].
 const DOT: f32 = 1.3;
@@ -245,7 +243,6 @@ struct Shown<'a> {
 const DENSE: f64 = 8.0;
 const ALIKE_RANGES: f64 = 0.65;
 
-/// The opacity of a band, and of the area of a dense line.
 const OF_BAND: f32 = 0.24;
 const OF_AREA: f32 = 0.38;
 
