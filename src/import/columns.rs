@@ -152,7 +152,6 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {
     let made = draft.outcome().and_then(Result::ok);
     let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
     let dt = made.map_or(0.01, |imported| imported.record.dt());
-    let nyquist = 0.5 / dt;
     let has_clocks = made.is_some_and(|imported| imported.record.clocks().is_some());
     egui::CollapsingHeader::new("Part, band and rate").id_salt("conditioning").show(ui, |ui| {
         let mapping = &mut draft.mapping;
@@ -173,7 +172,7 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {
             let mut on = mapping.band.is_some();
             let hint = "Butterworth filters of the fourth order, run forward and backward over input and sensors: nothing is shifted";
             if ui.checkbox(&mut on, "band-pass").on_hover_text(hint).changed() {
-                mapping.band = on.then_some([0.0, 0.5 * nyquist]);
+                mapping.band = on.then_some([0.0, 0.25 / dt]);
             }
             if let Some([low, high]) = &mut mapping.band {
                 number_ui(ui, "Band from [Hz]", low, 0.1);

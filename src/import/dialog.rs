@@ -187,8 +187,8 @@ impl Draft {
                 ui.end_row();
             }
         });
-        for missing in self.missing(made) {
-            ui.label(missing);
+        for left_out in self.left_out(made) {
+            ui.label(left_out);
         }
         for remark in &made.remarks {
             ui.weak(format!("{}.", sentence(remark)));

@@ -8,7 +8,7 @@ use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
 use super::{Choices, Shared};
-use crate::session::RecordFile;
+use crate::session::{RecordFile, Session};
 use crate::spark::Spark;
 
 pub struct Draft {
@@ -38,19 +38,16 @@ pub enum Role {
 impl Draft {
     pub fn new(file: Arc<RecordFile>) -> Self {
         let (mut mapping, input, guesses) = Mapping::guess_for(&file.table, &[]);
-        mapping.file.clone_from(&file.name);
-        mapping.hash.clone_from(&file.hash);
+        (mapping.file, mapping.hash) = (file.name.clone(), file.hash.clone());
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
-        let (hold, plant) = (Hold::First, PlantKind::SDOF);
-        let remark = Ring::remark(&file.table);
         let draft = Self {
+            remark: Ring::remark(&file.table),
             file,
             mapping,
             input,
-            hold,
-            plant,
+            hold: Hold::First,
+            plant: PlantKind::SDOF,
             suggest: true,
-            remark,
             base: None,
             sparks,
             guesses,
@@ -65,8 +62,7 @@ impl Draft {
         let draft = Self::new(file);
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
         let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind.clone());
-        let base = Some(scenario.clone());
-        Self { mapping, input, hold, plant, suggest: false, base, is_unfolded: true, ..draft }
+        Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), is_unfolded: true, ..draft }
     }
 
     pub fn role(&self, place: usize) -> Role {
@@ -129,6 +125,8 @@ impl Draft {
         });
         if let Some(built) = built.transpose() {
             *is_unfolded |= built.is_err();
+            // At least 1, so that it changes only where the record is too long for the screen.
+            mapping.every *= built.as_ref().map_or(1, |made| made.record.len().div_ceil(Session::LONGEST_WHOLE + 1));
             *outcome = Some((choices, built.map_err(|error| error.to_string())));
         }
     }

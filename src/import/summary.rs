@@ -5,6 +5,7 @@ use kalmanscope_core::{InputKind, Quantity};
 
 use super::Draft;
 use super::draft::Role;
+use crate::session::Session;
 use crate::text::{grouped, sentence, significant};
 
 impl Draft {
@@ -38,14 +39,16 @@ impl Draft {
     pub(super) fn summary(&self) -> String {
         let remark = self.remark.as_deref().map(|remark| format!(" {}.", sentence(remark)));
         let made = self.outcome().and_then(Result::ok);
-        let extent = made.map(|made| format!(": {}. {}", Self::extent(made), self.missing(made).join(" ")));
+        let extent = made.map(|made| format!(": {}. {}", Self::extent(made), self.left_out(made).join(" ")));
         let extent = extent.as_deref().map(str::trim_end);
         format!("“{}”{}{}", self.file.name, extent.unwrap_or_default(), remark.unwrap_or_default())
     }
 
-    pub(super) fn missing(&self, made: &Imported) -> Vec<String> {
+    pub(super) fn left_out(&self, made: &Imported) -> Vec<String> {
+        let (every, most) = (self.mapping.every, grouped(Session::LONGEST_WHOLE));
+        let kept = (every > 1).then(|| format!("One of {every} samples is kept: at most {most} are shown."));
         if made.record.clocks().is_some() || self.mapping.interpolate > 1 {
-            return Vec::new();
+            return kept.into_iter().collect();
         }
         let words = |(quantity, mapped): (&Quantity, &MappedColumn)| {
             let readings = made.record.measured_quantity(*quantity)?;
@@ -53,7 +56,7 @@ impl Draft {
             let (some, all, is) = (grouped(count), grouped(readings.len()), if count == 1 { "is" } else { "are" });
             (count > 0).then(|| format!("{some} of {all} readings of {} {is} missing: left out.", mapped.column))
         };
-        self.mapping.sensors.iter().filter_map(words).collect()
+        kept.into_iter().chain(self.mapping.sensors.iter().filter_map(words)).collect()
     }
 
     pub(super) fn doubts(&self) -> Vec<String> {

@@ -51,6 +51,20 @@ pub(super) fn drop_record(screen: &mut Screen, name: &str, contents: &[u8]) {
     open_record(screen);
 }
 
+#[test]
+fn a_record_too_long_for_the_screen_is_thinned_and_says_so() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let mut text = "t,force,displacement\n".to_owned();
+    (0..401_000).for_each(|k| writeln!(text, "{:.2},{},1", 0.01 * f64::from(k), k % 40 / 20).expect("memory"));
+    drop_file(&mut screen, "long.csv", text.as_bytes());
+    let is_there = |screen: &Screen, words: &str| screen.query_by_label_contains(words).is_some();
+    let waits = (0..5000).take_while(|_| {
+        screen.step();
+        !is_there(&screen, "133,667 samples")
+    });
+    assert!(waits.count() < 5000 && is_there(&screen, "One of 3 samples is kept: at most 200,000 are shown."));
+}
+
 #[track_caller]
 pub(super) fn check_result(screen: &Screen, name: &str) {
     let session = screen.state().session();
