@@ -16,7 +16,8 @@ use std::rc::Rc;
 use egui::util::undoer::Undoer;
 use egui::{Context, ThemePreference, Ui};
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{Estimates, RunError, Scenario, Story};
+use kalmanscope_core::{Estimates, RunError, Scenario};
+use kalmanscope_diagnosis::Story;
 use window::NARROW;
 
 use crate::equation::Editor;

@@ -13,8 +13,9 @@ mod sensors;
 use std::sync::Arc;
 
 use egui::{Button, RichText, ScrollArea, Ui};
+use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
-use kalmanscope_core::{Scenario, Story};
+use kalmanscope_diagnosis::Story;
 use serde::Serialize;
 
 use crate::session::Library;

@@ -4,10 +4,11 @@ use std::fmt::Display;
 
 use egui::{Context, Id, Popup, Ui};
 use kalmanscope_cli::{Parts, Results, report, write_estimates};
-use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::DocumentError;
-use kalmanscope_core::{Analysis, Estimates, Task};
+use kalmanscope_core::{Estimates, Task};
+use kalmanscope_diagnosis::Analysis;
+use kalmanscope_diagnosis::Remedy;
 
 use crate::figure::Figure;
 use crate::inbox::Done;

@@ -19,9 +19,8 @@ use std::sync::Arc;
 
 use free_runs::FreeRuns;
 use judging::{Hand, LiveVerdicts};
-use kalmanscope_core::{
-    Diagnostics, Estimates, Evidence, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study,
-};
+use kalmanscope_core::{Diagnostics, Estimates, Evidence, Quantity, Run, RunError, Scenario, Source};
+use kalmanscope_diagnosis::{Hindsight, Job, Study};
 use long_filters::LongFilters;
 use serde::{Deserialize, Serialize};
 use spectrogram::Spectrograms;
@@ -32,7 +31,7 @@ use crate::team::{Frames, Team};
 pub use crate::team::Budget;
 pub use before::{Before, Version};
 pub use free_runs::ModelTime;
-pub use kalmanscope_core::{Bound, Wanted};
+pub use kalmanscope_diagnosis::{Bound, Wanted};
 pub(crate) use library::is_same;
 pub use library::{Library, RecordFile, name_of};
 pub use trying::Attempt;

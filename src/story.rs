@@ -4,7 +4,7 @@ use egui::{
     Color32, DragValue, FontId, Id, Label, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, Vec2,
 };
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
+use kalmanscope_diagnosis::{Adjustable, Diagnosis, Phrase, Story};
 
 use crate::controls::named::{first_number, name_of};
 use crate::request::Request;

@@ -1,7 +1,7 @@
 //! The screen in words and tables, for screen readers.
 
 use egui::Theme;
-use kalmanscope_core::VerdictKind;
+use kalmanscope_diagnosis::VerdictKind;
 
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;

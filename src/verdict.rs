@@ -1,7 +1,7 @@
 //! Verdicts on screen: a symbol and a word beside a filter's name.
 
 use egui::{Color32, FontId, Response, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
-use kalmanscope_core::{Verdict, VerdictKind};
+use kalmanscope_diagnosis::{Verdict, VerdictKind};
 
 use crate::theme::{self, Palette};
 

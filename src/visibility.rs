@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{Channel, FilterSettings, Wanted};
+use kalmanscope_core::{Channel, FilterSettings};
+use kalmanscope_diagnosis::Wanted;
 
 use crate::request::LegendEntry;
 

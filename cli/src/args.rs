@@ -6,7 +6,8 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::import::{Dimension, unit};
-use kalmanscope_core::{Axis, MeasureKind, PlantKind, Quantity, VerdictKind};
+use kalmanscope_core::{Axis, PlantKind, Quantity};
+use kalmanscope_diagnosis::{MeasureKind, VerdictKind};
 use kalmanscope_lab::tune::Goal;
 
 use crate::files::{Places, places};

@@ -1,7 +1,8 @@
 //! The causes of each filter's verdict.
 
-use kalmanscope_core::diagnosis::{Remedy, Search};
-use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
+use kalmanscope_core::{Diagnostics, Estimates, Record, Run, Scenario, Task as _};
+use kalmanscope_diagnosis::{Analysis, Diagnosis};
+use kalmanscope_diagnosis::{Remedy, Search};
 
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first; for a consistent filter the models
 /// that are likelier than its own. One without a verdict has none. Running the filter again with the edits made, over 10,000 samples at most,

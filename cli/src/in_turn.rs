@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::{
-    Analysis, CramerRao, Diagnosis, Diagnostics, Hindsight, Pass, Record, Run, RunError, Scenario, Summary, Wanted,
-};
+use kalmanscope_core::{CramerRao, Diagnostics, Pass, Record, Run, RunError, Scenario};
+use kalmanscope_diagnosis::{Analysis, Diagnosis, Hindsight, Summary, Wanted};
 
 use crate::causes::causes_of;
 use crate::free_run::{FreeRuns, fits_of};

@@ -1,8 +1,9 @@
 //! The evidence for a verdict and its causes, the consistency of a filter and remarks on it, in words.
 
-use kalmanscope_core::diagnosis::{Evidence, Remedy, in_percent};
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::{Diagnosis, Record, Remark, Summary, Trouble};
+use kalmanscope_core::{Record, Remark, Trouble};
+use kalmanscope_diagnosis::{Diagnosis, Summary};
+use kalmanscope_diagnosis::{Evidence, Remedy, in_percent};
 
 use crate::number::{fixed, plain, scientific, short};
 use crate::results::Results;

@@ -1,9 +1,10 @@
 //! The results of a run as one document of JSON.
 
-use kalmanscope_core::diagnosis::{Evidence, Final, Remedy};
 use kalmanscope_core::document::{self, Document, DocumentError, json};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Estimates, Fit, Record, Summary};
+use kalmanscope_core::{Estimates, Fit, Record};
+use kalmanscope_diagnosis::Summary;
+use kalmanscope_diagnosis::{Evidence, Final, Remedy};
 
 use crate::free_run::FreeFit;
 use crate::in_words::{are_models, sentence};

@@ -2,7 +2,8 @@
 //!
 //! ```
 //! use kalmanscope_cli::{Results, run_scenario};
-//! use kalmanscope_core::{Analysis, Scenario, Wanted};
+//! use kalmanscope_diagnosis::{Analysis, Wanted};
+//! use kalmanscope_core::Scenario;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
 //! println!("{}", Results::of_run(&run, &Analysis::new(&run, Wanted::default()), Vec::new()).table(false));

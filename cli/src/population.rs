@@ -4,9 +4,10 @@ use std::fmt::{self, Write as _};
 use std::sync::Arc;
 
 use kalmanscope_cli::significant;
-use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::document::{self, Document, DocumentError, json};
-use kalmanscope_core::{Channel, Scenario, Source, VerdictKind};
+use kalmanscope_core::{Channel, Scenario, Source};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_diagnosis::VerdictKind;
 use kalmanscope_lab::{LastError, MonteCarlo, RunVerdicts, Runner, share_interval};
 
 use crate::args::PopulationArgs;

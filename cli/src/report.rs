@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::{ScenarioError, Summary};
+use kalmanscope_core::ScenarioError;
+use kalmanscope_diagnosis::Summary;
 use kalmanscope_figures::escaped;
 
 use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};

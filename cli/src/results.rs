@@ -2,11 +2,9 @@
 
 use std::borrow::Cow;
 
-use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{
-    Analysis, Channel, CramerRao, Diagnosis, Estimates, Length, ModelClasses, Record, Remark, Run, Scenario, Story,
-    Summary, TruthStop, VerdictKind,
-};
+use kalmanscope_core::{Channel, CramerRao, Estimates, Length, ModelClasses, Record, Remark, Run, Scenario, TruthStop};
+use kalmanscope_diagnosis::Remedy;
+use kalmanscope_diagnosis::{Analysis, Diagnosis, Story, Summary, VerdictKind};
 
 use crate::free_run::{FreeRuns, fits};
 

@@ -3,8 +3,8 @@
 
 use kalmanscope_core::Channel;
 use kalmanscope_core::Length;
-use kalmanscope_core::diagnosis::Final;
 use kalmanscope_core::import::{Dimension, Mapping, unit};
+use kalmanscope_diagnosis::Final;
 
 use crate::number::{deviation, fixed, plain, short, with_spread};
 

@@ -4,10 +4,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_cli::{Parts, Results, causes, pages, report, svg, write_estimates};
-use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Analysis, RecordError, Run, ScenarioError, VerdictKind, Wanted};
+use kalmanscope_core::{RecordError, Run, ScenarioError};
+use kalmanscope_diagnosis::Remedy;
+use kalmanscope_diagnosis::{Analysis, VerdictKind, Wanted};
 use thiserror::Error;
 
 use crate::args::{InputArgs, RunArgs, SourceArgs};

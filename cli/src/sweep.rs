@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
-use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing, UnknownMeasure};
+use kalmanscope_core::{Axis, Record, Scenario, Source, Spacing};
+use kalmanscope_diagnosis::{Measure, UnknownMeasure};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
 use thiserror::Error;
 

@@ -2,7 +2,8 @@
 
 use std::fmt::{self, Write as _};
 
-use kalmanscope_core::{Channel, FilterKind, ModelClasses, Record, Summary, TruthStop};
+use kalmanscope_core::{Channel, FilterKind, ModelClasses, Record, TruthStop};
+use kalmanscope_diagnosis::Summary;
 
 use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::number::{plain, short};

@@ -11,9 +11,9 @@ mod situations;
 
 use std::collections::BTreeMap;
 
-use kalmanscope_core::diagnosis::{Diagnosis, Remedy, VerdictKind};
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnostics, Record, Run, Task as _};
+use kalmanscope_diagnosis::{Diagnosis, Remedy, VerdictKind};
 
 use situations::{Fault, Situation, is_asked_for, largest_error, on_two_threads, seeds, without_truth};
 

@@ -4,7 +4,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use kalmanscope_core::{Diagnosis, Diagnostics, FilterKind, FilterSettings, Run, Scenario};
+use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Run, Scenario};
+use kalmanscope_diagnosis::Diagnosis;
 
 fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")

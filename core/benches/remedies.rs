@@ -16,9 +16,10 @@ mod situations;
 
 use std::collections::BTreeMap;
 
-use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, Task as _, VerdictKind};
+use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, Task as _};
+use kalmanscope_diagnosis::VerdictKind;
+use kalmanscope_diagnosis::{Diagnosis, Remedy};
 
 use situations::Fault::{self, *};
 use situations::{SETS, Situation, is_asked_for, on_two_threads, seeds, without_truth};

@@ -71,10 +71,8 @@
 //! | | [`free_run`] | what an identified model predicts without measurements |
 //! | | [`frequency_response`] | frequency responses of plants, true and estimated |
 //! | | [`suggest`] | start values of filters from a record's data |
-//! | judgement | [`diagnosis`] | the verdict on a filter, its evidence, causes and remedies |
 
 mod data;
-mod judgement;
 mod mathematics;
 mod numbers;
 mod samples;
@@ -83,7 +81,6 @@ mod samples;
 pub mod internals;
 
 pub use data::{document, free_decay, import, record, scenario, setting, signal};
-pub use judgement::diagnosis;
 pub use mathematics::{channel, equation, filter, plant};
 pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
 
@@ -93,13 +90,6 @@ pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use data::signal::{Force, Signal};
 pub use data::task::Task;
-pub use judgement::analysis::{Analysis, Bound, Hindsight, Wanted};
-pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
-pub use judgement::measure::{
-    Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
-};
-pub use judgement::story::{Adjustable, Phrase, Story};
-pub use judgement::study::{Job, Progress, Study};
 pub use mathematics::channel::Channel;
 pub use mathematics::filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,

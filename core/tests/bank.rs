@@ -4,8 +4,9 @@
 use kalmanscope_core::signal::{Signal, Step};
 use kalmanscope_core::{
     Channel, Estimates, Evidence, FilterKind, FilterSettings, ModelClasses, Quantity, Record, Run, Scenario, Sensor,
-    Source, Study, Wanted, simulate,
+    Source, simulate,
 };
+use kalmanscope_diagnosis::{Study, Wanted};
 use nalgebra::{DMatrix, DVector};
 
 use crate::numbers::{ADAPTIVE, apart, joint_motion, log_normal};

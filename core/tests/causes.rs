@@ -1,12 +1,13 @@
 //! Which cause may stand first, remedies of several causes, and causes that need a look at the record.
 
-use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{
     Channel, Diagnostics, FilterKind, Force, Hold, Quantity, Record, Scenario, Sensor, Signal, Task as _, Values,
-    VerdictKind, signal, simulate,
+    signal, simulate,
 };
+use kalmanscope_diagnosis::Remedy;
+use kalmanscope_diagnosis::VerdictKind;
 
 use crate::run::{built_in, diagnosis, finished, finished_on, forced, last, one_filter, oscillator, remedies};
 use crate::situations::with_input;

@@ -6,7 +6,8 @@ use std::io::Cursor;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::free_decay::{Decay, NoDecay, Ring};
 use kalmanscope_core::import::{ImportError, Mapping, Table, ThreeAxes, read};
-use kalmanscope_core::{Analysis, Run, Scenario, Story, Summary, VerdictKind, Wanted};
+use kalmanscope_core::{Run, Scenario};
+use kalmanscope_diagnosis::{Analysis, Story, Summary, VerdictKind, Wanted};
 
 use crate::numbers::Random;
 use crate::phone::{Phone, USUAL};

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::{CAUSES, Diagnosis, Evidence, LiveDiagnosis, TESTS, VerdictKind};
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, simulate};
+use kalmanscope_diagnosis::{CAUSES, Diagnosis, Evidence, LiveDiagnosis, TESTS, VerdictKind};
 
 use crate::run::{built_in, diagnosis, finished_on, readings, remedies};
 use crate::situations::{FIRST, Fault, Situation, largest_error, on_two_threads, with_input, without_truth};

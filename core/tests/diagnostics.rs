@@ -2,9 +2,9 @@
 
 use kalmanscope_core::diagnostics::{Depth, ErrorSums, LAGS};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Pass, PlantKind, Record, Run,
-    Scenario, Scores, Summary, Verdict, VerdictKind,
+    Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Pass, PlantKind, Record, Run, Scenario, Scores,
 };
+use kalmanscope_diagnosis::{Diagnosis, Summary, Verdict, VerdictKind};
 
 use crate::numbers::{bits, mean, rms};
 use crate::run::{finished, finished_on, one_filter, oscillator, record_of};

@@ -1,9 +1,10 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
-use kalmanscope_core::diagnosis::{CAUSES, Cause};
 use kalmanscope_core::scenario::option::{EXCLUSIONS, FilterOption};
 use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
-use kalmanscope_core::{Channel, FilterKind, MeasureKind, PlantKind, Quantity, Robust, Scenario};
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Robust, Scenario};
+use kalmanscope_diagnosis::MeasureKind;
+use kalmanscope_diagnosis::{CAUSES, Cause};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
 const PLANTS: &str = include_str!("../../docs/plants.md");

@@ -1,11 +1,11 @@
 //! Scenarios that were once judged wrongly, each with the verdict that it must have.
 
-use kalmanscope_core::diagnosis::VerdictKind::{
-    self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
-};
-use kalmanscope_core::diagnosis::{Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, Diagnostics, Run, Scenario, Task as _, simulate};
+use kalmanscope_diagnosis::VerdictKind::{
+    self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
+};
+use kalmanscope_diagnosis::{Evidence, Verdict};
 
 use crate::numbers::rms;
 use crate::run::{bound, diagnosis, finished, finished_on, truth};

@@ -1,9 +1,10 @@
 //! A run that forgets its first samples continues bit by bit, in constant memory.
 
 use kalmanscope_core::{
-    Adaptation, Channel, CramerRao, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind,
-    Quantity, Run, Scenario, Sensor, Summary,
+    Adaptation, Channel, CramerRao, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind, Quantity,
+    Run, Scenario, Sensor,
 };
+use kalmanscope_diagnosis::{Diagnosis, Summary};
 
 use crate::numbers::bits;
 use crate::run::{bound, finished, finished_on, oscillator};

@@ -2,10 +2,11 @@
 //! lessons, of other noise and forces than those that come along: a structure in an earthquake, whose total acceleration is measured over
 //! a ground that is linear between samples; and a stiffness that goes up and down in steps, under a force that nobody measures.
 
-use kalmanscope_core::diagnosis::VerdictKind;
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Analysis, Channel, Force, Hold, PlantKind, Record, Run, Scenario, Wanted, simulate};
+use kalmanscope_core::{Channel, Force, Hold, PlantKind, Record, Run, Scenario, simulate};
+use kalmanscope_diagnosis::VerdictKind;
+use kalmanscope_diagnosis::{Analysis, Wanted};
 
 use crate::run::{asset, assets, built_in, diagnosis, finished, finished_on, finished_on_file, last, remedies};
 

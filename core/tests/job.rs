@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, InputKind, Job, Pass, Quantity, Record, Run, RunError, Scenario,
-    ScenarioError, Sensor, Source, Study, Tape, Update, Wanted, simulate,
+    Channel, FilterKind, FilterSettings, InputKind, Pass, Quantity, Record, Run, RunError, Scenario, ScenarioError,
+    Sensor, Source, Tape, Update, simulate,
 };
+use kalmanscope_diagnosis::{Job, Study, Wanted};
 
 use crate::run::{finished, finished_on};
 

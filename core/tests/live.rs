@@ -6,9 +6,9 @@ use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::record::{LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hindsight, Hold, InputKind, Job, Quantity, Run, Scenario, Source, Study,
-    Trouble, Wanted, simulate,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Source, Trouble, simulate,
 };
+use kalmanscope_diagnosis::{Hindsight, Job, Study, Wanted};
 
 use crate::numbers::Random;
 use crate::phone::{Phone, USUAL};

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Hindsight, Hold, PlantKind, Record, Run, Scenario, Source, Study,
-    Wanted, simulate, smoothed,
+    Channel, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Record, Run, Scenario, Source, simulate, smoothed,
 };
+use kalmanscope_diagnosis::{Hindsight, Study, Wanted};
 
 use crate::numbers::apart;
 use crate::run::finished;

@@ -8,8 +8,9 @@ use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor,
-    VerdictKind, simulate,
+    simulate,
 };
+use kalmanscope_diagnosis::VerdictKind;
 
 use nalgebra::Vector2;
 

@@ -7,7 +7,8 @@
 
 use std::time::Instant;
 
-use kalmanscope_core::{FilterKind, Hold, PlantKind, Quantity, Run, Scenario, VerdictKind};
+use kalmanscope_core::{FilterKind, Hold, PlantKind, Quantity, Run, Scenario};
+use kalmanscope_diagnosis::VerdictKind;
 
 use ambient::{Accelerometer, End, SETS, building, end, mass};
 use start_values::{Excitation, SENSORS, grid, right, shares, worst_of_losses};

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::scenario::Fault;
-use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, Robust, Scenario, Wanted, simulate};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Robust, Scenario, simulate};
+use kalmanscope_diagnosis::{Analysis, Wanted};
 
 use crate::numbers::{ADAPTIVE, rms};
 use crate::run::{finished, finished_on, oscillator};

@@ -4,9 +4,9 @@ use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::import::read;
 use kalmanscope_core::record::{Clocks, Record, Timed};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Hold, Identified, Quantity, Scenario, Sensor, Summary, Values,
-    VerdictKind,
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, Identified, Quantity, Scenario, Sensor, Values,
 };
+use kalmanscope_diagnosis::{Summary, VerdictKind};
 use nalgebra::{RowVector2, SMatrix, SVector, Vector2};
 
 use crate::numbers::{ADAPTIVE, Random, transition};

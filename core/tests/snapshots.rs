@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use kalmanscope_core::diagnosis::Final;
-use kalmanscope_core::{Channel, Run, Scenario, Summary};
+use kalmanscope_core::{Channel, Run, Scenario};
+use kalmanscope_diagnosis::Final;
+use kalmanscope_diagnosis::Summary;
 
 use crate::run::{assets, built_in, finished, finished_on_file, truth};
 

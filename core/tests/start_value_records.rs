@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 
 use kalmanscope_core::import::read;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, Propagation, Quantity, VerdictKind};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, Propagation, Quantity};
+use kalmanscope_diagnosis::VerdictKind;
 
 use crate::ambient::{Accelerometer, Ambient, End, SETS, building, end, end_on, mass};
 use crate::numbers::Random;

@@ -4,14 +4,14 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::VerdictKind::{
-    self, Consistent, Diverged, Lost, NotIdentifiable, Overconfident, Recovered, Underconfident, WoundUp,
-};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Signal,
-    Verdict, simulate,
+    Channel, Diagnostics, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Signal, simulate,
 };
+use kalmanscope_diagnosis::VerdictKind::{
+    self, Consistent, Diverged, Lost, NotIdentifiable, Overconfident, Recovered, Underconfident, WoundUp,
+};
+use kalmanscope_diagnosis::{Diagnosis, Verdict};
 
 use crate::run::{built_in, finished, finished_on, oscillator, record_of, remedies, values};
 

@@ -3,7 +3,8 @@
 use kalmanscope_core::document::{self, DocumentError};
 use kalmanscope_core::score::SampleScore;
 use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
+use kalmanscope_core::{Axis, AxisError, Channel, RunError, Scenario};
+use kalmanscope_diagnosis::Measure;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 

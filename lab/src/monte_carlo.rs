@@ -5,10 +5,11 @@ mod tests;
 
 use std::ops::RangeInclusive;
 
-use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
+use kalmanscope_core::{Axis, Channel, Scenario, Spacing};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_diagnosis::{Measure, VerdictKind};
 
 use crate::{Ensemble, EnsembleError, Plan, Slice, Trace};
 

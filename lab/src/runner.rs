@@ -5,10 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::{Outcome, ScoredPass};
 use kalmanscope_core::setting::RECORD_GAIN;
-use kalmanscope_core::{
-    Estimates, FirstCause, Measure, Observed, Pass, Record, Scenario, Simulator, Source, Task, Times, Value, Whole,
-    simulate,
-};
+use kalmanscope_core::{Estimates, Pass, Record, Scenario, Simulator, Source, Task, simulate};
+use kalmanscope_diagnosis::{FirstCause, Measure, Observed, Times, Value, Whole};
 use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with, serves};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};

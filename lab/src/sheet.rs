@@ -107,7 +107,8 @@ mod tests {
     use super::*;
     use crate::Plan;
     use crate::ensemble::coarse_to_fine;
-    use kalmanscope_core::{Axis, Measure, Scenario};
+    use kalmanscope_core::{Axis, Scenario};
+    use kalmanscope_diagnosis::Measure;
 
     #[test]
     fn a_coarse_picture_is_complete_long_before_the_fine_one() {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use kalmanscope_core::score::ScoredPass;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Measure, Pass, Quantity, Record, Scenario, Task, VerdictKind};
+use kalmanscope_core::{Axis, Pass, Quantity, Record, Scenario, Task};
+use kalmanscope_diagnosis::{Measure, VerdictKind};
 use serde::{Deserialize, Serialize};
 
 use crate::EnsembleError;

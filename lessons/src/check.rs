@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use kalmanscope_core::{Channel, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
+use kalmanscope_core::{Channel, Quantity, Scenario};
+use kalmanscope_diagnosis::{MeasureKind, Times, Value, ValueKind};
 use serde::Deserialize;
 
 use crate::LessonError;

@@ -1,7 +1,7 @@
 //! Claims: the results of a lesson's checks.
 
-use kalmanscope_core::Value;
 use kalmanscope_core::internals::sort_numbers;
+use kalmanscope_diagnosis::Value;
 use std::fmt;
 
 use crate::check::{Check, NEARLY_ALL};

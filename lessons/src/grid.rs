@@ -1,7 +1,8 @@
 //! Grids over settings: the map that a step shows in the laboratory, and the cells of a check.
 
 use kalmanscope_core::setting::{Address, SEED};
-use kalmanscope_core::{Axis, Measure, Scenario, Value};
+use kalmanscope_core::{Axis, Scenario};
+use kalmanscope_diagnosis::{Measure, Value};
 use serde::Deserialize;
 
 use crate::LessonError;

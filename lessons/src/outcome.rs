@@ -1,8 +1,7 @@
 //! Complete runs of scenarios, with the results that checks need, and the value of a check in them.
 
-use kalmanscope_core::{
-    Analysis, Diagnostics, Estimates, Measure, Observed, Run, Scenario, Source, Times, Value, Wanted,
-};
+use kalmanscope_core::{Diagnostics, Estimates, Run, Scenario, Source};
+use kalmanscope_diagnosis::{Analysis, Measure, Observed, Times, Value, Wanted};
 
 use crate::check::Check;
 use crate::{LessonError, records};
@@ -100,7 +99,7 @@ impl Check {
 
 #[cfg(test)]
 mod tests {
-    use kalmanscope_core::{Summary, VerdictKind};
+    use kalmanscope_diagnosis::{Summary, VerdictKind};
 
     use super::*;
 

@@ -3,7 +3,8 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::{Scenario, Source, Value};
+use kalmanscope_core::{Scenario, Source};
+use kalmanscope_diagnosis::Value;
 
 use crate::check::Check;
 use crate::{Claim, Lesson, LessonError, Outcome, grid, records};

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::signal::Step;
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Phrase, Run, Scenario, Signal, Story, VerdictKind};
+use kalmanscope_core::{Channel, Diagnostics, Run, Scenario, Signal};
+use kalmanscope_diagnosis::{Diagnosis, Phrase, Story, VerdictKind};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, records::source};
 
 /// The stories are read at the ends of this many equal parts of each run.

@@ -1,8 +1,9 @@
 //! The settings that the story of the run names: a few sliders, each as wide as the panel.
 
 use egui::{Align, DragValue, Label, Layout, Slider, SliderClamping, Ui, Widget as _};
+use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
+use kalmanscope_diagnosis::{Adjustable, Phrase, Story};
 
 use super::Edits;
 use crate::probe::remember;

@@ -1,7 +1,8 @@
 //! The user's choices in the laboratory, of a map, as plain data.
 
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Channel, Measure, Record, Scenario};
+use kalmanscope_core::{Axis, Channel, Record, Scenario};
+use kalmanscope_diagnosis::Measure;
 use serde::{Deserialize, Serialize};
 
 use super::settings::{candidates, collide, is_possible, offered};

@@ -3,7 +3,8 @@
 use kalmanscope_core::setting::{
     Address, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo, of_filter, of_scenario,
 };
-use kalmanscope_core::{Channel, Measure, Quantity, Record, Scenario};
+use kalmanscope_core::{Channel, Quantity, Record, Scenario};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::channels;
 
 use crate::text::unit_in;

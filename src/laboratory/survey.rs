@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::setting::{Address, Change, TableInfo};
-use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
+use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};

@@ -1,5 +1,6 @@
 use egui::Context;
-use kalmanscope_core::{Axis, Channel, FilterSettings, Measure, Scenario, Spacing};
+use kalmanscope_core::{Axis, Channel, FilterSettings, Scenario, Spacing};
+use kalmanscope_diagnosis::Measure;
 
 use super::*;
 use crate::session::{Budget, Mode};

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::free_decay::Decay;
-use kalmanscope_core::{Record, Scenario, Story};
+use kalmanscope_core::{Record, Scenario};
+use kalmanscope_diagnosis::Story;
 
 use super::health::Health;
 use super::live::{Band, Live};

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use kalmanscope_core::setting::{Change, Changed};
-use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, ScenarioError, Study, Wanted};
+use kalmanscope_core::{Channel, Diagnostics, Estimates, Scenario, ScenarioError};
+use kalmanscope_diagnosis::{Hindsight, Study, Wanted};
 
 use super::{Mode, Session};
 use crate::text::significant;

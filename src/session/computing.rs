@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::Job;
+use kalmanscope_diagnosis::Job;
 
 use super::library::is_same;
 use super::{Mode, Session};

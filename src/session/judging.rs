@@ -1,6 +1,6 @@
 //! The diagnoses of the filters over the record so far.
 
-use kalmanscope_core::{Analysis, Diagnosis, LiveDiagnosis};
+use kalmanscope_diagnosis::{Analysis, Diagnosis, LiveDiagnosis};
 
 use super::Session;
 
@@ -123,8 +123,9 @@ impl Session {
 mod tests {
     use super::*;
     use crate::session::Mode;
+    use kalmanscope_core::Scenario;
     use kalmanscope_core::diagnostics::Depth;
-    use kalmanscope_core::{Scenario, Wanted};
+    use kalmanscope_diagnosis::Wanted;
 
     fn whole() -> Session {
         let mut session = Session::new(Scenario { duration: 10.0, ..Scenario::default() }).unwrap();

@@ -3,7 +3,8 @@
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope_core::{Job, Study, Tape};
+use kalmanscope_core::Tape;
+use kalmanscope_diagnosis::{Job, Study};
 
 use super::Session;
 use crate::team::{BETWEEN, Handle, Lost, Team};

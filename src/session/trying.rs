@@ -1,7 +1,8 @@
 //! Trials of causes for filters with a bad verdict.
 
-use kalmanscope_core::diagnosis::{Remedy, Search};
-use kalmanscope_core::{Task as _, Verdict};
+use kalmanscope_core::Task as _;
+use kalmanscope_diagnosis::Verdict;
+use kalmanscope_diagnosis::{Remedy, Search};
 
 use super::Session;
 use crate::team::{Priority, Running};

@@ -71,7 +71,8 @@ mod tests {
     use std::cell::RefCell;
     use std::sync::Arc;
 
-    use kalmanscope_core::{Axis, Measure, Scenario, Source};
+    use kalmanscope_core::{Axis, Scenario, Source};
+    use kalmanscope_diagnosis::Measure;
     use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
 
     use super::*;

@@ -7,7 +7,7 @@ mod picture;
 mod scale;
 
 use egui::{Label, Rect, Sense, Stroke, TextStyle, Ui, Vec2, pos2, vec2};
-use kalmanscope_core::ValueKind;
+use kalmanscope_diagnosis::ValueKind;
 
 use crate::laboratory::{Choice, Laboratory, Survey};
 use crate::plot::medium::Medium;

@@ -1,9 +1,11 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Label, RichText, ScrollArea, Ui};
+use kalmanscope_core::ModelClasses;
 use kalmanscope_core::diagnostics::{Depth, MeanSquare};
-use kalmanscope_core::{Channel, Estimates, Signal, Source, Verdict};
-use kalmanscope_core::{ModelClasses, Summary};
+use kalmanscope_core::{Channel, Estimates, Signal, Source};
+use kalmanscope_diagnosis::Summary;
+use kalmanscope_diagnosis::Verdict;
 
 use crate::plot::medium::Medium;
 use crate::request::Request;

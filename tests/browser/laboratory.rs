@@ -8,7 +8,8 @@ use kalmanscope::laboratory::Choice;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
-use kalmanscope_core::{Channel, FilterKind, Hold, Measure, PlantKind, Robust, Scenario, Source};
+use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Robust, Scenario, Source};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::{Ensemble, Runner, Sheet};
 use serde_json::Value;
 

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use kalmanscope::session::{Mode, Session, Wanted};
 use kalmanscope_core::Scenario;
-use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
+use kalmanscope_diagnosis::{Diagnosis, VerdictKind};
 
 /// A day at 100 Hz with an EKF: 8.64 million samples.
 fn day() -> Scenario {

@@ -48,7 +48,8 @@ use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::ruler::End;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
-use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal, VerdictKind};
+use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal};
+use kalmanscope_diagnosis::VerdictKind;
 
 use memory::Memory;
 

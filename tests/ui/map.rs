@@ -7,7 +7,8 @@ use std::sync::Arc;
 use egui::{Context, Pos2};
 use kalmanscope::laboratory::Choice;
 use kalmanscope::team::{Cells, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
-use kalmanscope_core::{Axis, Measure, Source};
+use kalmanscope_core::{Axis, Source};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::{Ensemble, Plan, Runner};
 
 use super::*;

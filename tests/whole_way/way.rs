@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use kalmanscope_cli::{Parts, Results, causes, pages, report, run_scenario, svg, write_estimates};
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Analysis, Record, Run, Scenario, Wanted};
+use kalmanscope_core::{Record, Run, Scenario};
+use kalmanscope_diagnosis::{Analysis, Wanted};
 
 use crate::dice::Dice;
 use crate::findings::{accepted, stage};

@@ -1,6 +1,6 @@
 //! The faults that are drawn, the verdicts that are right for each, and the causes that may be named.
 
-use kalmanscope_core::diagnosis::VerdictKind::{self, *};
+use kalmanscope_diagnosis::VerdictKind::{self, *};
 
 macro_rules! faults {
     ($($(#[$doc:meta])* $name:ident: [$($cause:literal),*],)*) => {

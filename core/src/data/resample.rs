@@ -77,7 +77,7 @@ pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
 }
 
 /// `None` if it would be too long, or its readings have their own times.
-pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
+pub fn finer(record: &Record, steps: usize) -> Option<Record> {
     if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
         return None;
     }

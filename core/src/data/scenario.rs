@@ -1,7 +1,7 @@
 //! The settings of a run.
 
 pub(crate) mod address;
-pub(crate) mod cost;
+pub mod cost;
 mod document;
 pub(crate) mod fault;
 pub(in crate::data) mod filter;

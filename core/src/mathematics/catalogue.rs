@@ -53,7 +53,7 @@ thread_local! {
 
 /// Until this is dropped, this thread also reads the keys of these plants' channels: serde has no room for a context. Where two
 /// plants have a key, the plants that were added last count, and the first of those.
-pub(crate) struct KnownPlants {
+pub struct KnownPlants {
     before: usize,
 }
 
@@ -76,7 +76,7 @@ impl KnownPlants {
     }
 
     /// The channel that a key means here.
-    pub(crate) fn channel(key: &str) -> Option<Channel> {
+    pub fn channel(key: &str) -> Option<Channel> {
         let own = || PLANTS.with_borrow(|known| channel_of(known.iter().rev(), key));
         Channel::from_key(key).or_else(own)
     }

@@ -14,13 +14,14 @@ pub(crate) fn powers(numbers: impl Iterator<Item = f64>, length: usize) -> Vec<f
 /// A fast Fourier transform of some length, a power of two. Source: Golub and Van Loan (2013), *Matrix Computations*, section
 /// 1.4.
 #[derive(Debug)]
-pub(crate) struct Transform {
+pub struct Transform {
     turns: Vec<(f64, f64)>,
     places: Vec<u32>,
 }
 
 impl Transform {
-    pub(crate) fn new(length: usize) -> Self {
+    /// The transform of this many numbers.
+    pub fn new(length: usize) -> Self {
         let bits = length.trailing_zeros();
         let turn = |k: usize| {
             let (sin, cos) = libm::sincos(-TAU * k as f64 / length as f64);
@@ -31,7 +32,7 @@ impl Transform {
     }
 
     /// Transforms complex numbers in place: `Σ xₖ exp(-2πi jk/L)`.
-    pub(crate) fn apply(&self, values: &mut [(f64, f64)]) {
+    pub fn apply(&self, values: &mut [(f64, f64)]) {
         let length = values.len();
         for (k, &place) in self.places.iter().enumerate() {
             if k < place as usize {

@@ -14,11 +14,13 @@ pub(crate) fn median(mut numbers: Vec<f64>) -> Option<f64> {
     numbers.get(numbers.len() / 2).copied()
 }
 
-pub(crate) fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
+/// The numbers of a function at 0 to below a count.
+pub fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
     (0..count).map(of).collect()
 }
 
-pub(crate) fn mapped<'a, T, U>(items: &'a [T], of: &dyn Fn(&'a T) -> U) -> Vec<U> {
+/// The values of a function at all items.
+pub fn mapped<'a, T, U>(items: &'a [T], of: &dyn Fn(&'a T) -> U) -> Vec<U> {
     let mut mapped = Vec::with_capacity(items.len());
     for item in items {
         mapped.push(of(item));
@@ -26,19 +28,20 @@ pub(crate) fn mapped<'a, T, U>(items: &'a [T], of: &dyn Fn(&'a T) -> U) -> Vec<U
     mapped
 }
 
-pub(crate) fn places(count: usize, is_so: &dyn Fn(usize) -> bool) -> Vec<usize> {
+/// The places from 0 to below a count that pass a test.
+pub fn places(count: usize, is_so: &dyn Fn(usize) -> bool) -> Vec<usize> {
     (0..count).filter(|place| is_so(*place)).collect()
 }
 
 /// The places from 0 to below a count in their order; equal ones stay as they are.
-pub(crate) fn sorted_places(count: usize, compare: &dyn Fn(usize, usize) -> Ordering) -> Vec<usize> {
+pub fn sorted_places(count: usize, compare: &dyn Fn(usize, usize) -> Ordering) -> Vec<usize> {
     let mut places: Vec<usize> = (0..count).collect();
     places.sort_by(|&a, &b| compare(a, b));
     places
 }
 
 /// Sorts items; equal ones stay in their order.
-pub(crate) fn sort_items<T>(items: &mut [T], compare: impl Fn(&T, &T) -> Ordering) {
+pub fn sort_items<T>(items: &mut [T], compare: impl Fn(&T, &T) -> Ordering) {
     let places = sorted_places(items.len(), &|a, b| compare(&items[a], &items[b]));
     for i in 0..items.len() {
         // An item from before `i` has been swapped on.

@@ -302,7 +302,7 @@ impl Model {
     }
 
     /// A state where all is zero but the gains of sensors, which `gain` gives by quantity.
-    pub(crate) fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
+    pub fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
         let mut state = vec![0.0; self.size()];
         for &quantity in Quantity::all() {
             if let Some(place) = self.place(quantity.gain()) {

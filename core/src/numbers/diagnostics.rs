@@ -69,7 +69,8 @@ impl Diagnostics {
         self.follow(estimates, record);
     }
 
-    pub(crate) fn clear(&mut self, estimates: &Estimates, record: &Record) {
+    /// Removes what was taken in, and keeps the memory.
+    pub fn clear(&mut self, estimates: &Estimates, record: &Record) {
         let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
         *forgotten = estimates.forgotten();
@@ -90,7 +91,8 @@ impl Diagnostics {
         self.follow_to(estimates.len(), estimates, record);
     }
 
-    pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
+    /// [`Self::follow`] up to a sample.
+    pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
             let before = self.accuracy.known.clone();
@@ -168,7 +170,7 @@ impl Diagnostics {
 
     /// Each with its root mean square error over the last fifth in standard deviations and in its unit: more than `limit`
     /// standard deviations, larger than the truth ever was and than the initial belief allows.
-    pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
+    pub fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
         let is_lost = |(at, known): (usize, &accuracy::Tracked<f64>)| {

@@ -32,7 +32,7 @@ impl Evidence {
     }
 
     /// Up to `end` of the kept samples of the estimates that it began with; those forgotten unseen are left out.
-    pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates) {
+    pub fn follow_to(&mut self, end: usize, estimates: &Estimates) {
         self.forget_before(estimates.forgotten());
         for k in self.sums.len()..end.min(estimates.len()) {
             let own = estimates.log_likelihood(k);
@@ -43,7 +43,7 @@ impl Evidence {
     }
 
     /// Forgets the samples before one, counted from the run's beginning; their evidence stays in that of the later ones.
-    pub(crate) fn forget_before(&mut self, sample: usize) {
+    pub fn forget_before(&mut self, sample: usize) {
         self.sums.drain(..sample.saturating_sub(self.forgotten).min(self.sums.len()));
         self.forgotten = self.forgotten.max(sample);
     }

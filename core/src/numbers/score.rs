@@ -152,7 +152,7 @@ pub struct Outcome {
 }
 
 /// The truth is lost above this error in standard deviations, if it is above the truth and the initial σ too.
-pub(crate) const LOST: f64 = 10.0;
+pub const LOST: f64 = 10.0;
 
 /// The running sums of one channel of known truth, in its unit.
 #[doc(hidden)]

@@ -56,7 +56,8 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+    /// No estimates yet, of a filter with these settings.
+    pub fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
         let (plant, channels) = (model.plant(), model.channels());
         Self {
             id: settings.id,
@@ -87,7 +88,8 @@ impl Estimates {
         }
     }
 
-    pub(crate) fn of_smoother(self) -> Self {
+    /// The same, as a smoother's.
+    pub fn of_smoother(self) -> Self {
         Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
     }
 
@@ -96,7 +98,8 @@ impl Estimates {
         self.id
     }
 
-    pub(crate) fn call(&mut self, settings: &FilterSettings) {
+    /// Takes the name and the colour of these settings.
+    pub fn call(&mut self, settings: &FilterSettings) {
         self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
         self.color = settings.color;
     }

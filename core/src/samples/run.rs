@@ -26,7 +26,8 @@ pub struct Run {
     recording: Recording,
     samples: usize,
     done: usize,
-    pub(crate) bank: Bank,
+    /// Its filters.
+    pub bank: Bank,
 }
 
 /// The parts that [`Run::update`] has computed again.
@@ -133,7 +134,7 @@ impl Run {
     }
 
     /// The part of the record that [`Self::advance_to`] needs. Returns false early if `while_time` does.
-    pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+    pub fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
         let goal = (samples.min(*all) + bank.lookahead()).min(*all);
         while recording.len() < goal.min(*all) {
@@ -147,7 +148,7 @@ impl Run {
     }
 
     /// One filter after the other. Returns early if `while_time`, called after each, is false.
-    pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+    pub fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);
         if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
@@ -285,9 +286,10 @@ impl Run {
     }
 }
 
-pub(crate) struct Bank {
+/// The filters of a run side by side, and their estimates.
+pub struct Bank {
     /// Each filter has a unique id.
-    pub(crate) scenario: Arc<Scenario>,
+    pub scenario: Arc<Scenario>,
     quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
@@ -295,7 +297,8 @@ pub(crate) struct Bank {
     /// The samples between two readings of each sensor, where they have times of their own.
     apart: Option<Vec<usize>>,
     pub(crate) passes: Vec<Pass>,
-    pub(crate) estimates: Vec<Estimates>,
+    /// The estimates of each filter.
+    pub estimates: Vec<Estimates>,
 }
 
 impl Bank {
@@ -389,7 +392,8 @@ impl Bank {
         }
     }
 
-    pub(crate) fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
+    /// The smoother of a filter, if its settings ask for one.
+    pub fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
         let context = self.context(record, place);
         let forward = Forward::new(filter, &context, self.sensors.clone())?;
@@ -400,7 +404,7 @@ impl Bank {
     }
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
-    pub(crate) fn smoothed(&self, place: usize) -> Estimates {
+    pub fn smoothed(&self, place: usize) -> Estimates {
         let filter = &self.scenario.filters[place];
         let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
         Estimates::new(filter, &model, Vec::new()).of_smoother()

@@ -36,11 +36,12 @@ use crate::samples::waste::Piecewise;
 use crate::{Estimates, FilterSettings, Pass, Record, Stop};
 
 /// A smoother in progress. If its filter stops, it ends with the last sample before.
-pub(crate) trait Smoother: Piecewise {
+pub trait Smoother: Piecewise {
     /// Continues for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
     /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
+    /// The share of its work that is done, from 0 to 1.
     fn progress(&self, samples: usize) -> f64;
 
     /// Whether it takes in more samples later; else it needs the last one.
@@ -54,7 +55,7 @@ impl Piecewise for Box<dyn Smoother> {
 }
 
 /// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
-pub(crate) struct Forward {
+pub struct Forward {
     pass: Pass,
     sink: Passages,
     hindsight: Hindsight,
@@ -67,7 +68,7 @@ pub(crate) struct Hindsight {
 
 impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
-    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
+    pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
         let mut pass = Pass::with(&one, context, sensors);
         pass.keep_passages().then(|| Self {
@@ -112,7 +113,7 @@ impl Hindsight {
 const FREED: usize = 4_000;
 
 /// The smoother of a whole record: the filter goes forward, its adjoint backward.
-pub(crate) struct FixedInterval {
+pub struct FixedInterval {
     forward: Forward,
     /// The belief after each sample: of the filter, then of the smoother.
     beliefs: Vec<Gaussian>,
@@ -131,7 +132,8 @@ enum Stage {
 }
 
 impl FixedInterval {
-    pub(crate) fn new(forward: Forward) -> Self {
+    /// A smoother over the passage of this filter.
+    pub fn new(forward: Forward) -> Self {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: Stage::Forth }
     }

@@ -1,7 +1,8 @@
 //! Records without an input, from a separate simulator, and the ends of filters on them.
 
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Hold, Quantity, Record, VerdictKind};
+use kalmanscope_core::{Channel, Hold, Quantity, Record};
+use kalmanscope_diagnosis::VerdictKind;
 use nalgebra::Vector2;
 
 use crate::numbers::{Random, rms, transition};

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, CramerRao, Diagnosis, Diagnostics, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold,
-    InputKind, Plant, Quantity, Record, Run, Sample, Scenario, Signal, Sink, Stop, Task as _, Values, VerdictKind,
-    simulate,
+    Channel, CramerRao, Diagnostics, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant,
+    Quantity, Record, Run, Sample, Scenario, Signal, Sink, Stop, Task as _, Values, simulate,
 };
+use kalmanscope_diagnosis::Remedy;
+use kalmanscope_diagnosis::{Diagnosis, VerdictKind};
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 pub(crate) fn finished(scenario: &Scenario) -> Run {

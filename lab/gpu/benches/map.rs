@@ -13,7 +13,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::{Builder, read};
-use kalmanscope_core::{Axis, FilterKind, Measure, PlantKind, Quantity, Scenario, Source};
+use kalmanscope_core::{Axis, FilterKind, PlantKind, Quantity, Scenario, Source};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_gpu::{Gpu, Software};
 use kalmanscope_lab::{Ensemble, MonteCarlo, Plan, Priority, RunVerdicts, Runner, Sheet, Threads, channels};
 

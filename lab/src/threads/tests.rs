@@ -1,6 +1,7 @@
 use std::sync::Barrier;
 
-use kalmanscope_core::{Axis, Measure, Scenario, Source};
+use kalmanscope_core::{Axis, Scenario, Source};
+use kalmanscope_diagnosis::Measure;
 
 use super::*;
 use crate::{Ensemble, Plan, Sheet};

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use kalmanscope_core::Spacing;
 use kalmanscope_core::filter::Matrix;
-use kalmanscope_core::{Spacing, VerdictKind};
+use kalmanscope_diagnosis::VerdictKind;
 
 use super::{Cost, FORBIDDEN, Goal, Try};
 

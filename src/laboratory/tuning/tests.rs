@@ -4,7 +4,8 @@ use super::*;
 use crate::laboratory::{Choice, Laboratory};
 use crate::team::{Frames, Precision};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Channel, Measure, Quantity};
+use kalmanscope_core::{Axis, Channel, Quantity};
+use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::tune::Goal;
 
 fn session() -> Session {

@@ -8,7 +8,8 @@ use kalmanscope::session::{Budget, Mode, ModelTime, Session};
 use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Axis, FilterKind, FilterSettings, Measure, Scenario, Source, Wanted};
+use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source};
+use kalmanscope_diagnosis::{Measure, Wanted};
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::*;

@@ -2,8 +2,8 @@
 
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
-use kalmanscope_core::diagnosis::{Remedy, in_percent};
 use kalmanscope_core::setting::{Change, Edit};
+use kalmanscope_diagnosis::{Remedy, in_percent};
 
 use super::evidence;
 use crate::request::Request;

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use egui::{Color32, DragValue, Grid, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
-use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::setting::{Address, PROCESS_STD, SENSOR_STD};
 use kalmanscope_core::{Estimates, FilterSettings, Scenario};
+use kalmanscope_diagnosis::{Evidence, Remedy};
 
 use crate::request::Request;
 use crate::session::Attempt;

@@ -2,7 +2,8 @@
 
 use egui::{ComboBox, Grid, Ui, vec2};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Measure, Scenario, Spacing};
+use kalmanscope_core::{Axis, Scenario, Spacing};
+use kalmanscope_diagnosis::Measure;
 
 use crate::controls::number::field;
 use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};

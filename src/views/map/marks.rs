@@ -3,7 +3,8 @@
 use egui::{Color32, CursorIcon, EventFilter, Id, InputState, Key, Rect, Sense, Stroke, Ui, Vec2};
 use egui_plot::{Line, LineStyle, MarkerShape, PlotUi, Points};
 use kalmanscope_core::setting::{Address, INITIAL_MEAN};
-use kalmanscope_core::{Axis, Measure, Scenario, Signal};
+use kalmanscope_core::{Axis, Scenario, Signal};
+use kalmanscope_diagnosis::Measure;
 
 use super::scale::{CONSISTENT, Graph, spread};
 use crate::laboratory::Survey;

@@ -1,8 +1,9 @@
 //! One panel: its title, the cells, the axes, the bar of colours, and its gestures.
 
 use egui::{Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
-use kalmanscope_core::diagnosis::CAUSES;
-use kalmanscope_core::{Axis, Measure, Scenario, Spacing, ValueKind, VerdictKind};
+use kalmanscope_core::{Axis, Scenario, Spacing};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_diagnosis::{Measure, ValueKind, VerdictKind};
 
 use super::marks::{Path, contour_on, dot_ui, path_on, said, truths, truths_on};
 use super::picture::{Contents, Panel};

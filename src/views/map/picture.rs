@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{
     Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, pos2, vec2,
 };
-use kalmanscope_core::Measure;
+use kalmanscope_diagnosis::Measure;
 
 use super::marks::{Piece, consistent};
 use super::scale::{Cell, Colors, End, Graph, bar_room, compared, of_filter};

@@ -1,9 +1,9 @@
 //! From scores to cells, to colours, and to the bar of colours beside a panel.
 
 use egui::{Align2, Color32, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
-use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_core::{Measure, ValueKind, VerdictKind};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_diagnosis::{Measure, ValueKind, VerdictKind};
 
 use crate::laboratory::Survey;
 use crate::plot::axes::Scale;

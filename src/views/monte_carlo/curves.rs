@@ -4,9 +4,10 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use egui::{Context, Id};
-use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_core::{Channel, FilterSettings, VerdictKind};
+use kalmanscope_core::{Channel, FilterSettings};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_diagnosis::VerdictKind;
 use kalmanscope_lab::{LastError, MonteCarlo};
 
 use crate::laboratory::{SeedRuns, Seeds};

@@ -77,7 +77,7 @@ impl Mapping {
     }
 
     /// As shares of the Nyquist frequency; `dt` \[s\].
-    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
+    pub fn passed(&self, dt: f64) -> [f64; 2] {
         let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
         let high = high.min(if self.every > 1 { resample::GUARD } else { 1.0 });
         [low.clamp(0.0, 0.99 * high), high]

@@ -302,7 +302,8 @@ impl Delays {
         Self { input, sensors }
     }
 
-    pub(crate) fn of(&self, place: usize) -> f64 {
+    /// The delay of a sensor \[s\].
+    pub fn of(&self, place: usize) -> f64 {
         self.sensors.get(place).copied().unwrap_or(0.0)
     }
 

@@ -119,7 +119,8 @@ impl Record {
         self
     }
 
-    pub(crate) fn with_hold(mut self, hold: Hold) -> Self {
+    /// The same record, whose input has this course between samples.
+    pub fn with_hold(mut self, hold: Hold) -> Self {
         if let Some(input) = self.clocks.as_ref().and_then(|clocks| clocks.input.as_ref()) {
             self.input = numbers(self.len(), &|k| input.at(k as f64, hold));
         }

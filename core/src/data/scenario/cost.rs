@@ -11,7 +11,7 @@ use crate::{PlantKind, Scenario};
 const CHUNK: f64 = 1e6;
 
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
-pub(crate) const OF_RECORD: f64 = 500.0;
+pub const OF_RECORD: f64 = 500.0;
 
 /// Time that one member of an ensemble takes for one sample \[ns\]: by the number of its
 /// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
@@ -26,7 +26,8 @@ pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
     (LONGEST / (OF_COMPONENT * n * substeps.max(1) as f64 + OF_COVARIANCE * n * n)) as usize
 }
 
-pub(crate) fn chunk(step: f64) -> usize {
+/// The steps of this many nanoseconds between two checks of the time.
+pub fn chunk(step: f64) -> usize {
     (CHUNK / step).clamp(1.0, 1e5) as usize
 }
 
@@ -108,7 +109,7 @@ impl FilterSettings {
 }
 
 /// The same where the components have these values, in the units of their channels.
-pub(crate) fn turn_at(model: &Model, values: &[f64], dt: f64) -> f64 {
+pub fn turn_at(model: &Model, values: &[f64], dt: f64) -> f64 {
     radius(&model.jacobian(model.to_state(values).0.as_slice(), 0.0), model.motion()) * dt
 }
 

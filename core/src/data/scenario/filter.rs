@@ -258,7 +258,7 @@ impl FilterSettings {
     }
 
     /// The samples, at least one, after each one of which its smoothed estimate knows; `None` for all of the record.
-    pub(crate) fn lag(&self, dt: f64) -> Option<usize> {
+    pub fn lag(&self, dt: f64) -> Option<usize> {
         (self.look_ahead > 0.0).then(|| ((self.look_ahead / dt).round() as usize).clamp(1, LONGEST_LAG))
     }
 

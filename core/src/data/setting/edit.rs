@@ -47,7 +47,8 @@ impl Edit {
         format!("{} = {}", self.inner(), self.value)
     }
 
-    pub(crate) fn inner(&self) -> &str {
+    /// The address below the filter or the sensor.
+    pub fn inner(&self) -> &str {
         address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
     }
 

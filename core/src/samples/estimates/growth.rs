@@ -54,7 +54,7 @@ impl Estimates {
     }
 
     /// With room for `samples` or the kept part of a long run. Fresh pages cost more than filling them.
-    pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
+    pub fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (mut old, widths) = (old.unwrap_or_else(|| self.clone()), self.widths());
         let mut old = old.columns();
         for (new, width) in self.columns().zip(widths) {
@@ -78,7 +78,7 @@ impl Estimates {
     }
 
     /// Forgets the first `samples` in place; all of them if the filter has stopped before that.
-    pub(crate) fn forget(&mut self, samples: usize) {
+    pub fn forget(&mut self, samples: usize) {
         let (widths, dropped) = (self.widths(), [self.dropped, self.dropped_gains()]);
         let counts = dropped.map(|dropped| samples.saturating_sub(dropped)).into_iter().chain(repeat(samples));
         self.dropped = self.dropped.saturating_sub(samples);

@@ -15,22 +15,25 @@ use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 const RECORD_CHUNK: usize = 500;
 
 /// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
-pub(crate) struct Revision {
+pub struct Revision {
     recording: Option<Recording>,
-    pub(crate) samples: usize,
+    /// The samples of the new run.
+    pub samples: usize,
     /// The filters; unchanged ones are empty places.
-    pub(crate) bank: Bank,
-    pub(crate) kept: Vec<Option<usize>>,
+    pub bank: Bank,
+    /// The place of each filter in the run, where it is unchanged.
+    pub kept: Vec<Option<usize>>,
     /// The places of the changed filters, from the cheapest step to the costliest.
-    pub(crate) order: Vec<usize>,
+    pub order: Vec<usize>,
     /// The places of the changed filters that the caller computes.
-    pub(crate) away: Vec<usize>,
+    pub away: Vec<usize>,
     /// Whether the record, or the way in which it is read, changes.
-    pub(crate) is_of_everything: bool,
+    pub is_of_everything: bool,
 }
 
 impl Revision {
-    pub(crate) fn new(
+    /// The revision of a run by another scenario, with the record from this source.
+    pub fn new(
         run: &Run,
         scenario: &Arc<Scenario>,
         source: Option<Source>,
@@ -63,33 +66,38 @@ impl Revision {
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
     }
 
-    pub(crate) fn own_record(&self) -> Option<&Record> {
+    /// The new record, if it changes.
+    pub fn own_record(&self) -> Option<&Record> {
         self.recording.as_ref().map(Recording::record)
     }
 
-    pub(crate) fn source(&self) -> Option<Source> {
+    /// The source of the new record, if it changes.
+    pub fn source(&self) -> Option<Source> {
         self.recording.as_ref().map(Recording::source)
     }
 
     /// Whether samples are still added to the new record; `None` if the record does not change.
-    pub(crate) fn is_live(&self) -> Option<bool> {
+    pub fn is_live(&self) -> Option<bool> {
         self.recording.as_ref().map(|recording| recording.is_live)
     }
 
-    pub(crate) fn recorded(&self) -> Option<usize> {
+    /// The samples of the new record that are there, if it changes.
+    pub fn recorded(&self) -> Option<usize> {
         self.recording.as_ref().map(Recording::len)
     }
 
-    pub(crate) fn done(&self, place: usize) -> usize {
+    /// The samples that a filter has passed.
+    pub fn done(&self, place: usize) -> usize {
         self.bank.passes[place].done()
     }
 
-    pub(crate) fn take(&mut self, place: usize, tape: &Tape) -> bool {
+    /// Takes the computed tape of a filter; `false` if it does not fit.
+    pub fn take(&mut self, place: usize, tape: &Tape) -> bool {
         self.away.contains(&place) && self.bank.take(place, tape, self.samples)
     }
 
     /// Computes the filters that are away and not complete, from their first sample on.
-    pub(crate) fn take_back(&mut self) {
+    pub fn take_back(&mut self) {
         for place in std::mem::take(&mut self.away) {
             if self.done(place) < self.samples {
                 self.bank.begin_again(place, self.samples);
@@ -97,7 +105,8 @@ impl Revision {
         }
     }
 
-    pub(crate) fn forget(&mut self, samples: usize) {
+    /// Forgets the first samples, as the run did.
+    pub fn forget(&mut self, samples: usize) {
         if let Some(recording) = &mut self.recording {
             recording.forget(samples);
             self.bank.forget(samples);
@@ -105,7 +114,7 @@ impl Revision {
     }
 
     /// First the record (`record` is the run's if it stays), then the filters, while `while_time`. Returns whether all is done.
-    pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+    pub fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, away, .. } = self;
         let goal = samples.min(*all);
         if let Some(recording) = recording {
@@ -136,7 +145,8 @@ impl Revision {
         away.iter().all(|&place| bank.passes[place].done() >= goal)
     }
 
-    pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
+    /// Makes these parts those of the run.
+    pub fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
         let Self { recording, samples, mut bank, kept, mut order, away: _, is_of_everything } = self;
         for (place, before) in kept.into_iter().enumerate() {
             if let Some(before) = before {
@@ -160,7 +170,8 @@ impl Revision {
         Update::Filters(changed)
     }
 
-    pub(crate) fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
+    /// The memory of the new record and of the new estimates.
+    pub fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
         let estimates = self.bank.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
         (self.recording.and_then(Recording::into_simulated), estimates)
     }

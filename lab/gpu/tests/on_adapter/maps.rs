@@ -5,9 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{
-    Axis, Channel, FilterKind, Hold, Measure, PlantKind, Propagation, Quantity, Scenario, Source, ValueKind, simulate,
-};
+use kalmanscope_core::{Axis, Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Scenario, Source, simulate};
+use kalmanscope_diagnosis::{Measure, ValueKind};
 use kalmanscope_gpu::{Gpu, GpuError, GpuRun, Software, serves};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};
 

@@ -1,0 +1,410 @@
+//! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
+
+mod smoothing;
+
+use crate::Diagnosis;
+use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::internals::Bank;
+use kalmanscope_core::internals::Waste;
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
+
+use smoothing::Smoothing;
+
+/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
+const DIAGNOSTICS_CHUNK: usize = 10_000;
+
+const EVIDENCE_CHUNK: usize = 10_000;
+
+const BOUND_CHUNK: usize = 2_000;
+
+/// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
+const DIAGNOSTICS_COST: f64 = 60.0;
+
+/// The wanted ones of diagnostics, smoothed estimates and bounds of a run's filters. Each of the three is available
+/// once it is complete for all filters.
+#[derive(Default)]
+pub struct Analysis {
+    wanted: Wanted,
+    diagnostics: Vec<Diagnostics>,
+    filters: Vec<u32>,
+    begun: Vec<bool>,
+    /// The diagnosis of each filter, and of how many samples from the beginning it is.
+    diagnoses: Vec<(Option<Diagnosis>, usize)>,
+    /// Whether new diagnoses are put off. The old ones stay until then.
+    pub(crate) waits: bool,
+    diagnosed: bool,
+    smoothing: Smoothing,
+    evidences: Vec<Evidence>,
+    all_evident: bool,
+    pub(crate) bounds: Vec<Bound>,
+    chosen: bool,
+    all_bounded: bool,
+    spare: Vec<Diagnostics>,
+    waste: Waste,
+}
+
+pub(crate) struct Subject<'a> {
+    pub(crate) bank: &'a Bank,
+    pub(crate) record: &'a Record,
+    pub(crate) done: usize,
+    pub(crate) whole: bool,
+    /// Filters that have a place here are already analysed.
+    pub(crate) known: &'a [Option<usize>],
+    pub(crate) bounds: &'a [Bound],
+}
+
+impl<'a> Subject<'a> {
+    pub(crate) fn of(run: &'a Run) -> Self {
+        let (bank, record, done) = (&run.bank, run.record(), run.done());
+        Self { bank, record, done, whole: done == run.samples() && !run.is_live(), known: &[], bounds: &[] }
+    }
+}
+
+impl Analysis {
+    /// The analysis of the part of a run that is done so far.
+    pub fn new(run: &Run, wanted: Wanted) -> Self {
+        let mut analysis = Self { wanted, ..Self::default() };
+        analysis.follow(run);
+        analysis
+    }
+
+    /// The results that are computed.
+    pub fn wanted(&self) -> Wanted {
+        self.wanted
+    }
+
+    /// The diagnostics, one per filter; empty until they are complete.
+    pub fn diagnostics(&self) -> &[Diagnostics] {
+        if self.diagnosed { &self.diagnostics } else { &[] }
+    }
+
+    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, the diagnosis may
+    /// be of an earlier sample: it is computed again when the number of new samples reaches half the number of kept
+    /// ones, and at the end. While diagnoses are put off, it is that of an earlier run with as many samples.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
+    }
+
+    /// The smoothed estimates of the filters that have a smoother. Those with a fixed look-ahead go along with the run, and end
+    /// that much before its last sample; the others need the whole run, and all are empty until they are complete.
+    pub fn smoothed(&self) -> &[Estimates] {
+        self.smoothing.estimates()
+    }
+
+    /// The evidence of each filter; empty until it is complete.
+    pub fn evidence(&self) -> &[Evidence] {
+        if self.all_evident { &self.evidences } else { &[] }
+    }
+
+    /// The bounds. Filters with the same initial belief and process noise share one.
+    pub fn bounds(&self) -> &[Bound] {
+        if self.all_bounded { &self.bounds } else { &[] }
+    }
+
+    /// The bound of the filter with an id.
+    pub fn bound(&self, id: u32) -> Option<&CramerRao> {
+        self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
+    }
+
+    /// Takes in all new samples of a run.
+    pub fn follow(&mut self, run: &Run) {
+        self.advance(&Subject::of(run), &mut || true);
+    }
+
+    pub(crate) fn want(&mut self, wanted: Wanted) {
+        if self.wanted.diagnostics != wanted.diagnostics {
+            let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
+            self.waste.extend(diagnostics);
+            self.begun.clear();
+            self.diagnoses.clear();
+            self.diagnosed = false;
+        }
+        if self.wanted.smoothed != wanted.smoothed {
+            self.smoothing.discard(&mut self.waste);
+        }
+        if self.wanted.evidence != wanted.evidence {
+            (self.evidences, self.all_evident) = (Vec::new(), false);
+        }
+        if self.wanted.bounds != wanted.bounds {
+            self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
+            (self.chosen, self.all_bounded) = (false, false);
+        }
+        self.wanted = wanted;
+    }
+
+    pub(crate) fn successor(&mut self) -> Self {
+        let spare = std::mem::take(&mut self.spare);
+        Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
+    }
+
+    fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
+        let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
+        let is_as_long = self.diagnostics.get(place).is_some_and(|diagnostics| diagnostics.len() == samples);
+        if let Some((present @ None, _)) = self.diagnoses.get_mut(place).filter(|_| self.waits && is_as_long) {
+            *present = diagnosis;
+        }
+    }
+
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        old.smoothing.discard(&mut old.waste);
+        self.spare.append(&mut old.spare);
+        self.spare.append(&mut old.diagnostics);
+        self.waste.append(&mut old.waste);
+        self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
+    }
+
+    pub(crate) fn forget_before(&mut self, sample: usize) {
+        self.smoothing.forget_before(sample);
+        self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
+    }
+
+    pub(crate) fn free_one(&mut self) -> bool {
+        self.waste.free_one()
+    }
+
+    pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
+        let mut old = std::mem::replace(self, new);
+        if self.wanted != old.wanted {
+            self.want(old.wanted);
+        }
+        let Update::Filters(changed) = update else {
+            for ((id, diagnostics), (diagnosis, _)) in
+                old.filters.iter().zip(&old.diagnostics).zip(old.diagnoses.drain(..))
+            {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis);
+            }
+            self.recycle(old);
+            return;
+        };
+        let ids: Vec<u32> = mapped(&run.scenario().filters, &|filter| filter.id);
+        if let Some(depth) = self.wanted.diagnostics {
+            self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
+            self.begun.resize(ids.len(), false);
+            self.diagnoses.resize(ids.len(), (None, 0));
+            self.filters.clone_from(&ids);
+        }
+        let of_filters = old.diagnostics.drain(..).zip(old.begun.drain(..)).zip(old.diagnoses.drain(..));
+        for (id, ((diagnostics, begun), diagnosis)) in old.filters.iter().zip(of_filters) {
+            let place = ids.iter().position(|new| new == id && !changed.contains(id));
+            if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
+                self.diagnostics[place] = diagnostics;
+                self.begun[place] = begun;
+                self.diagnoses[place] = diagnosis;
+            } else {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis.0);
+                self.spare.push(diagnostics);
+            }
+        }
+        let smoothed = std::mem::take(&mut old.smoothing);
+        self.smoothing.take_over(smoothed, &run.scenario().filters, changed, &mut self.waste);
+        (self.evidences, self.all_evident) = (Vec::new(), false);
+        old.bounds.append(&mut self.bounds);
+        self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
+        self.chosen = true;
+        (self.diagnosed, self.all_bounded) = (false, false);
+        self.recycle(old);
+    }
+
+    /// Returns early once `while_time`, called after each small piece of work, is false. Returns whether all is done.
+    pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
+        if self.wanted.diagnostics.is_some() && !self.diagnosed {
+            return false;
+        }
+        if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
+            return false;
+        }
+        self.all_evident = self.wanted.evidence && self.follow_evidences(subject, while_time);
+        if self.wanted.evidence && !self.all_evident {
+            return false;
+        }
+        self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
+        self.all_bounded || !self.wanted.bounds
+    }
+
+    fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
+        let Subject { bank, record, known, .. } = subject;
+        let filters = bank.estimates.len();
+        ids.clear();
+        ids.extend(bank.estimates.iter().map(Estimates::id));
+        spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
+        diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
+        begun.resize(filters, false);
+        diagnoses.resize(filters, (None, 0));
+        for place in (0..filters).filter(|&place| !is_known(known, place)) {
+            let (estimates, diagnostics) = (&bank.estimates[place], &mut diagnostics[place]);
+            if !begun[place] {
+                diagnostics.clear(estimates, record);
+                begun[place] = true;
+                diagnoses[place] = (None, 0);
+            }
+            let mut follow = || {
+                diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
+                diagnostics.len() == estimates.len()
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
+            }
+            let (diagnosis, of) = &mut diagnoses[place];
+            let done = estimates.forgotten() + estimates.len();
+            let is_old = done >= *of + estimates.len() / 2 || subject.whole;
+            if !*waits && *of != done && (diagnosis.is_none() || is_old) {
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *of = done;
+            }
+        }
+        true
+    }
+
+    fn follow_evidences(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, known, .. } = subject;
+        self.evidences.resize_with(bank.estimates.len(), Evidence::default);
+        for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            let evidence = &mut self.evidences[place];
+            let mut follow = || {
+                evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
+                evidence.len() >= estimates.len()
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, record, bounds: there, .. } = subject;
+        if !self.chosen {
+            let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(&bank.scenario, place));
+            let old = std::mem::take(&mut self.bounds);
+            self.bounds = bounds_of(&bank.scenario, record.dt(), old, is_missing);
+            self.chosen = true;
+        }
+        let samples = subject.done - record.forgotten();
+        for Bound { bound, .. } in &mut self.bounds {
+            let mut follow = || {
+                let end = (bound.len() + BOUND_CHUNK).min(samples);
+                bound.follow_to(end, record) || end == samples
+            };
+            if !in_time(&mut follow, while_time) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The work that is done and the whole work, in nanoseconds.
+    pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
+        let Subject { bank, done, known, .. } = subject;
+        let scenario = &bank.scenario;
+        let samples = *done as f64;
+        let (mut so_far, mut all) = (0.0, 0.0);
+        for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            if self.wanted.diagnostics.is_some() {
+                let followed = self.diagnostics.get(place).filter(|_| self.begun[place]).map_or(0, Diagnostics::len);
+                so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);
+                all += DIAGNOSTICS_COST * samples;
+            }
+            let (done, whole) = self.smoothing.work(filter, subject, self.wanted.smoothed);
+            so_far += done;
+            all += whole;
+        }
+        (so_far, all)
+    }
+}
+
+fn in_time(work: &mut dyn FnMut() -> bool, while_time: &mut dyn FnMut() -> bool) -> bool {
+    while !work() {
+        if !while_time() {
+            return false;
+        }
+    }
+    true
+}
+
+fn is_known(known: &[Option<usize>], place: usize) -> bool {
+    known.get(place).is_some_and(Option::is_some)
+}
+
+/// The results to compute in addition to the estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// Diagnostics and their depth; `None` for no diagnostics.
+    pub diagnostics: Option<Depth>,
+    /// Smoothed estimates of the filters that have a smoother.
+    pub smoothed: Hindsight,
+    /// The evidence of each filter over time.
+    pub evidence: bool,
+    /// The Cramér-Rao bounds, each of which costs as much as a filter.
+    pub bounds: bool,
+}
+
+/// The smoothed estimates to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Hindsight {
+    /// None.
+    None,
+    /// Those with a fixed look-ahead, as the run continues.
+    Lagged,
+    /// Also those of the whole run, once it is complete.
+    All,
+}
+
+impl Wanted {
+    /// The estimates alone.
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, evidence: false, bounds: false };
+
+    /// The Cramér-Rao bounds.
+    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
+
+    /// The evidence of each filter.
+    pub const EVIDENCE: Self = Self { evidence: true, ..Self::NOTHING };
+
+    /// Diagnostics of some depth.
+    pub const fn diagnostics(depth: Depth) -> Self {
+        Self { diagnostics: Some(depth), ..Self::NOTHING }
+    }
+
+    /// The union of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            diagnostics: self.diagnostics.max(other.diagnostics),
+            smoothed: self.smoothed.max(other.smoothed),
+            evidence: self.evidence || other.evidence,
+            bounds: self.bounds || other.bounds,
+        }
+    }
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
+    }
+}
+
+/// A Cramér-Rao bound and the filters that it applies to.
+pub struct Bound {
+    /// The bound.
+    pub bound: CramerRao,
+    /// The filters' ids.
+    pub filters: Vec<u32>,
+}
+
+fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
+    let mut bounds: Vec<Bound> = Vec::new();
+    for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
+        let id = scenario.filters[place].id;
+        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
+        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
+            same.filters.push(id);
+        } else if let Some(same) = old.iter().position(is_for) {
+            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
+        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
+            bounds.push(Bound { bound, filters: vec![id] });
+        }
+    }
+    bounds
+}

@@ -1,0 +1,38 @@
+//! Whether a filter deserves trust: its diagnosis with tests, causes and remedies; the scores of a run, its story, and the job that
+//! computes a run and its analysis again.
+
+mod analysis;
+mod case;
+mod cause;
+mod checks;
+mod diagnosis;
+mod errors;
+mod innovations;
+mod law;
+mod measure;
+mod parts;
+mod periodogram;
+mod remedy;
+mod search;
+mod story;
+mod study;
+mod summary;
+mod trial;
+mod verdict;
+mod words;
+
+pub use analysis::{Analysis, Bound, Hindsight, Wanted};
+pub use case::VerdictKind;
+pub use cause::{CAUSES, Cause, LikelyCause};
+pub use checks::{Evidence, Subject, TESTS, Test};
+pub use diagnosis::{Diagnosis, LiveDiagnosis};
+pub use measure::{
+    Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
+};
+pub use parts::PARTS;
+pub use remedy::{Remedy, in_percent};
+pub use search::Search;
+pub use story::{Adjustable, Phrase, Story};
+pub use study::{Job, Progress, Study};
+pub use summary::{Final, Score, Summary};
+pub use verdict::Verdict;

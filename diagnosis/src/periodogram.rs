@@ -1,0 +1,179 @@
+//! The power of series over frequency, by fast Fourier transforms.
+
+use kalmanscope_core::internals::{mapped, numbers};
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+use super::parts::Series;
+use kalmanscope_core::internals::Transform;
+
+/// Limits the length of a window from above: at 100 Hz about ten seconds.
+const LONGEST: usize = 1024;
+
+const SHORTEST: usize = 32;
+
+const WINDOWS: usize = 4;
+
+/// The mean power over windows that do not overlap; white noise of variance 1 has the power 1 everywhere:
+///
+/// ```text
+/// I_j = mean of |Σ w_k ν_k exp(-2πi jk/L)|² / Σ w_k²,  w_k = sin²(π (k + ½) / L),  j = 2 … L/2 - 2
+/// ```
+/// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Periodogram {
+    length: usize,
+    /// The number of windows: half the degrees of freedom of each power.
+    pub(crate) windows: usize,
+    pub(crate) power: Vec<f64>,
+}
+
+pub(super) fn window_length(samples: usize) -> Option<usize> {
+    (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
+}
+
+/// The least frequency, in cycles per window: below it the window's own shape dominates.
+const FIRST: usize = 2;
+
+impl Periodogram {
+    /// Of several series of one length, over windows with no sample outside some ranges, of which no two are adjacent.
+    pub(crate) fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
+        let samples = series.first().map_or(0, Vec::len);
+        let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
+        let length = windows.length;
+        let begins = kept.iter().flat_map(|run| run.clone().step_by(length).take(run.len() / length));
+        let powers: Vec<_> = begins.map(|begin| windows.powers(series, begin)).collect();
+        Self::averaged(&windows, series.len(), powers.iter())
+    }
+
+    fn averaged<'a>(windows: &WelchWindows, series: usize, powers: impl Iterator<Item = &'a Powers>) -> Vec<Self> {
+        let length = windows.length;
+        let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series];
+        for pairs in powers {
+            for (i, one) in all.iter_mut().enumerate() {
+                one.windows += 1;
+                for (sum, pair) in one.power.iter_mut().zip(&pairs[i / 2]) {
+                    *sum += pair[i % 2];
+                }
+            }
+        }
+        let mean = |mut one: Self| {
+            if one.windows < WINDOWS / 2 {
+                return Self::default();
+            }
+            one.power.iter_mut().for_each(|power| *power = *power * windows.scale / one.windows as f64);
+            one
+        };
+        all.into_iter().map(mean).collect()
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.power.iter().sum::<f64>() / self.power.len() as f64
+    }
+
+    /// The largest power and its frequency in radians a sample, by a parabola. `None` if the series is too short.
+    pub(crate) fn peak(&self) -> Option<(f64, f64)> {
+        let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
+        let (below, above) = (at(place.checked_sub(1)), at(Some(place + 1)));
+        let curve = below - 2.0 * power + above;
+        let shift = if curve < 0.0 { 0.5 * (below - above) / curve } else { 0.0 };
+        Some((power, TAU * ((place + FIRST) as f64 + shift) / self.length as f64))
+    }
+}
+
+type Powers = Vec<Vec<[f64; 2]>>;
+
+#[derive(Debug)]
+struct WelchWindows {
+    length: usize,
+    transform: Transform,
+    weights: Vec<f64>,
+    scale: f64,
+    buffer: Vec<(f64, f64)>,
+}
+
+impl WelchWindows {
+    fn of(samples: usize) -> Option<Self> {
+        let length = window_length(samples)?;
+        let weights: Vec<f64> = numbers(length, &|k| libm::sin(PI * (k as f64 + 0.5) / length as f64));
+        let weights = mapped(&weights, &|w| w * w);
+        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        Some(Self { length, transform: Transform::new(length), weights, scale, buffer: vec![(0.0, 0.0); length] })
+    }
+
+    /// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
+    fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Powers {
+        let Self { length, transform, weights, buffer, .. } = self;
+        let of_pair = |pair: &[Vec<f64>]| {
+            for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(&*weights)) {
+                *slot = (weight * pair[0][k], pair.get(1).map_or(0.0, |second| weight * second[k]));
+            }
+            transform.apply(buffer);
+            let power = |j: usize| {
+                // The real series' transform is the even part, the imaginary one's the odd part.
+                let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[*length - j]);
+                let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
+                let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
+                [0.25 * (even_re * even_re + even_im * even_im), 0.25 * (odd_re * odd_re + odd_im * odd_im)]
+            };
+            (FIRST..*length / 2 - 1).map(power).collect()
+        };
+        series.chunks(2).map(of_pair).collect()
+    }
+}
+
+#[derive(Debug, Default)]
+pub(super) struct LiveSpectra {
+    windows: Option<WelchWindows>,
+    powers: Option<Series<Powers>>,
+}
+
+impl LiveSpectra {
+    pub(super) fn follow(&mut self, samples: &Range<usize>, values: impl Fn(&Range<usize>) -> Vec<Vec<f64>>) {
+        let length = window_length(samples.len());
+        if self.windows.as_ref().map(|windows| windows.length) != length {
+            *self = Self { windows: WelchWindows::of(samples.len()), powers: None };
+        }
+        let Some(windows) = &mut self.windows else { return };
+        let first = samples.start.div_ceil(windows.length);
+        let kept = self.powers.take().filter(|powers| (powers.first()..=powers.end()).contains(&first));
+        let powers = self.powers.insert(kept.unwrap_or_else(|| Series::starting_at(first)));
+        while (powers.end() + 1) * windows.length <= samples.end {
+            let begin = powers.end() * windows.length;
+            powers.push(windows.powers(&values(&(begin..begin + windows.length)), 0));
+        }
+        powers.forget_before(first);
+    }
+
+    pub(super) fn of(&self, kept: &[Range<usize>], sensors: usize) -> Vec<Periodogram> {
+        let (Some(windows), Some(powers)) = (&self.windows, &self.powers) else {
+            return vec![Periodogram::default(); sensors];
+        };
+        let numbers = kept.iter().flat_map(|run| run.start.div_ceil(windows.length)..run.end / windows.length);
+        Periodogram::averaged(windows, sensors, numbers.filter_map(|number| powers.get(number)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_core::filter::Normal;
+
+    #[test]
+    fn white_noise_is_flat_and_a_wave_is_a_line() {
+        let mut normal = Normal::from_seed(3);
+        let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
+        let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
+        let [flat, line] = &Periodogram::of_all(&[noise.clone(), wave.clone()], std::slice::from_ref(&(0..8192)))[..]
+        else {
+            panic!()
+        };
+        assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
+        let (power, frequency) = line.peak().unwrap();
+        assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
+        let alone = &Periodogram::of_all(&[wave], std::slice::from_ref(&(0..8192)))[0];
+        assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
+        assert_eq!(Periodogram::of_all(&[noise[..100].to_vec()], std::slice::from_ref(&(0..100)))[0].peak(), None);
+    }
+}
