@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 root = Path(__file__).parent.parent
-FLOORS = ["mathematics", "data", "samples", "numbers", "judgement", "internals"]
+FLOORS = {"signal": 0, "scenario": 1, "setting": 1, "axis": 2, "run": 3, "statistics": 4, "internals": 5}
 PATH = r"(?:crate|self|super)(?:::\w+)+"
 
 
@@ -47,7 +47,7 @@ def check(src):
                 there = exports[path[:k]].get(path[k]) if k < len(path) else None
                 return home(there + path[k + 1:], depth + 1) if there and there != path[: k + 1] and depth < 9 else path[:k]
     edges = {m: {t for t in map(home, u) if t[: len(m)] != m and m[: len(t)] != t} for m, u in uses.items()}
-    floor = lambda m: FLOORS.index(m[0]) if src.parent.name == "core" and m and m[0] in FLOORS else None
+    floor = lambda m: FLOORS[m[0]] if src.parent.name == "core" and m and m[0] in FLOORS else None
     bad = [f"{'/'.join(m)} imports {'/'.join(t)}, of a higher floor" for m in edges for t in edges[m]
            if None not in (floor(m), floor(t)) and floor(m) < floor(t)]
     while ends := [m for m in edges if not edges[m] & edges.keys() or not any(m in edges[other] for other in edges)]:

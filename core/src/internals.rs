@@ -3,17 +3,18 @@
 
 pub mod engine;
 
-pub use crate::data::hash::short_hash;
-pub use crate::data::resample::finer;
-pub use crate::data::scenario::cost;
-pub use crate::mathematics::catalogue::KnownPlants;
-pub use crate::mathematics::fourier::Transform;
-pub use crate::mathematics::gaussian_likelihood::{LogSum, ln_determinant, log_likelihood};
-pub use crate::mathematics::lists::sort_numbers;
-pub use crate::mathematics::lists::{mapped, numbers, places, sort_items, sorted_places};
-pub use crate::mathematics::model::Reading;
-pub use crate::numbers::score::ChannelSums;
-pub use crate::samples::estimator::FilterContext;
-pub use crate::samples::run::{Bank, revision::Revision};
-pub use crate::samples::smoother::{FixedInterval, Forward, Smoother};
-pub use crate::samples::waste::{Piecewise, Spare, Waste};
+pub use crate::run::Bank;
+pub use crate::run::estimator::FilterContext;
+pub use crate::run::revision::Revision;
+pub use crate::run::smoother::{FixedInterval, Forward, Smoother};
+pub use crate::run::waste::{Piecewise, Spare, Waste};
+pub use crate::scenario::cost;
+pub use crate::statistics::score::ChannelSums;
+pub use kalmanscope_filters::catalogue::KnownPlants;
+pub use kalmanscope_filters::fourier::Transform;
+pub use kalmanscope_filters::gaussian_likelihood::{LogSum, ln_determinant, log_likelihood};
+pub use kalmanscope_filters::lists::sort_numbers;
+pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sorted_places};
+pub use kalmanscope_filters::model::Reading;
+pub use kalmanscope_records::hash::short_hash;
+pub use kalmanscope_records::resample::finer;

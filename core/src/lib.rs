@@ -50,67 +50,54 @@
 //! ```
 //!
 //! # Modules
-//! The types that most programs need stand here, at the root. Modules have what belongs to them, from the lowest of the crate's five
-//! floors to the highest; each folder of `src` is a floor, and imports only from those before it.
+//! The types that most programs need stand here, at the root. Filters, plants and their channels come from
+//! [`kalmanscope_filters`], records and files from [`kalmanscope_records`]. Modules import only from those above them:
 //!
-//! | floor | module | for |
-//! |---|---|---|
-//! | mathematics | [`channel`] | the components of a state, and what can be [added](channel::augment) to it |
-//! | | [`plant`] | equations of motion, and plants of one's own |
-//! | | [`equation`] | equations of motion that a user types |
-//! | | [`filter`] | kinds of filters, and filters of one's own |
-//! | data | [`scenario`] | all that a run depends on |
-//! | | [`signal`] | parameters of the truth as functions of time |
-//! | | [`setting`] | each setting with its name, unit, limits and address |
-//! | | [`record`] | the input and the measurements over time |
-//! | | [`import`] | records from files |
-//! | | [`free_decay`] | free decays in the readings of an accelerometer and in sounds |
-//! | samples | | ([`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`]) |
-//! | numbers | [`score`] | what a map shows of a filter, without its history |
-//! | | [`diagnostics`] | errors, NEES, NIS and whiteness over time |
-//! | | [`free_run`] | what an identified model predicts without measurements |
-//! | | [`frequency_response`] | frequency responses of plants, true and estimated |
-//! | | [`suggest`] | start values of filters from a record's data |
+//! | module | for |
+//! |---|---|
+//! | [`channel`], [`plant`], [`equation`], [`filter`] | states, equations of motion and filters, also those of a program |
+//! | [`record`], [`import`], [`free_decay`] | the input and the measurements over time, and the files that they are read from |
+//! | [`signal`] | parameters of the truth as functions of time |
+//! | [`scenario`], [`setting`] | all that a run depends on, and each setting with its name, unit, limits and address |
+//! | `run` | [`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`] |
+//! | [`score`], [`diagnostics`], [`free_run`], [`frequency_response`] | statistics of a run |
+//! | [`suggest`] | start values of filters from a record's data |
 
-mod data;
-mod mathematics;
-mod numbers;
-mod samples;
+mod axis;
+mod run;
+pub mod scenario;
+pub mod setting;
+pub mod signal;
+mod statistics;
 
 #[doc(hidden)]
 pub mod internals;
 
-pub use data::{document, free_decay, import, record, scenario, setting, signal};
-pub use mathematics::{channel, equation, filter, plant};
-pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
+pub use kalmanscope_filters::{channel, equation, filter, plant};
+pub use kalmanscope_records::{document, free_decay, import, record};
+pub use statistics::{diagnostics, free_run, frequency_response, score, suggest};
 
-pub use data::axis::{Axis, AxisError, Spacing};
-pub use data::length::Length;
-pub use data::record::{Record, RecordError};
-pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
-pub use data::signal::{Force, Signal};
-pub use data::task::Task;
-pub use mathematics::channel::Channel;
-pub use mathematics::filter::{
-    Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
+pub use axis::{Axis, AxisError, Spacing};
+pub use kalmanscope_filters::{
+    Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, Hold, InputKind, KalmanFilter, MeasurementModel,
+    Model, PlantKind, Propagation, Quantity, Robust, Stop, SystemError, Term,
 };
-pub use mathematics::filter_error::Stop;
-pub use mathematics::model::{Hold, InputKind, Model};
-pub use mathematics::plant::PlantKind;
-pub use mathematics::quantity::{Aspect, AspectInfo, Quantity, Term};
-pub use numbers::cramer_rao::CramerRao;
-pub use numbers::diagnostics::Diagnostics;
-pub use numbers::free_run::{Fit, FreeRun, Identified, Running};
-pub use numbers::model_classes::{Evidence, ModelClasses};
-pub use numbers::score::Scores;
-pub use numbers::spectrogram::{Spectrogram, Windows};
-pub use numbers::spectrum::Spectrum;
-pub use samples::estimates::Estimates;
-pub use samples::events::{EventError, EventFilter, EventSetupError};
-pub use samples::pass::{OnlineFilter, Pass};
-pub use samples::remarks::{Remark, Trouble};
-pub use samples::run::{Run, Update, smoothed};
-pub use samples::run_error::RunError;
-pub use samples::simulate::{Simulator, Source, TruthError, TruthStop, simulate};
-pub use samples::sink::{AssumedNoise, LastSample, Sample, Sink};
-pub use samples::tape::Tape;
+pub use kalmanscope_records::{Length, Record, RecordError, Task};
+pub use run::estimates::Estimates;
+pub use run::events::{EventError, EventFilter, EventSetupError};
+pub use run::pass::{OnlineFilter, Pass};
+pub use run::remarks::{Remark, Trouble};
+pub use run::run_error::RunError;
+pub use run::simulate::{Simulator, Source, TruthError, TruthStop, simulate};
+pub use run::sink::{AssumedNoise, LastSample, Sample, Sink};
+pub use run::tape::Tape;
+pub use run::{Run, Update, smoothed};
+pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
+pub use signal::{Force, Signal};
+pub use statistics::cramer_rao::CramerRao;
+pub use statistics::diagnostics::Diagnostics;
+pub use statistics::free_run::{Fit, FreeRun, Identified, Running};
+pub use statistics::model_classes::{Evidence, ModelClasses};
+pub use statistics::score::Scores;
+pub use statistics::spectrogram::{Spectrogram, Windows};
+pub use statistics::spectrum::Spectrum;

@@ -32,6 +32,7 @@ mod delays;
 mod diagnosis;
 mod diagnostics;
 mod docs;
+mod documents;
 mod equations;
 mod events;
 mod faults;

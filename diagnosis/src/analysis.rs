@@ -2,13 +2,13 @@
 
 mod smoothing;
 
-use crate::Diagnosis;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::internals::Bank;
 use kalmanscope_core::internals::Waste;
 use kalmanscope_core::internals::mapped;
 use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
+use crate::Diagnosis;
 use smoothing::Smoothing;
 
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use kalmanscope_core::diagnostics::chi_squared;
+use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Record};
+
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
 use super::parts::{self, ALL, Chosen, PARTS, chosen};
-use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Record};
 
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;

@@ -9,13 +9,14 @@ mod sensors;
 
 use std::ops::{Range, RangeInclusive};
 
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario};
+
 use super::case::Case;
 use super::checks::{Evidence, Subject};
 use super::innovations::SensorInnovations;
 use super::parts::FIRST_CROSS_LAG;
 use super::periodogram::Periodogram;
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario};
 
 /// Every cause. A new one is an item of a file and a line here.
 pub static CAUSES: &[&Cause] = &[

@@ -3,11 +3,12 @@
 mod estimates;
 mod innovations;
 
-use kalmanscope_core::internals::sorted_places;
 use std::ops::Range;
 
-use super::case::{Case, Span, VerdictKind};
+use kalmanscope_core::internals::sorted_places;
 use kalmanscope_core::{Channel, Quantity};
+
+use super::case::{Case, Span, VerdictKind};
 
 /// Every test. A new one is an item of a file and a line here.
 pub static TESTS: &[&Test] = &[

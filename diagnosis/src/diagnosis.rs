@@ -7,19 +7,18 @@
 //!
 //! Each test ([`Test`]) is an item of a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
 
-use kalmanscope_core::internals::{mapped, sort_items};
 use std::ops::Range;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
+use kalmanscope_core::internals::{mapped, sort_items};
+use kalmanscope_core::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, Scenario};
 
 use super::case::{Case, Inputs};
 use super::cause::{ALTERNATIVES, BadFilter};
 use super::errors::LiveErrors;
 use super::innovations::{LiveInnovations, Pair};
 use super::periodogram::{LiveSpectra, Periodogram};
-use super::trial::Trials;
-use super::{CAUSES, Evidence, LikelyCause, Search, TESTS, Verdict, VerdictKind, checks};
+use super::{CAUSES, Evidence, LikelyCause, TESTS, Verdict, VerdictKind, checks};
 
 /// The diagnosis of one filter: a verdict and its evidence.
 #[derive(Clone, Debug, Default)]
@@ -97,24 +96,6 @@ impl Diagnosis {
         }
         sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
         likely_causes
-    }
-
-    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
-    /// [`Self::new`].
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
-    pub fn search(
-        &self,
-        scenario: &Scenario,
-        place: usize,
-        diagnostics: &Diagnostics,
-        estimates: &Estimates,
-        record: &Record,
-    ) -> Result<Search, RunError> {
-        let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
-        let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
-        Ok(Search::new(Trials::new(scenario, place, estimates, record, likely_causes)?))
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::parts::{self, Chosen, PARTS, Piece, Series, first_in, pieces};
 use kalmanscope_core::{Channel, Estimates, Record};
+
+use super::parts::{self, Chosen, PARTS, Piece, Series, first_in, pieces};
 
 #[derive(Clone, Debug)]
 pub(crate) struct ChannelErrors {

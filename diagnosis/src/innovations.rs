@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
-use super::periodogram::Periodogram;
 use kalmanscope_core::internals::{mapped, places};
 use kalmanscope_core::{Estimates, Quantity, Record};
+
+use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
+use super::periodogram::Periodogram;
 
 /// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.
 pub(crate) const LARGEST: f64 = 5.0;

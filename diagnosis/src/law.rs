@@ -1,13 +1,14 @@
 //! The law that an estimated force follows: a wave, or a function of the motion that the plant lacks.
 
-use kalmanscope_core::internals::mapped;
 use std::f64::consts::TAU;
+
+use kalmanscope_core::internals::FilterContext;
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::internals::{FixedInterval, Forward, Smoother};
+use kalmanscope_core::{Channel, Estimates, Pass, Record, Scenario};
 
 use super::periodogram::{Periodogram, window_length};
 use crate::words::short;
-use kalmanscope_core::internals::FilterContext;
-use kalmanscope_core::internals::{FixedInterval, Forward, Smoother};
-use kalmanscope_core::{Channel, Estimates, Pass, Record, Scenario};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Law {

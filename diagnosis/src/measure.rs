@@ -9,13 +9,13 @@ mod tests;
 use std::fmt;
 use std::str::FromStr;
 
+use kalmanscope_core::internals::KnownPlants;
+use kalmanscope_core::{Channel, Diagnostics, Estimates, Quantity, Record, Scenario, Task};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::Diagnosis;
 use crate::{CAUSES, Search};
-use kalmanscope_core::internals::KnownPlants;
-use kalmanscope_core::{Channel, Diagnostics, Estimates, Quantity, Record, Scenario, Task};
 
 pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};

@@ -1,11 +1,12 @@
 //! The power of series over frequency, by fast Fourier transforms.
 
-use kalmanscope_core::internals::{mapped, numbers};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use super::parts::Series;
 use kalmanscope_core::internals::Transform;
+use kalmanscope_core::internals::{mapped, numbers};
+
+use super::parts::Series;
 
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;

@@ -1,11 +1,12 @@
 //! Remedies: causes that are repaired one after the other, their order after their trials, and their probabilities.
 
+use kalmanscope_core::internals::{mapped, sort_items};
+use kalmanscope_core::setting::Edit;
+
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
 use super::trial::{Outcome, Trials};
 use super::verdict::Verdict;
-use kalmanscope_core::internals::{mapped, sort_items};
-use kalmanscope_core::setting::Edit;
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]

@@ -8,17 +8,19 @@
 //! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
 //! that a later one has made needless.
 
-use kalmanscope_core::internals::{mapped, sort_items, sort_numbers};
 use std::sync::Arc;
+
+use kalmanscope_core::internals::{mapped, sort_items, sort_numbers};
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, Diagnostics, Estimates, Record, RunError, Scenario, Task};
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
+use super::diagnosis::Diagnosis;
 use super::law::{ForceInHindsight, Law};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Scenario, Task};
 
 const STEPS: usize = 4;
 
@@ -63,6 +65,26 @@ enum Stage {
         is_last: bool,
     },
     Done,
+}
+
+impl Diagnosis {
+    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
+    /// [`Self::new`].
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
+    pub fn search(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Result<Search, RunError> {
+        let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
+        Ok(Search::new(Trials::new(scenario, place, estimates, record, likely_causes)?))
+    }
 }
 
 impl Search {

@@ -14,10 +14,10 @@ mod sentences;
 
 use std::fmt;
 
-use crate::Diagnosis;
-use crate::words::{percent_to_a_tenth, plain, with_band};
 use kalmanscope_core::{Diagnostics, Run};
 
+use crate::Diagnosis;
+use crate::words::{percent_to_a_tenth, plain, with_band};
 use happening::Happening;
 use outcome::Outcome;
 

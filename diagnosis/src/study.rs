@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use crate::analysis::Subject;
-use crate::{Analysis, Wanted};
 use kalmanscope_core::Tape;
 use kalmanscope_core::internals::Revision;
 use kalmanscope_core::internals::Spare;
 use kalmanscope_core::internals::numbers;
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Record, Run, RunError, Scenario, Source, Update};
+
+use crate::analysis::Subject;
+use crate::{Analysis, Wanted};
 
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.
 const KEPT_SPARE: usize = 100_000;

@@ -1,8 +1,9 @@
 //! The results of a filter over the kept part of a record.
 
-use crate::{Diagnosis, Verdict};
 use kalmanscope_core::diagnostics::{Diagnostics, ErrorSums, LjungBox, MeanSquare, Whiteness};
 use kalmanscope_core::{Channel, Estimates, FilterKind, Quantity, Record, Stop};
+
+use crate::{Diagnosis, Verdict};
 
 /// The results of one filter over a record.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,14 @@
 //! The verdict on a filter, in a word and in a sentence.
 
-use kalmanscope_core::internals::sort_items;
 use std::f64::consts::TAU;
 use std::fmt;
+
+use kalmanscope_core::Channel;
+use kalmanscope_core::internals::sort_items;
 
 use super::case::{Case, VerdictKind};
 use super::checks::{Evidence, Subject};
 use crate::words::{percent, short};
-use kalmanscope_core::Channel;
 
 /// The verdict on a filter, and its reason.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! The engine, its filters of scenarios and its runs over records.
 
-pub use crate::mathematics::engine::builder::{Builder, Notes};
-pub use crate::mathematics::engine::design::{Design, Method};
-pub use crate::mathematics::engine::lanes::Lanes;
-pub use crate::mathematics::engine::level::{Baseline, Known, Level};
-pub use crate::mathematics::engine::list::{Node, Operation};
-pub use crate::mathematics::engine::number::Function;
+pub use crate::run::estimator::setup::Setup;
+pub use crate::statistics::score::lanes::{Run, outcomes};
+pub use kalmanscope_filters::engine::builder::{Builder, Notes};
+pub use kalmanscope_filters::engine::design::{Design, Method};
+pub use kalmanscope_filters::engine::lanes::Lanes;
+pub use kalmanscope_filters::engine::level::{Baseline, Known, Level};
+pub use kalmanscope_filters::engine::list::{Node, Operation};
+pub use kalmanscope_filters::engine::number::Function;
 #[cfg(target_arch = "wasm32")]
-pub use crate::mathematics::engine::pair::LanePair;
-pub use crate::numbers::score::lanes::{Run, outcomes};
-pub use crate::samples::estimator::setup::Setup;
+pub use kalmanscope_filters::engine::pair::LanePair;

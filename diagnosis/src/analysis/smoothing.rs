@@ -1,11 +1,12 @@
 //! The smoothed estimates of a run's filters.
 
-use super::{Hindsight, Subject, is_known};
 use kalmanscope_core::internals::Smoother;
 use kalmanscope_core::internals::Waste;
 use kalmanscope_core::internals::sort_items;
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Estimates, FilterSettings};
+
+use super::{Hindsight, Subject, is_known};
 
 #[derive(Default)]
 pub(super) struct Smoothing {

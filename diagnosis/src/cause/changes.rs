@@ -1,12 +1,13 @@
 //! Parameters that change, a guess that is far off, and a record without information on them.
 
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, Quantity};
+
 use super::{BadFilter, Cause, LikelyCause};
 use crate::VerdictKind;
 use crate::case::normal_tail;
 use crate::words::{percent, short};
-use kalmanscope_core::internals::mapped;
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Quantity};
 
 /// Limits the correlation at lag 1 of readings that are only noise.
 const WHITE: f64 = 0.3;

@@ -1,9 +1,10 @@
 //! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late; or the times of all are wrong.
 
+use kalmanscope_core::{Aspect, Quantity};
+
 use super::sensors::clipped_ends;
 use super::{BadFilter, Cause, LikelyCause};
 use crate::words::short;
-use kalmanscope_core::{Aspect, Quantity};
 
 /// The least deviation of a factor from 1 that is a fault, and the least lateness in samples.
 const SCALE: f64 = 0.04;

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use super::{BadFilter, Cause, LikelyCause, rms};
-use crate::words::short;
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, Hold, InputKind, Propagation, Quantity};
+
+use super::{BadFilter, Cause, LikelyCause, rms};
+use crate::words::short;
 
 const MOST: i32 = 3;
 

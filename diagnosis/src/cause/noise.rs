@@ -1,5 +1,9 @@
 //! Noises that are not as large as a filter takes them to be, and what fading and particles make of them.
 
+use kalmanscope_core::internals::{mapped, numbers, places};
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, FilterSettings, Quantity};
+
 use super::{BadFilter, Cause, LikelyCause};
 use crate::VerdictKind;
 use crate::case::chi_squared_p;
@@ -7,9 +11,6 @@ use crate::checks::Subject;
 use crate::innovations::SensorInnovations;
 use crate::parts::{Chosen, PARTS};
 use crate::words::short;
-use kalmanscope_core::internals::{mapped, numbers, places};
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, FilterSettings, Quantity};
 
 const TOLERANCE: f64 = 1.15;
 

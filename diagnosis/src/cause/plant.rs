@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use kalmanscope_core::filter::FilterKind;
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, PlantKind};
 use toml::{Table, Value};
 
 use super::{BadFilter, Cause, LikelyCause, Sign};
 use crate::words::short;
-use kalmanscope_core::filter::FilterKind;
-use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, PlantKind};
 
 pub(super) static SPRING: Cause = Cause {
     key: "spring",

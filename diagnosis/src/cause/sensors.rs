@@ -1,11 +1,12 @@
 //! What is wrong with the readings of a sensor.
 
-use super::{BadFilter, Cause, LikelyCause};
-use crate::case::Case;
-use crate::words::{percent, short};
 use kalmanscope_core::Length;
 use kalmanscope_core::internals::{mapped, sort_numbers};
 use kalmanscope_core::scenario::option::WEIGHED;
+
+use super::{BadFilter, Cause, LikelyCause};
+use crate::case::Case;
+use crate::words::{percent, short};
 
 pub(super) static CLIPPED: Cause = Cause {
     key: "clipped",

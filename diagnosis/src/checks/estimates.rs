@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
+use kalmanscope_core::Channel;
+use kalmanscope_core::diagnostics::chi_squared;
+
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
 use crate::errors::ChannelErrors;
 use crate::parts::{Chosen, PARTS};
 use crate::words::{percent, short};
-use kalmanscope_core::Channel;
-use kalmanscope_core::diagnostics::chi_squared;
 
 /// Limits an error, in standard deviations, if it is larger than the truth and the initial uncertainty.
 const LOST: f64 = 10.0;

@@ -1,12 +1,13 @@
 //! Whether innovations are as a consistent filter leaves them: as large as expected, zero on average, white, without the input.
 
+use kalmanscope_core::diagnostics::chi_squared;
+
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
 use crate::innovations::SensorInnovations;
 use crate::parts::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS};
 use crate::words::short;
-use kalmanscope_core::diagnostics::chi_squared;
 
 /// Limits the factor by which innovations² may differ from their expectation, even if the difference is significant.
 const TOLERANCE: f64 = 1.12;

@@ -3,10 +3,11 @@
 use std::cell::OnceCell;
 use std::ops::Range;
 
-use super::Measure;
 use kalmanscope_core::diagnostics::ErrorSums;
 use kalmanscope_core::score::{ChannelScore, Outcome};
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, FilterSettings, Quantity, Record, Scenario};
+
+use super::Measure;
 
 /// One filter's run over one record, with all its estimates, or the smoothed ones.
 pub struct Observed<'a> {

@@ -1,14 +1,15 @@
 //! The table of measures: a row each, with its formulas.
 
-use super::info::{Best, MeasureInfo, MeasureSubject, ValueKind, row};
-use super::observed::{Observed, Part};
-use super::{FirstCause, Value, observed};
-use crate::Diagnosis;
 use kalmanscope_core::diagnostics::{ErrorSums, Total};
 use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::internals::mapped;
 use kalmanscope_core::score::LOST;
 use kalmanscope_core::{Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind, Task};
+
+use super::info::{Best, MeasureInfo, MeasureSubject, ValueKind, row};
+use super::observed::{Observed, Part};
+use super::{FirstCause, Value, observed};
+use crate::Diagnosis;
 
 const PURE: Option<&str> = Some("");
 

@@ -1,6 +1,7 @@
-use super::*;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Run, Scenario};
+
+use super::*;
 
 const CHANNELS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 

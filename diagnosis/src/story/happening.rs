@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::{Adjustable, Phrase, Writer};
-use crate::words::plain;
 use kalmanscope_core::scenario::{Fault, Sensor};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
+
+use super::{Adjustable, Phrase, Writer};
+use crate::words::plain;
 
 /// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
 const SETTLING: f64 = 1.0;

@@ -2,15 +2,16 @@
 
 use std::f64::consts::TAU;
 
+use kalmanscope_core::diagnostics::ErrorSums;
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::scenario::cost::turn_at;
+use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
+
 use super::happening::{Change, Happening};
 use super::{Adjustable, Form, Phrase, Writer};
 use crate::Subject;
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
 use crate::{Diagnosis, VerdictKind};
-use kalmanscope_core::diagnostics::ErrorSums;
-use kalmanscope_core::internals::mapped;
-use kalmanscope_core::scenario::cost::turn_at;
-use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
 const FOUND: f64 = 0.05;
 

@@ -2,13 +2,14 @@
 
 use std::f64::consts::{LN_2, PI, TAU};
 
+use kalmanscope_core::diagnostics::ErrorSums;
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::{Channel, Diagnostics, ModelClasses, PlantKind, Run};
+
 use super::outcome::Outcome;
 use super::{Phrase, Writer};
 use crate::VerdictKind;
 use crate::words::{percent_to_a_tenth, seconds, with_band};
-use kalmanscope_core::diagnostics::ErrorSums;
-use kalmanscope_core::internals::mapped;
-use kalmanscope_core::{Channel, Diagnostics, ModelClasses, PlantKind, Run};
 
 pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     let (scenario, record) = (run.scenario(), run.record());

@@ -1,0 +1,244 @@
+//! The values of one setting, equally spaced: an axis of a map, of a sweep, or of a check in a lesson.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::Scenario;
+use crate::setting::{Address, FADING, RECORD_GAIN, SEED};
+
+pub(crate) const MAX_COUNT: usize = 1_000_000;
+
+/// Equally spaced values of one setting, both ends included.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    /// The setting's key, as in [`Address`].
+    pub key: String,
+    /// The first value, in the setting's unit.
+    pub from: f64,
+    /// The last value.
+    pub to: f64,
+    /// The number of values.
+    pub count: usize,
+    /// The spacing.
+    #[serde(default)]
+    pub spacing: Spacing,
+}
+
+/// The spacing of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Spacing {
+    /// Equal differences.
+    #[default]
+    Linear,
+    /// Equal ratios.
+    Logarithmic,
+}
+
+/// The reason why an axis is impossible.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum AxisError {
+    /// An end is not a number.
+    #[error("the axis of `{0}` must have finite ends")]
+    Infinite(String),
+    /// The number of values is not allowed: the setting's key, and that number.
+    #[error("the axis of `{0}` has {1} values, but may have 1 to {MAX_COUNT}")]
+    Count(String, usize),
+    /// Ratios need positive ends.
+    #[error("the logarithmic axis of `{0}` must have ends above zero")]
+    NotPositive(String),
+    /// The text is not an axis.
+    #[error("`{0}` is not an axis: write KEY=FROM:TO:COUNT, and add :log for equal ratios")]
+    Syntax(String),
+}
+
+impl Axis {
+    /// The axis written as `KEY=FROM:TO:COUNT`, with `:log` behind it for equal ratios.
+    ///
+    /// ```
+    /// use kalmanscope_core::{Axis, Spacing};
+    ///
+    /// let axis = Axis::parse("filters.EKF.process_std=0.01:100:5:log").unwrap();
+    /// assert_eq!((axis.count, axis.spacing), (5, Spacing::Logarithmic));
+    /// assert_eq!(axis.value(2), 1.0);
+    /// ```
+    ///
+    /// # Errors
+    /// [`AxisError`] where the text is none, or the axis is impossible.
+    pub fn parse(text: &str) -> Result<Self, AxisError> {
+        let syntax = || AxisError::Syntax(text.to_owned());
+        let (key, range) = text.rsplit_once('=').ok_or_else(syntax)?;
+        let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+        let (numbers, spacing) = match parts[..] {
+            [from, to, count] => ([from, to, count], Spacing::Linear),
+            [from, to, count, "log"] => ([from, to, count], Spacing::Logarithmic),
+            _ => return Err(syntax()),
+        };
+        let [from, to, count] = numbers;
+        let number = |text: &str| text.parse::<f64>().map_err(|_| syntax());
+        let count = count.parse().map_err(|_| syntax())?;
+        let axis = Self { key: key.trim().to_owned(), from: number(from)?, to: number(to)?, count, spacing };
+        axis.check()?;
+        Ok(axis)
+    }
+
+    /// Checks that the axis is possible.
+    ///
+    /// # Errors
+    /// [`AxisError`] where it is not.
+    pub fn check(&self) -> Result<(), AxisError> {
+        let Self { key, from, to, count, spacing } = self;
+        if !(from.is_finite() && to.is_finite()) {
+            return Err(AxisError::Infinite(key.clone()));
+        }
+        if !(1..=MAX_COUNT).contains(count) {
+            return Err(AxisError::Count(key.clone(), *count));
+        }
+        if *spacing == Spacing::Logarithmic && (*from <= 0.0 || *to <= 0.0) {
+            return Err(AxisError::NotPositive(key.clone()));
+        }
+        Ok(())
+    }
+
+    /// The value at a place, from 0 on.
+    pub fn value(&self, place: usize) -> f64 {
+        let Self { from, to, count, spacing, .. } = self;
+        if place == 0 {
+            return *from;
+        }
+        if place + 1 >= *count {
+            return *to;
+        }
+        let (place, last) = (place as f64, (count - 1) as f64);
+        match spacing {
+            // Multiplies first: this keeps seeds whole.
+            Spacing::Linear => from + place * (to - from) / last,
+            Spacing::Logarithmic => self.at_share(place / last),
+        }
+    }
+
+    /// The value at a share of the axis, from 0 at its beginning to 1 at its end.
+    pub fn at_share(&self, share: f64) -> f64 {
+        let (from, to) = (self.from, self.to);
+        match self.spacing {
+            Spacing::Linear => from + share * (to - from),
+            // A power keeps decades round, if the ratio of the ends is a normal number.
+            Spacing::Logarithmic if (to / from).is_normal() => from * libm::pow(to / from, share),
+            Spacing::Logarithmic => libm::exp(libm::log(from) + share * (libm::log(to) - libm::log(from))),
+        }
+    }
+
+    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN if a
+    /// logarithmic axis cannot have the value.
+    pub fn share_of(&self, value: f64) -> f64 {
+        let (from, to) = (self.from, self.to);
+        if from == to {
+            return if value == from { 0.5 } else { f64::NAN };
+        }
+        match self.spacing {
+            Spacing::Linear => (value - from) / (to - from),
+            Spacing::Logarithmic => (libm::log(value) - libm::log(from)) / (libm::log(to) - libm::log(from)),
+        }
+    }
+
+    /// The place with the value nearest to `value`, if `value` lies on the axis or at most half a step beyond its ends.
+    pub fn place_of(&self, value: f64) -> Option<usize> {
+        let last = (self.count.max(1) - 1) as f64;
+        let place = libm::round(self.share_of(value) * last);
+        (place >= 0.0 && place <= last).then_some(place as usize)
+    }
+
+    /// A usual axis for a setting around its present value: two decades each way for a standard deviation or a factor, 0 to
+    /// three times the value for a guess, the next `count` numbers for a seed.
+    pub fn usual(setting: &Address, scenario: &Scenario, count: usize) -> Self {
+        let key = setting.to_string();
+        let now = setting.get(scenario);
+        let linear = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Linear };
+        let ratios = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Logarithmic };
+        if key == SEED.key {
+            return linear(1.0, count as f64);
+        }
+        if setting.is_of(&FADING) {
+            return linear(1.0, if now > 1.02 { 2.0 * now - 1.0 } else { 1.02 });
+        }
+        if key == RECORD_GAIN.key && now > 0.0 {
+            return ratios(now / 10.0, now * 10.0);
+        }
+        if setting.is_std() {
+            let centre = if now > 0.0 { now } else { setting.channel().map_or(1e-3, |c| c.usual().std / 100.0) };
+            return ratios(centre / 100.0, centre * 100.0);
+        }
+        match setting.channel() {
+            Some(channel) => {
+                let (low, high) = channel.usual().slider;
+                linear(low, high.max(1.5 * now))
+            }
+            None if now > 0.0 => linear(0.0, 3.0 * now),
+            None => linear(now - 5.0, now + 5.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_run_from_end_to_end() {
+        let axis = Axis::parse("a.b=2:4:5").unwrap();
+        assert_eq!((0..5).map(|k| axis.value(k)).collect::<Vec<_>>(), [2.0, 2.5, 3.0, 3.5, 4.0]);
+        let ratios = Axis::parse("x=-3").unwrap_err();
+        assert_eq!(ratios, AxisError::Syntax("x=-3".to_owned()));
+        let seeds = Axis::parse("seed=1:100:100").unwrap();
+        assert!((0..100).all(|k| seeds.value(k) == (k + 1) as f64));
+        let axis = Axis::parse("filters.A = b.fading=1e-2:1:3:log").unwrap();
+        assert_eq!(axis.key, "filters.A = b.fading");
+        assert_eq!((0..3).map(|k| axis.value(k)).collect::<Vec<_>>(), [0.01, 0.1, 1.0]);
+        let wide = Axis::parse("x=1e-300:1e300:3:log").unwrap();
+        assert!((wide.value(1) - 1.0).abs() < 1e-12, "the ratio of the ends is no number");
+    }
+
+    #[test]
+    fn places_and_values_are_inverse() {
+        for text in ["x=2:30:57", "x=30:2:57", "x=0.001:10:33:log"] {
+            let axis = Axis::parse(text).unwrap();
+            for place in 0..axis.count {
+                assert_eq!(axis.place_of(axis.value(place)), Some(place), "{text}");
+            }
+            assert_eq!(axis.place_of(1e4), None);
+        }
+        assert_eq!(Axis::parse("x=1:10:3:log").unwrap().place_of(-1.0), None);
+        assert_eq!(Axis::parse("x=5:5:1").unwrap().place_of(5.0), Some(0));
+    }
+
+    #[test]
+    fn impossible_axes_are_refused() {
+        for text in ["x=0:1:5:log", "x=nan:1:5", "x=0:1:0", "x=0:1", "x", "x=a:1:2", "x=0:1:2:lin"] {
+            assert!(Axis::parse(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn usual_axes_are_possible_and_hold_the_present_value() {
+        let scenario = Scenario::default();
+        for key in [
+            "seed",
+            "filters.EKF.fading",
+            "filters.EKF.process_std",
+            "filters.EKF.process_std.natural_frequency",
+            "filters.EKF.sensor_std.velocity",
+            "filters.EKF.initial_mean.natural_frequency",
+            "filters.EKF.initial_mean.displacement",
+            "sensors.velocity.noise_std",
+            "plant.damping_ratio",
+        ] {
+            let setting = Address::parse(&scenario, key).unwrap();
+            let axis = Axis::usual(&setting, &scenario, 33);
+            axis.check().unwrap();
+            let share = axis.share_of(setting.get(&scenario));
+            assert!((0.0..=1.0).contains(&share), "{key}: {share}");
+        }
+    }
+}

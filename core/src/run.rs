@@ -1,0 +1,470 @@
+//! The engine: a truth or a measured record, and the filters that use it, sample by sample.
+
+pub(crate) mod estimates;
+pub(crate) mod estimator;
+pub(crate) mod events;
+pub(crate) mod mixture;
+pub(crate) mod pass;
+pub(crate) mod passage;
+pub(crate) mod remarks;
+pub(crate) mod revision;
+pub(crate) mod run_error;
+pub(crate) mod simulate;
+pub(crate) mod sink;
+pub(crate) mod smoother;
+pub(crate) mod tape;
+pub(crate) mod waste;
+
+use std::sync::Arc;
+
+use kalmanscope_filters::catalogue::all_and;
+use kalmanscope_filters::{Channel, Quantity};
+use kalmanscope_records::Record;
+
+use crate::run::estimator::{FilterContext, counts_in_samples};
+use crate::run::pass::apart;
+use crate::run::run_error::sensor_places;
+use crate::run::simulate::{Recording, TruthStop, lookahead};
+use crate::run::smoother::{FixedInterval, FixedLag, Forward, Smoother};
+use crate::run::tape::Tape;
+use crate::run::waste::Spare;
+use crate::scenario::clash;
+use crate::{Estimates, FilterSettings, Pass, RunError, Scenario, Source};
+use revision::Revision;
+
+/// A scenario in progress.
+///
+/// A simulated run can forget its first samples ([`Self::forget`]) and continue without limit in constant memory.
+/// [`Self::done`] and [`Self::samples`] count from the run's beginning; [`Self::len`] and every index into
+/// [`Self::record`] and [`Self::estimates`] count from the first sample that is kept.
+pub struct Run {
+    recording: Recording,
+    samples: usize,
+    done: usize,
+    /// Its filters.
+    pub bank: Bank,
+}
+
+/// The parts that [`Run::update`] has computed again.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// Everything: the truth, or the way in which a given record is read, and every filter.
+    Everything,
+    /// The filters with these ids. The truth and the other filters are unchanged; filters that the scenario lacks are
+    /// removed.
+    Filters(Vec<u32>),
+}
+
+impl Run {
+    /// A run over the scenario's own simulated record, before its first sample.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible.
+    pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
+        Self::from_source(scenario, Source::Simulated)
+    }
+
+    /// A run of the scenario's filters over a given record. The record's `dt` replaces the scenario's.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
+    /// of its sensors, [`RunError::InputKind`] where its input is of another kind.
+    pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
+        Self::from_source(scenario, Source::Measured(record))
+    }
+
+    /// A run over either source, before its first sample.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`].
+    pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
+        Self::over(scenario.into(), source, &mut Spare::default())
+    }
+
+    fn over(scenario: Arc<Scenario>, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let recording = Recording::new(&scenario, source, spare.record.take());
+        let (samples, count) = (recording.samples(&scenario), scenario.filters.len());
+        let record = recording.record();
+        let mut bank = Bank::new(scenario, record)?;
+        for _ in 0..count {
+            bank.add(record, samples, spare.estimates.pop());
+        }
+        Ok(Self { recording, samples, done: 0, bank })
+    }
+
+    /// Begins again with another scenario over the same source, and reuses the memory of this run.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`]; this run is then unchanged.
+    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
+        scenario.validate()?;
+        let source = self.source();
+        if let Some(record) = source.record() {
+            sensor_places(scenario, record)?;
+        }
+        let mut spare = Spare::default();
+        spare.take(self.take_apart());
+        *self = Self::over(scenario.into(), source, &mut spare)?;
+        Ok(())
+    }
+
+    /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
+    /// truth and filters with unchanged settings are not computed again, and a given record stays. Begins again where
+    /// the truth has changed or samples have been forgotten.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`]; this run is then unchanged.
+    pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
+        let mut spare = Spare::default();
+        let mut revision = Revision::new(self, &scenario.into(), None, &mut spare)?;
+        if revision.is_of_everything {
+            self.restart(scenario)?;
+            return Ok(Update::Everything);
+        }
+        while !revision.advance_to(self.done, self.record(), &mut || true) {}
+        Ok(revision.apply(self, self.done, &mut spare))
+    }
+
+    /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
+    /// initial beliefs. A filter that fails keeps its estimates and reports the reason in [`Estimates::stop`]; the
+    /// others continue. Returns whether there was a sample left. A truth that diverges ends the record early and reports
+    /// the reason in [`Self::truth_stop`].
+    pub fn step(&mut self) -> bool {
+        self.advance_to(self.done + 1) > 0
+    }
+
+    /// Steps until `samples` samples, counted from the run's beginning, are done, or to the end. Returns the number of
+    /// steps.
+    pub fn advance_to(&mut self, samples: usize) -> usize {
+        let Self { recording, samples: all, done, bank } = self;
+        let begin = *done;
+        let goal = samples.min(*all);
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
+            *all = recording.len();
+        }
+        *done = goal.min(*all).max(begin);
+        bank.follow(recording.record(), *done);
+        *done - begin
+    }
+
+    /// The part of the record that [`Self::advance_to`] needs. Returns false early if `while_time` does.
+    pub fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done: _, bank } = self;
+        let goal = (samples.min(*all) + bank.lookahead()).min(*all);
+        while recording.len() < goal.min(*all) {
+            if !recording.advance_some(goal) {
+                *all = recording.len();
+            } else if recording.len() < goal && !while_time() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// One filter after the other. Returns early if `while_time`, called after each, is false.
+    pub fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done, bank } = self;
+        let goal = (*done + 1).min(*all);
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
+            *all = recording.len();
+        }
+        goal > *all || bank.prepare(recording.record(), while_time)
+    }
+
+    /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
+    /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
+    /// false for a given record, which cannot be forgotten.
+    pub fn forget(&mut self, samples: usize) -> bool {
+        let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
+        let forgets = self.recording.forget(samples);
+        if forgets {
+            self.bank.forget(samples);
+        }
+        forgets
+    }
+
+    /// Takes in a live record that has more samples now. What is done stays, and [`Self::advance_to`] continues with the same bits
+    /// as over a record that had them from the beginning. Returns false, and changes nothing, if the source is not
+    /// [`Source::Live`] or the record does not begin with the present one: then only a new run is right.
+    ///
+    /// A filter with a negative input delay waits for the inputs that it reads in advance.
+    pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
+        let goes_on = self.recording.lengthen(record);
+        if goes_on {
+            self.samples = self.recording.samples(&self.bank.scenario);
+        }
+        goes_on
+    }
+
+    /// Whether samples are still added to the record.
+    pub fn is_live(&self) -> bool {
+        self.recording.is_live
+    }
+
+    /// Steps to the end of the record.
+    pub fn finish(&mut self) {
+        self.advance_to(self.samples);
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        &self.bank.scenario
+    }
+
+    /// The scenario, shared.
+    pub fn shared_scenario(&self) -> Arc<Scenario> {
+        Arc::clone(&self.bank.scenario)
+    }
+
+    /// The source of the samples.
+    pub fn source(&self) -> Source {
+        self.recording.source()
+    }
+
+    /// The number of samples done, counted from the run's beginning.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// The number of samples done and kept: all, unless some have been forgotten.
+    pub fn len(&self) -> usize {
+        self.done - self.record().forgotten()
+    }
+
+    /// Whether no sample is done yet.
+    pub fn is_empty(&self) -> bool {
+        self.done == 0
+    }
+
+    /// The number of samples of the whole record, counted from the run's beginning, kept or not.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Where and why the simulated truth stopped, if it diverged before the record was complete.
+    pub fn truth_stop(&self) -> Option<TruthStop> {
+        self.recording.stop()
+    }
+
+    /// The record: the part that is simulated and kept, or all of a measured one.
+    pub fn record(&self) -> &Record {
+        self.recording.record()
+    }
+
+    /// The kept estimates so far, one per filter.
+    pub fn estimates(&self) -> &[Estimates] {
+        &self.bank.estimates
+    }
+
+    /// The smoothed estimates of every filter with a smoother, given all samples so far. They have means and
+    /// covariances, but no innovations. Those with a fixed look-ahead end that much before the last sample, up to the end
+    /// of the run. A run that has forgotten samples has none, because a smoother needs the first
+    /// sample.
+    ///
+    /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
+    pub fn smoothed(&self) -> Vec<Estimates> {
+        let record = self.record();
+        if record.forgotten() > 0 {
+            return Vec::new();
+        }
+        let is_whole = self.done == self.samples && !self.is_live();
+        let of = |place: usize| {
+            let wants = self.scenario().filters[place].smoother;
+            let mut smoothed = wants.then(|| self.bank.smoothed(place))?;
+            if let Some(mut smoother) = self.bank.smoother(place, record) {
+                while !smoother.advance(record, self.done, is_whole, usize::MAX, &mut smoothed) {}
+            }
+            Some(smoothed)
+        };
+        (0..self.scenario().filters.len()).filter_map(of).collect()
+    }
+
+    /// Every channel of the truth and of the filters.
+    pub fn channels(&self) -> Vec<Channel> {
+        let known = self.record().true_channels().into_iter();
+        let known: Vec<Channel> =
+            known.chain(self.estimates().iter().flat_map(|e| e.channels().iter().copied())).collect();
+        all_and(known.clone()).into_iter().filter(|channel| known.contains(channel)).collect()
+    }
+
+    /// A hash of all estimates that are kept, to compare platforms.
+    pub fn checksum(&self) -> u64 {
+        self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
+    }
+
+    /// The memory of the run's data. The run cannot be used before it has been given other data.
+    fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
+        let empty = Recording::given(Arc::new(self.record().emptied()), false);
+        let record = std::mem::replace(&mut self.recording, empty).into_simulated();
+        (record, std::mem::take(&mut self.bank.estimates))
+    }
+}
+
+/// The filters of a run side by side, and their estimates.
+pub struct Bank {
+    /// Each filter has a unique id.
+    pub scenario: Arc<Scenario>,
+    quantities: Vec<Quantity>,
+    /// Time between samples \[s\].
+    dt: f64,
+    sensors: Vec<usize>,
+    /// The samples between two readings of each sensor, where they have times of their own.
+    apart: Option<Vec<usize>>,
+    pub(crate) passes: Vec<Pass>,
+    /// The estimates of each filter.
+    pub estimates: Vec<Estimates>,
+}
+
+impl Bank {
+    pub(crate) fn new(mut scenario: Arc<Scenario>, record: &Record) -> Result<Self, RunError> {
+        let mut filters = scenario.filters.iter().enumerate();
+        let clash = |one: &FilterSettings, other: &FilterSettings| one.id == other.id || clash(&one.name, &other.name);
+        if filters.any(|(at, one)| one.id == 0 || scenario.filters[..at].iter().any(|other| clash(one, other))) {
+            Arc::make_mut(&mut scenario).number_filters();
+        }
+        let quantities = scenario.measured();
+        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
+        let dt = record.dt();
+        Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
+    }
+
+    fn context(&self, record: &Record, place: usize) -> FilterContext {
+        let filter = &self.scenario.filters[place];
+        FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
+    }
+
+    /// Reserves memory for `samples`, or reuses that of old estimates.
+    pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
+        let place = self.passes.len();
+        let filter = &self.scenario.filters[place];
+        let pass = Pass::later(filter, self.context(record, place), self.sensors.clone());
+        let mut estimates = self.empty(filter);
+        estimates.recycle(spare, samples);
+        self.passes.push(pass);
+        self.estimates.push(estimates);
+    }
+
+    /// Takes in the next of all `samples` samples of the filter at a place. Returns false if they are not its own.
+    pub(crate) fn take(&mut self, place: usize, tape: &Tape, samples: usize) -> bool {
+        self.passes[place].take(tape, samples, &mut self.estimates[place])
+    }
+
+    pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
+        let mut estimates = self.empty(&self.scenario.filters[place]);
+        std::mem::swap(&mut estimates, &mut self.estimates[place]);
+        self.estimates[place].recycle(Some(estimates), samples);
+        self.passes[place].begin_again();
+    }
+
+    pub(crate) fn leave_place(&mut self) {
+        let filter = &self.scenario.filters[self.passes.len()];
+        self.estimates.push(self.empty(filter));
+        self.passes.push(Pass::idle());
+    }
+
+    fn empty(&self, filter: &FilterSettings) -> Estimates {
+        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
+        let estimates = Estimates::new(filter, &model, self.quantities.clone());
+        estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
+    }
+
+    pub(crate) fn lookahead(&self) -> usize {
+        lookahead(&self.scenario, self.dt)
+    }
+
+    pub(crate) fn reach(&self) -> usize {
+        self.scenario.filters.iter().map(|filter| filter.delays(self.dt).reach()).max().unwrap_or(0)
+    }
+
+    /// One filter after the other, because each one's data then stays in the cache.
+    pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
+        for place in 0..self.passes.len() {
+            self.follow_one(place, record, samples);
+        }
+    }
+
+    /// One filter after the other. Returns early if `while_time`, called after each, is false.
+    pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.passes.iter_mut().all(|pass| {
+            let is_there = pass.is_prepared();
+            pass.prepare(record);
+            is_there || while_time()
+        })
+    }
+
+    pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
+        let (pass, estimates) = (&mut self.passes[place], &mut self.estimates[place]);
+        if pass.done() < samples {
+            pass.settle(samples, estimates);
+        }
+        pass.follow(record, samples, estimates);
+    }
+
+    pub(crate) fn forget(&mut self, samples: usize) {
+        for estimates in &mut self.estimates {
+            estimates.forget(samples);
+        }
+    }
+
+    /// The smoother of a filter, if its settings ask for one.
+    pub fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
+        let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
+        let context = self.context(record, place);
+        let forward = Forward::new(filter, &context, self.sensors.clone())?;
+        Some(match filter.lag(context.dt) {
+            Some(lag) => Box::new(FixedLag::new(forward, lag)),
+            None => Box::new(FixedInterval::new(forward)),
+        })
+    }
+
+    /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
+    pub fn smoothed(&self, place: usize) -> Estimates {
+        let filter = &self.scenario.filters[place];
+        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
+        Estimates::new(filter, &model, Vec::new()).of_smoother()
+    }
+}
+
+/// The smoothed estimates of the filter at `place` of a scenario, given a whole record: those of
+/// [`Run::smoothed`](crate::Run::smoothed), to the bit, whether or not the filter's settings ask for a smoother. They have
+/// means and covariances, but no innovations.
+///
+/// If the filter stops, the smoother gets the samples before; [`Estimates::stop`] gives the sample and the reason.
+///
+/// ```
+/// use kalmanscope_core::{Run, Scenario, smoothed};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+/// let mut run = Run::new(&scenario)?;
+/// run.finish();
+/// let (filter, smoother) = (&run.estimates()[0], smoothed(&scenario, 0, run.record())?);
+/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record informs the first sample");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`RunError::NoFilter`] where there is no such filter; [`RunError::Scenario`] where the scenario is impossible or the
+/// filter has no smoother: a sampled one, or one with several guesses; [`RunError::MissingSensor`] and
+/// [`RunError::InputKind`] where the record does not fit the scenario; [`RunError::Forgotten`] where it lacks its first
+/// samples.
+///
+/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems, in the form that
+/// [`Run::smoothed`](crate::Run::smoothed) computes.
+pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
+    let mut scenario = scenario.clone();
+    scenario.filters.get_mut(place).ok_or(RunError::NoFilter(place))?.smoother = true;
+    scenario.validate()?;
+    if record.forgotten() > 0 {
+        return Err(RunError::Forgotten(record.forgotten()));
+    }
+    let bank = Bank::new((&scenario).into(), record)?;
+    let mut estimates = bank.smoothed(place);
+    match bank.smoother(place, record) {
+        Some(mut smoother) => while !smoother.advance(record, record.len(), true, usize::MAX, &mut estimates) {},
+        // A filter that cannot begin says why at its first sample.
+        None => Pass::new(&bank.scenario, place, record)?.follow(record, 1, &mut estimates),
+    }
+    Ok(estimates)
+}

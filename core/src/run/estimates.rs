@@ -1,0 +1,395 @@
+//! The estimates of one filter, sample by sample.
+
+mod growth;
+
+use kalmanscope_filters::gaussian_likelihood;
+use kalmanscope_filters::{Channel, FilterKind, Model, PlantKind, Quantity, Stop};
+use kalmanscope_records::Record;
+use kalmanscope_records::hash::Hash;
+use kalmanscope_records::record::Delays;
+
+use crate::run::remarks::{Monitor, Remark, Trouble};
+use crate::run::sink::readings;
+use crate::scenario::SMOOTHED;
+use crate::{FilterColor, FilterSettings};
+use growth::History;
+
+/// The estimates of one filter: the results of every sample, from k = 0 on.
+///
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept,
+/// as in the [`Record`](kalmanscope_records::Record). [`Stop`] and [`Remark`] count samples from the run's beginning.
+///
+/// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
+/// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
+/// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
+#[derive(Clone, Debug)]
+pub struct Estimates {
+    id: u32,
+    smoothed: bool,
+    name: String,
+    kind: FilterKind,
+    color: Option<FilterColor>,
+    plant: PlantKind,
+    channels: Vec<Channel>,
+    frequency: Option<usize>,
+    sensors: Vec<Quantity>,
+    forgotten: usize,
+    /// The number of kept samples, from the first one on, without their matrices: these have been dropped.
+    dropped: usize,
+    initial_mean: Vec<f64>,
+    initial_std: Vec<f64>,
+    history: History,
+    /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
+    canonical: Vec<Vec<f64>>,
+    variance: Vec<Vec<f64>>,
+    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
+    earlier: Vec<(usize, u32)>,
+    /// The channels whose uncertainty the filter counts without estimating them.
+    considered: Vec<Channel>,
+    /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
+    sensor_delay: Vec<f64>,
+    weighs: bool,
+    learns: bool,
+    scales: bool,
+    /// The particles of a particle filter; 0 for any other filter.
+    particles: usize,
+    monitor: Monitor,
+    stop: Option<Stop>,
+}
+
+impl Estimates {
+    /// No estimates yet, of a filter with these settings.
+    pub fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+        let (plant, channels) = (model.plant(), model.channels());
+        Self {
+            id: settings.id,
+            smoothed: false,
+            name: settings.name.clone(),
+            kind: settings.kind,
+            color: settings.color,
+            plant: plant.clone(),
+            channels: channels.to_vec(),
+            frequency: model.place(Channel::NATURAL_FREQUENCY),
+            monitor: Monitor::new(settings, channels, plant, &sensors),
+            sensors,
+            forgotten: 0,
+            dropped: 0,
+            initial_mean: Vec::new(),
+            initial_std: Vec::new(),
+            history: History::default(),
+            canonical: vec![Vec::new(); channels.len()],
+            variance: vec![Vec::new(); channels.len()],
+            earlier: Vec::new(),
+            considered: settings.consider.clone(),
+            sensor_delay: settings.sensor_delay.clone(),
+            weighs: settings.robust.is_on(),
+            learns: settings.adaptation.sensor_noise,
+            scales: settings.process_scales > 1,
+            particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
+            stop: None,
+        }
+    }
+
+    /// The same, as a smoother's.
+    pub fn of_smoother(self) -> Self {
+        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
+    }
+
+    /// The filter's id.
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// Takes the name and the colour of these settings.
+    pub fn call(&mut self, settings: &FilterSettings) {
+        self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
+        self.color = settings.color;
+    }
+
+    /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The filter's kind.
+    pub fn kind(&self) -> FilterKind {
+        self.kind
+    }
+
+    /// The colour of the filter.
+    pub fn color(&self) -> FilterColor {
+        self.color.unwrap_or(FilterColor::of(self.id))
+    }
+
+    /// The kind of plant that the filter takes the truth for.
+    pub fn plant(&self) -> &PlantKind {
+        &self.plant
+    }
+
+    /// The channels, in the order of every mean and covariance.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The place of a channel, if the filter estimates it.
+    pub fn place(&self, channel: Channel) -> Option<usize> {
+        channel.place_in(&self.channels)
+    }
+
+    /// The sensors, in the order of every innovation.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// The number of samples with an estimate that are kept.
+    pub fn len(&self) -> usize {
+        self.history.nis.len()
+    }
+
+    /// Whether there is no estimate.
+    pub fn is_empty(&self) -> bool {
+        self.history.nis.is_empty()
+    }
+
+    /// The number of forgotten samples, which is also the number of the first one that is kept.
+    pub fn forgotten(&self) -> usize {
+        self.forgotten
+    }
+
+    /// The mean of one channel at the run's first sample, kept or not; NaN before it.
+    pub fn initial_mean(&self, channel: usize) -> f64 {
+        self.initial_mean.get(channel).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The standard deviation of one channel at the run's first sample, kept or not; NaN before the first sample.
+    pub fn initial_std(&self, channel: usize) -> f64 {
+        self.initial_std.get(channel).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Where and why the filter stopped, if it did.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
+    /// samples are dropped.
+    pub fn remarks(&self) -> &[Remark] {
+        &self.monitor.remarks
+    }
+
+    /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
+    /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
+    pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
+        self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
+    }
+
+    /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
+    pub fn missing(&self, sensor: usize) -> usize {
+        let m = self.sensors.len();
+        (usize::from(self.forgotten == 0)..self.len())
+            .filter(|k| self.history.innovation[k * m + sensor].is_nan())
+            .count()
+    }
+
+    /// The mean at sample `k`, one number per channel.
+    #[inline]
+    pub fn mean(&self, k: usize) -> &[f64] {
+        chunk(&self.history.mean, k, self.channels.len())
+    }
+
+    /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
+    ///
+    /// ```text
+    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they describe the same oscillator
+    /// ```
+    #[inline]
+    pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
+        self.canonical[channel][k]
+    }
+
+    /// [`Self::canonical_mean`] of one channel at every sample.
+    pub fn canonical_means(&self, channel: usize) -> &[f64] {
+        &self.canonical[channel]
+    }
+
+    /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
+    /// where the estimated natural frequency is negative, else 1. A covariance is multiplied by the signs of both its
+    /// channels.
+    #[inline]
+    pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
+        let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
+        if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
+    }
+
+    /// The standard deviation of one channel at sample `k`.
+    #[inline]
+    pub fn std(&self, k: usize, channel: usize) -> f64 {
+        self.variance[channel][k].sqrt()
+    }
+
+    /// The variance of one channel at every sample.
+    pub fn variances(&self, channel: usize) -> &[f64] {
+        &self.variance[channel]
+    }
+
+    /// The covariance at sample `k`, n × n; empty where it has been dropped.
+    #[inline]
+    pub fn cov(&self, k: usize) -> &[f64] {
+        let n = self.channels.len();
+        k.checked_sub(self.dropped).map_or(&[], |k| chunk(&self.history.cov, k, n * n))
+    }
+
+    /// The innovations e at sample `k`, one per sensor.
+    #[inline]
+    pub fn innovation(&self, k: usize) -> &[f64] {
+        chunk(&self.history.innovation, k, self.sensors.len())
+    }
+
+    /// The number of readings in the update at sample `k`: more than there are innovations where a sensor was read more than once
+    /// since the sample before.
+    #[inline]
+    pub fn readings(&self, k: usize) -> u32 {
+        let sample = self.forgotten + k;
+        let earlier = self.earlier.binary_search_by_key(&sample, |(sample, _)| *sample);
+        earlier.map_or(0, |place| self.earlier[place].1) + readings(self.innovation(k))
+    }
+
+    /// The innovations' covariance S at sample `k`, m × m.
+    #[inline]
+    pub fn innovation_cov(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        chunk(&self.history.innovation_cov, k, m * m)
+    }
+
+    /// The gain K at sample `k`: for each sensor in turn, n numbers; empty where it has been dropped.
+    #[inline]
+    pub fn gain(&self, k: usize) -> &[f64] {
+        let size = self.channels.len() * self.sensors.len();
+        k.checked_sub(self.dropped_gains()).map_or(&[], |k| chunk(&self.history.gain, k, size))
+    }
+
+    /// The number of kept samples without a gain: a particle filter keeps all, since its diagnosis reads them.
+    fn dropped_gains(&self) -> usize {
+        if self.kind.has_own_likelihood() { 0 } else { self.dropped }
+    }
+
+    /// The normalised innovation squared of every sample.
+    pub fn nis(&self) -> &[f64] {
+        &self.history.nis
+    }
+
+    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite beyond the range of numbers.
+    pub fn determinant(&self) -> &[f64] {
+        &self.history.determinant
+    }
+
+    /// The log likelihood of the measurements at sample `k`; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    ///
+    /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
+    pub fn log_likelihood(&self, k: usize) -> f64 {
+        if let Some(&own) = self.history.log_likelihood.get(k) {
+            return own;
+        }
+        match self.readings(k) {
+            0 => f64::NAN,
+            measured => gaussian_likelihood::log_likelihood(self.history.nis[k], self.ln_determinant(k), measured),
+        }
+    }
+
+    /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
+    pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
+        gaussian_likelihood::ln_determinant(self.history.determinant[k], self.innovation_cov(k), self.sensors.len())
+    }
+
+    /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
+    pub fn effective_samples(&self) -> &[f64] {
+        &self.history.effective_samples
+    }
+
+    /// Whether the filter only counts the uncertainty of a channel, and does not estimate it.
+    pub fn considers(&self, channel: Channel) -> bool {
+        self.considered.contains(&channel)
+    }
+
+    /// The number of particles of a particle filter; 0 for any other filter.
+    pub fn particles(&self) -> usize {
+        self.particles
+    }
+
+    /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
+    pub fn checksum(&self) -> u64 {
+        let mut hash = Hash::default();
+        self.history.mean.iter().chain(&self.history.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
+        hash.value()
+    }
+
+    /// Whether the filter weighs its readings.
+    pub fn weighs(&self) -> bool {
+        self.weighs
+    }
+
+    /// Whether the filter learns R.
+    pub fn learns_sensor_noise(&self) -> bool {
+        self.learns
+    }
+
+    /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
+    /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
+    pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
+        let m = self.sensors.len();
+        let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
+        let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
+        Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
+    }
+
+    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    pub fn tells_process_scale(&self) -> bool {
+        self.scales
+    }
+
+    /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
+    /// with one scale of Q.
+    pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
+        let &[mean, std] = self.history.process_scale.get(2 * k..2 * (k + 1))? else { return None };
+        Some([mean, std])
+    }
+
+    /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a
+    /// filter that weighs none.
+    pub fn weights(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        self.history.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
+    }
+
+    /// Readings `dt` \[s\] apart, or with `apart` samples between two of each sensor. `option` makes the filter count in samples.
+    pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
+        let has_parts = self.delays(dt).sensors.iter().any(|steps| libm::trunc(*steps) != *steps);
+        let trouble = match (apart, option) {
+            (Some(_), option) => option.map(Trouble::Moved),
+            (None, Some(option)) if has_parts => Some(Trouble::Rounded(option)),
+            (None, _) => None,
+        };
+        Self { monitor: self.monitor.with_clocks(apart, trouble), ..self }
+    }
+
+    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
+    /// sample has its own, to the nearest sample. `None` where the record has no such sensor.
+    pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
+        let quantity = self.sensors.get(place)?;
+        let column = quantity.place_in(record.sensors())?;
+        let late = self.delays(record.dt()).of(place);
+        Some(move |k| record.late_reading(column, k, late))
+    }
+
+    fn delays(&self, dt: f64) -> Delays {
+        Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
+    }
+}
+
+fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
+    &values[k * size..(k + 1) * size]
+}

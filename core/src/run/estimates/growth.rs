@@ -1,0 +1,288 @@
+//! Estimates in the making: samples are appended and forgotten, and memory is used again. Whole columns of a filter's history.
+
+use std::iter::repeat;
+
+use kalmanscope_filters::Channel;
+
+use super::{Estimates, Stop};
+use crate::run::sink::{Sample, Sink};
+use crate::run::waste::Piecewise;
+
+/// Reserve memory for at most this many samples; the vectors of longer runs grow.
+const ROOM: usize = 1 << 18;
+
+/// Limits the numbers freed in one call: 4 MB.
+const FREED: usize = 1 << 19;
+
+/// The numbers of all samples, of one behind those of another.
+#[derive(Clone, Debug, Default)]
+pub(super) struct History {
+    pub(super) mean: Vec<f64>,
+    pub(super) cov: Vec<f64>,
+    pub(super) innovation: Vec<f64>,
+    pub(super) innovation_cov: Vec<f64>,
+    pub(super) gain: Vec<f64>,
+    pub(super) nis: Vec<f64>,
+    pub(super) determinant: Vec<f64>,
+    /// Of a particle filter only.
+    pub(super) log_likelihood: Vec<f64>,
+    pub(super) effective_samples: Vec<f64>,
+    pub(super) weights: Vec<f64>,
+    /// R of each sensor, then the variance of each R.
+    pub(super) learnt: Vec<f64>,
+    /// Mean and standard deviation of ln s.
+    pub(super) process_scale: Vec<f64>,
+}
+
+impl Estimates {
+    /// Covariances and gains first. The NIS last: it has one number per sample, also without matrices.
+    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let Self { history, canonical, variance, .. } = self;
+        let History { mean, cov, innovation, innovation_cov, gain, nis, .. } = history;
+        let History { determinant, log_likelihood, effective_samples, weights, learnt, process_scale, .. } = history;
+        let first = [cov, gain, mean, innovation, innovation_cov, determinant];
+        let then = [log_likelihood, effective_samples, weights, learnt, process_scale];
+        first.into_iter().chain(then).chain(canonical).chain(variance).chain([nis])
+    }
+
+    /// The numbers of a sample in the first columns; the others have one.
+    fn widths(&self) -> impl Iterator<Item = usize> + use<> {
+        let (n, m) = (self.channels.len(), self.sensors.len());
+        let of = |does: bool, width: usize| if does { width } else { 0 };
+        let own = of(self.kind.has_own_likelihood(), 1);
+        let (weights, learnt, scales) = (of(self.weighs, m), of(self.learns, 2 * m), of(self.scales, 2));
+        [n * n, n * m, n, m, m * m, 1, own, own, weights, learnt, scales].into_iter().chain(repeat(1))
+    }
+
+    /// With room for `samples` or the kept part of a long run. Fresh pages cost more than filling them.
+    pub fn recycle(&mut self, old: Option<Self>, samples: usize) {
+        let (mut old, widths) = (old.unwrap_or_else(|| self.clone()), self.widths());
+        let mut old = old.columns();
+        for (new, width) in self.columns().zip(widths) {
+            *new = old.next().map(std::mem::take).unwrap_or_default();
+            new.clear();
+            new.reserve(samples.min(ROOM) * width);
+        }
+    }
+
+    /// Drops the covariances and gains of all samples so far but the last, which is more than half of the memory. Diagnostics must
+    /// have followed before; a diagnosis, its causes and a free run need only the rest: means, variances, innovations
+    /// and their covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on;
+    /// [`Self::checksum`] leaves them out.
+    pub fn drop_matrices(&mut self) {
+        let (n, m) = (self.channels.len(), self.sensors.len());
+        self.history.cov.drain(..self.history.cov.len().saturating_sub(n * n));
+        self.dropped = self.len().saturating_sub(1);
+        if self.dropped_gains() > 0 {
+            self.history.gain.drain(..self.history.gain.len().saturating_sub(n * m));
+        }
+    }
+
+    /// Forgets the first `samples` in place; all of them if the filter has stopped before that.
+    pub fn forget(&mut self, samples: usize) {
+        let (widths, dropped) = (self.widths(), [self.dropped, self.dropped_gains()]);
+        let counts = dropped.map(|dropped| samples.saturating_sub(dropped)).into_iter().chain(repeat(samples));
+        self.dropped = self.dropped.saturating_sub(samples);
+        for ((values, width), count) in self.columns().zip(widths).zip(counts) {
+            values.drain(..(count * width).min(values.len()));
+        }
+        let first = self.forgotten + samples;
+        self.earlier.drain(..self.earlier.partition_point(|(sample, _)| *sample < first));
+        self.forgotten += samples;
+        self.monitor.forget_before(self.forgotten);
+    }
+
+    #[inline(always)]
+    pub(crate) fn append(&mut self, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
+        let n = mean.len();
+        if self.initial_std.is_empty() {
+            self.initial_mean.extend_from_slice(mean);
+            self.initial_std.extend((0..n).map(|i| cov[i * n + i].sqrt()));
+        }
+        self.history.mean.extend_from_slice(mean);
+        self.history.cov.extend_from_slice(cov);
+        push(&mut self.variance, (0..n).map(|i| cov[i * n + i]));
+        if self.frequency.is_some_and(|place| mean[place] < 0.0) {
+            let sign = |channel: &Channel| if channel.is_mirrored() { -1.0 } else { 1.0 };
+            push(&mut self.canonical, mean.iter().zip(&self.channels).map(|(mean, channel)| mean * sign(channel)));
+        } else {
+            push(&mut self.canonical, mean.iter().copied());
+        }
+        self.history.innovation.extend_from_slice(innovation);
+        if sample.earlier > 0 {
+            self.earlier.push((self.forgotten + self.history.nis.len(), sample.earlier));
+        }
+        self.history.innovation_cov.extend_from_slice(innovation_cov);
+        self.history.gain.extend_from_slice(gain);
+        self.history.nis.push(nis);
+        self.history.determinant.push(determinant);
+        if self.kind.has_own_likelihood() {
+            self.history.log_likelihood.push(sample.log_likelihood);
+            self.history.effective_samples.push(sample.effective_samples);
+        }
+        self.history.weights.extend_from_slice(sample.weights);
+        if let Some(noise) = sample.noise {
+            if self.learns {
+                self.history.learnt.extend(noise.sensors.iter().chain(noise.uncertainty));
+            }
+            if self.scales {
+                self.history.process_scale.extend(noise.process_scale);
+            }
+        }
+        self.monitor.check(self.forgotten + self.history.nis.len() - 1, sample);
+    }
+}
+
+#[inline]
+fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
+    for (values, value) in columns.iter_mut().zip(sample) {
+        values.push(value);
+    }
+}
+
+impl Sink for Estimates {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.append(sample);
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.stop = Some(stop);
+    }
+}
+
+impl Piecewise for Estimates {
+    fn free_piece(&mut self) -> bool {
+        let Some(values) = self.columns().find(|values| values.capacity() > 0) else { return false };
+        values.clear();
+        values.shrink_to(values.capacity().saturating_sub(FREED));
+        true
+    }
+}
+
+/// Each column begins with the first sample that is kept, and has [`Estimates::len`] numbers. `channel` and `sensor` are
+/// places in [`Estimates::channels`] and [`Estimates::sensors`]: like an index into a slice, one beyond the last panics.
+///
+/// ```
+/// use kalmanscope_core::{Channel, Run, Scenario};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut run = Run::new(&Scenario { duration: 1.0, ..Scenario::default() })?;
+/// run.finish();
+/// let ekf = &run.estimates()[0];
+/// let wn = ekf.place(Channel::NATURAL_FREQUENCY).ok_or("the filter estimates it")?;
+/// let upper: Vec<f64> = ekf.means(wn).zip(ekf.stds(wn)).map(|(mean, std)| mean + 2.0 * std).collect();
+/// assert_eq!(upper.len(), 101);
+/// assert_eq!(upper[100], ekf.mean(100)[wn] + 2.0 * ekf.std(100, wn));
+/// # Ok(())
+/// # }
+/// ```
+impl Estimates {
+    /// The mean of one channel, as in [`Self::mean`]. [`Self::canonical_means`] has those in canonical form.
+    pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        (0..self.len()).map(move |k| self.mean(k)[channel])
+    }
+
+    /// The standard deviation of one channel. [`Self::variances`] has the squares.
+    pub fn stds(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        self.variances(channel).iter().map(|variance| variance.sqrt())
+    }
+
+    /// The innovation e of one sensor in its unit; NaN where it measured nothing.
+    pub fn innovations(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        (0..self.len()).map(move |k| self.innovation(k)[sensor])
+    }
+
+    /// The standard deviation of the innovation of one sensor, by S; NaN where it measured nothing.
+    pub fn innovation_stds(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        let diagonal = sensor * (self.sensors.len() + 1);
+        (0..self.len()).map(move |k| self.innovation_cov(k)[diagonal].sqrt())
+    }
+
+    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation. NaN where matrices have
+    /// been dropped ([`Self::drop_matrices`]).
+    pub fn gains(
+        &self,
+        channel: usize,
+        sensor: usize,
+    ) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        let n = self.channels.len();
+        (0..self.len()).map(move |k| match self.gain(k) {
+            [] => f64::NAN,
+            gain => gain[sensor * n..][..n][channel],
+        })
+    }
+
+    /// The log likelihood of the measurements, as in [`Self::log_likelihood`]; NaN where there was none.
+    pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+        (0..self.len()).map(|k| self.log_likelihood(k))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Pass, Run, Scenario};
+    use kalmanscope_filters::FilterKind;
+
+    #[test]
+    fn matrices_that_are_dropped_are_empty_and_later_ones_are_right() {
+        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
+        (scenario.filters[1].kind, scenario.filters[1].ensemble_size) = (FilterKind::PF, 50);
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        for (place, whole) in run.estimates().iter().enumerate() {
+            let mut pass = Pass::new(&scenario, place, run.record()).unwrap();
+            let mut history = Pass::history(&scenario, place).unwrap();
+            pass.follow(run.record(), 100, &mut history);
+            history.drop_matrices();
+            pass.follow(run.record(), 201, &mut history);
+            for forgotten in [0, 40, 100] {
+                history.forget(forgotten - history.forgotten());
+                for k in forgotten..201 {
+                    let (cov, gain) = (history.cov(k - forgotten), history.gain(k - forgotten));
+                    let keeps_gain = k >= 99 || whole.kind() == FilterKind::PF;
+                    assert_eq!(cov, if k < 99 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
+                    assert_eq!(gain, if keeps_gain { whole.gain(k) } else { &[][..] }, "{forgotten} {k}");
+                    assert_eq!(history.mean(k - forgotten), whole.mean(k));
+                    assert_eq!(history.std(k - forgotten, 2), whole.std(k, 2));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn columns_have_the_numbers_of_each_sample() {
+        let mut run = Run::new(&Scenario { duration: 1.0, ..Scenario::default() }).unwrap();
+        run.advance_to(80);
+        run.forget(30);
+        let estimates = &run.estimates()[1];
+        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+        assert_eq!((n, m, estimates.len(), estimates.forgotten()), (4, 2, 50, 30));
+        let same = |column: &mut dyn Iterator<Item = f64>, of: &dyn Fn(usize) -> f64| {
+            let column: Vec<u64> = column.map(f64::to_bits).collect();
+            assert_eq!(column, (0..50).map(|k| of(k).to_bits()).collect::<Vec<_>>());
+        };
+        for i in 0..n {
+            same(&mut estimates.means(i), &|k| estimates.mean(k)[i]);
+            same(&mut estimates.stds(i), &|k| estimates.std(k, i));
+            for j in 0..m {
+                same(&mut estimates.gains(i, j), &|k| estimates.gain(k)[j * n + i]);
+            }
+        }
+        for j in 0..m {
+            same(&mut estimates.innovations(j), &|k| estimates.innovation(k)[j]);
+            same(&mut estimates.innovation_stds(j), &|k| estimates.innovation_cov(k)[j * m + j].sqrt());
+        }
+        same(&mut estimates.log_likelihoods(), &|k| estimates.log_likelihood(k));
+    }
+
+    #[test]
+    fn gains_that_are_dropped_are_not_numbers() {
+        let mut run = Run::new(&Scenario { duration: 0.2, ..Scenario::default() }).unwrap();
+        run.finish();
+        let mut estimates = run.estimates()[0].clone();
+        assert!(estimates.gains(0, 1).skip(1).all(|gain| gain != 0.0 && gain.is_finite()));
+        estimates.drop_matrices();
+        let gains: Vec<f64> = estimates.gains(0, 1).collect();
+        assert!(gains[..20].iter().all(|gain| gain.is_nan()) && gains.len() == 21 && !gains[20].is_nan());
+    }
+}

@@ -1,0 +1,243 @@
+//! Filters of any kind over any plant, with types and sizes erased.
+
+pub(crate) mod engine;
+pub(crate) mod sampled;
+pub(crate) mod setup;
+pub(crate) mod update;
+
+use kalmanscope_filters::filter::Gaussian;
+use kalmanscope_filters::model::{Hold, InputKind, Model};
+use kalmanscope_filters::truncated_normal::truncated;
+use kalmanscope_filters::{Channel, FilterError, PlantKind, Quantity, Stop};
+use kalmanscope_records::Record;
+use kalmanscope_records::record::Parts;
+
+use crate::run::passage::Passages;
+use crate::run::sink::{Sample, Sink};
+use crate::{FilterSettings, Scenario};
+
+pub(crate) trait Estimator: Send {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
+
+    /// Predicts from the last sample with the force before, updates with this sample's measurements, and reports the result.
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
+
+    /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError>;
+
+    /// In the channels' units. Only a mean and a covariance can be replaced.
+    fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
+        Err(FilterError::IndefiniteCovariance)
+    }
+
+    /// Adds from now on its passages to sinks that ask for them. Returns false for a filter that has none.
+    fn keep_passages(&mut self) -> bool {
+        false
+    }
+
+    /// The state from which [`Self::restore`] can begin again; none of a filter that is more than a belief.
+    fn state(&self) -> Option<State> {
+        None
+    }
+
+    fn restore(&mut self, _: &State) -> Result<(), FilterError> {
+        Err(FilterError::IndefiniteCovariance)
+    }
+}
+
+/// A belief in the coordinates of its filter, and the numbers that its options keep.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) belief: Gaussian,
+    memory: Vec<f64>,
+}
+
+/// A filter that counts in samples cannot go from one reading to the next: it takes each reading at the sample after it.
+pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
+    let such = [
+        (!settings.kind.is_gaussian(), "random members"),
+        (settings.adaptation.is_on(), "noise that it learns"),
+        (settings.jump, "jumps"),
+        (settings.walk > 0.0, "a bank"),
+        (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
+    ];
+    such.into_iter().find_map(|(is, what)| is.then_some(what))
+}
+
+/// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
+pub(crate) struct Failed(pub(crate) FilterError);
+
+impl Estimator for Failed {
+    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+
+    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+
+    fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+}
+
+/// All that a filter needs of a scenario beside its own settings.
+#[derive(Clone, Debug)]
+pub struct FilterContext {
+    /// The truth's kind of plant; the filter uses it unless its settings name another.
+    pub(crate) plant: PlantKind,
+    pub(crate) input: InputKind,
+    pub(crate) hold: Hold,
+    pub(crate) sensors: Vec<Quantity>,
+    pub(crate) dt: f64,
+    pub(crate) seed: u64,
+    /// The number of the filter's random stream, from 0 on.
+    pub(crate) stream: usize,
+    /// Whether it goes from one reading of the record to the next, at the times that they have.
+    pub(crate) is_timed: bool,
+    pub(crate) start: f64,
+}
+
+impl FilterContext {
+    /// The context of a filter of a scenario, with `dt` \[s\] between samples.
+    pub fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
+        let &Scenario { seed, input, hold, .. } = scenario;
+        let (plant, sensors) = (scenario.plant.kind.clone(), scenario.measured());
+        let stream = filter.id.saturating_sub(1) as usize;
+        Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
+    }
+
+    /// The same over a record, at the times of its readings where it has some.
+    pub fn over(self, record: &Record, settings: &FilterSettings) -> Self {
+        let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
+        let is_timed = has_times && counts_in_samples(settings).is_none();
+        Self { is_timed, start: record.time_of(0), ..self }
+    }
+
+    pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
+        settings.steps(&self.plant, self.input, self.dt)
+    }
+
+    pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
+        settings.model(&self.plant, self.input)
+    }
+}
+
+/// Bounds of channels: a filter reports the moments of its belief between the ends.
+///
+/// ```text
+/// y ← y + k (μ - yᵢ),  P ← P + k (s² - Pᵢᵢ) kᵀ,  k = P eᵢ / Pᵢᵢ
+/// ```
+///
+/// for one channel after the other, with the mean μ and the standard deviation s of N(yᵢ, Pᵢᵢ) between the ends. The filter itself
+/// continues from its own belief. So the report is exact where that is: a constant with a normal prior that is cut at the ends has the
+/// normal posterior, cut there. If the filter continued from the report, the same end would count again at each sample.
+///
+/// Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Truncation {
+    /// Places among the channels, each with its ends.
+    places: Vec<(usize, [f64; 2])>,
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    along: Vec<f64>,
+}
+
+impl Truncation {
+    pub(crate) fn of(settings: &FilterSettings, channels: &[Channel]) -> Self {
+        let place = |channel: Channel| channel.place_in(channels);
+        let places = settings.bounds.iter().filter_map(|(channel, between)| Some((place(channel)?, between.ends())));
+        Self { places: places.collect(), ..Self::default() }
+    }
+
+    pub(crate) fn apply<'a>(&'a mut self, mean: &'a [f64], cov: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        if self.places.is_empty() {
+            return (mean, cov);
+        }
+        let Self { places, mean: own, cov: own_cov, along } = self;
+        own.clear();
+        own.extend_from_slice(mean);
+        own_cov.clear();
+        own_cov.extend_from_slice(cov);
+        let n = own.len();
+        for &(i, ends) in &*places {
+            let variance = own_cov[i * n + i];
+            if !(variance > 0.0 && own[i].is_finite()) {
+                continue;
+            }
+            let [mean, std] = truncated([own[i], variance.sqrt()], ends);
+            along.clear();
+            along.extend(own_cov[i * n..(i + 1) * n].iter().map(|entry| entry / variance));
+            let by = mean - own[i];
+            own.iter_mut().zip(&*along).for_each(|(mean, along)| *mean += along * by);
+            own[i] = mean;
+            let more = std * std - variance;
+            for row in 0..n {
+                for column in 0..=row {
+                    let entry = own_cov[row * n + column] + more * (along[row] * along[column]);
+                    (own_cov[row * n + column], own_cov[column * n + row]) = (entry, entry);
+                }
+            }
+        }
+        // A later channel may have moved one before it.
+        places.iter().for_each(|&(i, [least, most])| own[i] = own[i].clamp(least, most));
+        (own, own_cov)
+    }
+}
+
+pub(crate) struct Bounded {
+    pub(crate) inner: Box<dyn Estimator>,
+    pub(crate) truncation: Truncation,
+}
+
+impl Estimator for Bounded {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.inner.begin(&mut Truncating { truncation: &mut self.truncation.clone(), sink })
+    }
+
+    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { inner, truncation } = self;
+        inner.step(before, force, measured, &mut Truncating { truncation, sink })
+    }
+
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { inner, truncation } = self;
+        inner.step_through(parts, &mut Truncating { truncation, sink })
+    }
+
+    fn keep_passages(&mut self) -> bool {
+        self.inner.keep_passages()
+    }
+
+    fn state(&self) -> Option<State> {
+        self.inner.state()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), FilterError> {
+        self.inner.restore(state)
+    }
+}
+
+pub(crate) struct Truncating<'a> {
+    pub(crate) truncation: &'a mut Truncation,
+    pub(crate) sink: &'a mut dyn Sink,
+}
+
+impl Sink for Truncating<'_> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let (mean, cov) = self.truncation.apply(sample.mean, sample.cov);
+        self.sink.push(&Sample { mean, cov, ..*sample });
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.sink.stop_at(stop);
+    }
+
+    fn wants_prior(&self) -> bool {
+        self.sink.wants_prior()
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        self.sink.passages()
+    }
+}

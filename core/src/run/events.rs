@@ -1,0 +1,437 @@
+//! One filter of a scenario over readings that come at their own times.
+
+mod timeline;
+
+use kalmanscope_filters::filter::FilterError;
+use kalmanscope_filters::{Channel, Quantity, Stop};
+use kalmanscope_records::Record;
+use kalmanscope_records::record::Parts;
+use thiserror::Error;
+
+use crate::run::estimator::{Estimator, FilterContext, counts_in_samples};
+use crate::run::pass;
+use crate::run::passage::{Adjoint, Passages};
+use crate::run::sink::{LastSample, Sample, Sink};
+use crate::run::smoother::Hindsight;
+use crate::{FilterSettings, Pass, RunError, Scenario};
+use timeline::{TimedEvent, Timeline};
+
+/// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
+/// late ones too.
+///
+/// ```text
+/// from an event to the next, h later, in n = ⌈h / dt⌉ equal parts:
+///     y⁻ = the prediction over h / n,  P⁻ = λ^(h / n dt) Φ P Φᵀ + Q h / (n dt)
+/// ```
+///
+/// Q and λ of the scenario are those of a step of dt; a shorter one has its share. So a clock with steps of dt gives the
+/// estimates of a [`Pass`] to rounding, and on a linear plant with Q = 0 the times of others matter in no digit. dt is the
+/// longest step of a prediction.
+///
+/// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
+/// again over what came after it. With [`Hold::First`](kalmanscope_filters::Hold::First) the input is linear from one known value to the
+/// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
+///
+/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also reports its estimates in hindsight
+/// ([`Self::hindsight`]).
+///
+/// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
+/// What is refused leaves the filter as it was.
+///
+/// ```
+/// use kalmanscope_core::{EventFilter, Scenario};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut filter = EventFilter::new(&Scenario::from_toml("dt = 0.01\n[[filters]]\nkind = \"ekf\"")?, 0)?;
+/// let missing = f64::NAN;
+/// filter.take(0.0, 1.0, &[missing, missing])?;
+/// filter.take(0.0143, missing, &[0.0001, missing])?;
+/// let sample = filter.take(0.0095, missing, &[missing, 0.009])?; // It comes late.
+/// assert_eq!(sample.mean.len(), 4);
+/// assert_eq!(filter.time(), Some(0.0143));
+/// # Ok(())
+/// # }
+/// ```
+pub struct EventFilter {
+    estimator: Box<dyn Estimator>,
+    settings: FilterSettings,
+    scenario: Scenario,
+    sensors: Vec<Quantity>,
+    channels: Vec<Channel>,
+    timeline: Timeline,
+    /// The time for which hindsight waits \[s\], if it is asked for.
+    look_ahead: Option<f64>,
+    /// Added to the times of inputs \[s\].
+    input_delay: f64,
+    latest: LatestSample,
+    hindsight: Hindsight,
+    in_hindsight: LastSample,
+    stopped: Option<(f64, FilterError)>,
+    again: usize,
+    /// The times of the first event and of the newest one \[s\]: a delayed input waits for its time.
+    first: f64,
+    now: f64,
+    at: usize,
+}
+
+#[derive(Default)]
+struct LatestSample {
+    sample: LastSample,
+    passages: Passages,
+}
+
+impl Sink for LatestSample {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.sample.push(sample);
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+
+    fn wants_prior(&self) -> bool {
+        true
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        Some(&mut self.passages)
+    }
+}
+
+/// Times that differ by less than this share of dt are the same: clocks have decimals.
+const SAME: f64 = 1e-6;
+
+impl EventFilter {
+    /// Seconds for which beliefs are kept, unless [`Self::keeping`] says otherwise.
+    pub const KEPT: f64 = 1.0;
+
+    /// The filter at `place` of a scenario, before its first event.
+    ///
+    /// # Errors
+    /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
+    /// members, several guesses, scales of Q, learning of noise, jumps, a bank, a white force.
+    pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
+        scenario.validate().map_err(RunError::from)?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?.clone();
+        let look_ahead = Some(settings.look_ahead).filter(|seconds| settings.smoother && *seconds > 0.0);
+        let refused = [
+            (settings.guesses > 1, "several guesses"),
+            (settings.process_scales > 1, "scales of Q"),
+            (look_ahead.is_some() && !settings.consider.is_empty(), "hindsight beside parameters that it considers"),
+        ];
+        let refused = refused.into_iter().find_map(|(is, what)| is.then_some(what));
+        if let Some(what) = counts_in_samples(&settings).or(refused) {
+            return Err(EventSetupError::Setting(what));
+        }
+        let sensors = scenario.measured();
+        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
+        Pass::columns(&scenario, place, &record)?;
+        let context = FilterContext::new(&scenario, scenario.dt, &settings);
+        let mut estimator = pass::build(&settings, &context);
+        let mut latest = LatestSample::default();
+        estimator.begin(&mut latest)?;
+        if look_ahead.is_some() {
+            estimator.keep_passages();
+        }
+        Ok(Self {
+            hindsight: Hindsight::new(&settings, &context),
+            channels: context.model(&settings).channels().to_vec(),
+            timeline: Timeline::new(
+                scenario.hold,
+                Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
+            ),
+            look_ahead,
+            input_delay: f64::from(settings.input_delay) * scenario.dt,
+            latest,
+            in_hindsight: LastSample::default(),
+            stopped: None,
+            again: 0,
+            first: f64::NEG_INFINITY,
+            now: f64::NEG_INFINITY,
+            at: 0,
+            estimator,
+            settings,
+            sensors,
+            scenario,
+        })
+    }
+
+    /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
+    #[must_use]
+    pub fn keeping(mut self, seconds: f64) -> Self {
+        let least = Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead);
+        self.timeline = Timeline::new(self.scenario.hold, seconds.max(least));
+        self
+    }
+
+    /// The seconds for which beliefs must be kept: for hindsight, and for sensors that are late.
+    fn least_kept(settings: &FilterSettings, dt: f64, look_ahead: Option<f64>) -> f64 {
+        settings.sensor_delay.iter().map(|late| late + dt).fold(look_ahead.unwrap_or(0.0), f64::max)
+    }
+
+    /// The components of the state, in the order of every mean and covariance.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The quantity of each reading.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// The time of the newest event \[s\].
+    pub fn time(&self) -> Option<f64> {
+        self.now.is_finite().then_some(self.now)
+    }
+
+    /// The estimate that the last call has returned.
+    pub fn sample(&self) -> Sample<'_> {
+        self.latest.sample.sample()
+    }
+
+    /// The events that the last call went over again, because something came late.
+    pub fn again(&self) -> usize {
+        self.again
+    }
+
+    /// Whether it reports estimates in hindsight.
+    pub fn looks_back(&self) -> bool {
+        self.look_ahead.is_some()
+    }
+
+    /// The time of the last event that is at least the look-ahead before the newest one \[s\], and the estimate there in the light of
+    /// all that came since, without innovations. `None` where there is no such event, or no look-ahead.
+    ///
+    /// A smoother with a fixed lag, over the passages that are kept: the cost is that of the events of the look-ahead.
+    pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
+        let newest = self.timeline.last_at(self.now);
+        let then = self.now - self.look_ahead? * (1.0 - SAME);
+        let place = self.timeline.place_until(then)?;
+        let mut belief = self.timeline.events[place].state.as_ref()?.belief.clone();
+        let mut adjoint = Adjoint::nothing(belief.size());
+        for later in (place + 1..=newest).rev() {
+            self.timeline.events[later].passages.iter().rev().for_each(|passage| adjoint.pass(passage));
+        }
+        adjoint.correct(&mut belief);
+        self.hindsight.report(&belief, &mut self.in_hindsight);
+        Some((self.timeline.events[place].time, self.in_hindsight.sample()))
+    }
+
+    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not known,
+    /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
+    /// event; innovations and NIS are NaN if that has no readings.
+    ///
+    /// # Errors
+    /// [`EventError`]. Only where the filter fails does it stop; all else leaves it as it was.
+    pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<Sample<'_>, EventError> {
+        self.check(time, input, readings)?;
+        let force = (!input.is_nan()).then(|| self.scenario.input.force(input));
+        // A delayed input acts at another time than the readings beside it.
+        let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
+        let oldest = self.timeline.events.front().map(|event| event.time);
+        let felt = felt.map(|felt| felt.max(self.first));
+        if let (Some(time), Some(oldest)) = (felt, oldest)
+            && time < oldest
+        {
+            return Err(EventError::TooLate { time, oldest });
+        }
+        let (readings, others) = self.by_time(time, readings);
+        if let Some(oldest) = oldest
+            && let Some(&(time, _)) = others.iter().find(|(time, _)| *time < oldest)
+        {
+            return Err(EventError::TooLate { time, oldest });
+        }
+        (self.again, self.now) = (0, self.now.max(time));
+        let nothing = vec![f64::NAN; readings.len()];
+        match (oldest, felt) {
+            (None, felt) => {
+                self.begin(TimedEvent::new(time, force, readings));
+                // The first value is felt until the second is.
+                if let Some(felt) = felt.filter(|felt| *felt > time) {
+                    self.put(TimedEvent::new(felt, force, nothing))?;
+                }
+            }
+            (Some(_), Some(felt)) => {
+                self.put(TimedEvent::new(felt, force, nothing))?;
+                self.put(TimedEvent::new(time, None, readings))?;
+            }
+            (Some(_), None) => self.put(TimedEvent::new(time, force, readings))?,
+        }
+        for (time, readings) in others {
+            self.put(TimedEvent::new(time, None, readings))?;
+        }
+        self.at -= self.timeline.forget(self.now, self.at);
+        Ok(self.sample())
+    }
+
+    fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
+        if let Some((time, reason)) = self.stopped {
+            return Err(EventError::Stopped { time, reason });
+        }
+        if readings.len() != self.sensors.len() {
+            return Err(EventError::Readings { found: readings.len(), expected: self.sensors.len() });
+        }
+        if !time.is_finite() {
+            return Err(EventError::Time(time));
+        }
+        if input.is_infinite() {
+            return Err(EventError::Input(input));
+        }
+        if let Some((&sensor, _)) = self.sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            return Err(EventError::InfiniteReading(sensor));
+        }
+        let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
+        if time < oldest {
+            return Err(EventError::TooLate { time, oldest });
+        }
+        let before = self.time().unwrap_or(oldest);
+        let steps = libm::round((time - before) / self.scenario.dt);
+        if steps > EventError::MOST_STEPS as f64 {
+            return Err(EventError::Gap { time, before, steps });
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, event: TimedEvent) {
+        (self.first, self.at) = (event.time, 0);
+        self.timeline.insert(event);
+        self.timeline.events[0].state = self.estimator.state();
+    }
+
+    fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {
+        let before = self.at;
+        let first = self.timeline.insert(event).max(1);
+        if first <= before {
+            self.again += before + 1 - first;
+            self.at = first - 1;
+            if let Some(state) = &self.timeline.events[first - 1].state
+                && let Err(reason) = self.estimator.restore(state)
+            {
+                return Err(self.stop(self.timeline.events[first].time, reason));
+            }
+        }
+        let newest = self.timeline.last_at(self.now);
+        while self.at < newest {
+            let place = self.at + 1;
+            if let Err(reason) = self.follow(place) {
+                return Err(self.stop(self.timeline.events[place].time, reason));
+            }
+            self.at = place;
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self, time: f64, reason: FilterError) -> EventError {
+        self.stopped = Some((time, reason));
+        EventError::Stopped { time, reason }
+    }
+
+    /// Takes the filter to an event and its readings, in parts of dt at most.
+    fn follow(&mut self, place: usize) -> Result<(), FilterError> {
+        let Self { estimator, timeline, latest, .. } = self;
+        let times = [place - 1, place].map(|place| timeline.events[place].time);
+        let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
+        let steps = (times[1] - times[0]) / self.scenario.dt;
+        let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
+        latest.passages = Passages::default();
+        estimator.step_through(&parts, latest)?;
+        let event = &mut timeline.events[place];
+        event.passages = std::mem::take(&mut latest.passages).all;
+        event.state = estimator.state();
+        Ok(())
+    }
+
+    /// The readings of this time \[s\], and those of late or early sensors, each with the time that it is of. A reading of a
+    /// time before the first event does not count, as no reading of the first does.
+    fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
+        let (mut own, mut others) = (readings.to_vec(), Vec::new());
+        let first = if self.first.is_finite() { self.first } else { time };
+        for (place, late) in self.settings.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
+            let reading = std::mem::replace(&mut own[place], f64::NAN);
+            let then = time - late;
+            if !reading.is_nan() && then > first + SAME * self.scenario.dt {
+                let mut alone = vec![f64::NAN; readings.len()];
+                alone[place] = reading;
+                others.push((then, alone));
+            }
+        }
+        (own, others)
+    }
+}
+
+/// The reason why an [`EventFilter`](crate::EventFilter) does not take in what came.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EventError {
+    /// The filter has failed, then or before.
+    #[error("the filter has stopped at {time} s: {reason}")]
+    Stopped {
+        /// The time that it could not reach \[s\].
+        time: f64,
+        /// The reason.
+        reason: FilterError,
+    },
+    /// The number of readings is not that of the sensors.
+    #[error("there are {found} readings, but the scenario has {expected} sensors: a missing reading is NaN")]
+    Readings {
+        /// The number of readings.
+        found: usize,
+        /// The number of sensors.
+        expected: usize,
+    },
+    /// A reading is infinite.
+    #[error("the reading of {} is infinite, but must be a number or NaN", .0.key())]
+    InfiniteReading(Quantity),
+    /// The input is infinite.
+    #[error("the input is {0}, but must be a finite number, or NaN where nothing is known of it")]
+    Input(f64),
+    /// The time is not finite.
+    #[error("the time is {0}, but must be a finite number of seconds")]
+    Time(f64),
+    /// It comes later than the filter keeps its beliefs.
+    #[error("the time is {time} s, which is too late: nothing before {oldest} s is kept")]
+    TooLate {
+        /// The time \[s\].
+        time: f64,
+        /// The time of the oldest belief \[s\].
+        oldest: f64,
+    },
+    /// The time since what came before is too long to be bridged.
+    #[error(
+        "the time is {} s, {} steps after {before} s, but at most {} are bridged: begin a new filter",
+        legible(*.time),
+        legible(*.steps),
+        EventError::MOST_STEPS
+    )]
+    Gap {
+        /// The time \[s\].
+        time: f64,
+        /// The time before it \[s\].
+        before: f64,
+        /// The steps of dt between them.
+        steps: f64,
+    },
+}
+
+impl EventError {
+    /// Limits the steps of dt between two events.
+    pub const MOST_STEPS: usize = 100_000;
+}
+
+fn legible(number: f64) -> String {
+    if number.abs() < 1e9 { number.to_string() } else { format!("{number:e}") }
+}
+
+/// A filter that cannot follow events.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EventSetupError {
+    /// The scenario is impossible, or has no such filter.
+    #[error(transparent)]
+    Run(#[from] crate::RunError),
+    /// The filter has a setting that counts in samples.
+    #[error("a filter with {0} follows samples at equal times only")]
+    Setting(&'static str),
+    /// The filter cannot begin.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+}

@@ -1,0 +1,425 @@
+//! Sources of samples, and the simulation of the truth: the plant's response and the sensors' measurements.
+
+pub(crate) mod response;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::model::{Hold, Model, Reading};
+use kalmanscope_filters::random::{Normal, Purpose};
+use kalmanscope_filters::{Channel, Quantity};
+use kalmanscope_records::Record;
+use thiserror::Error;
+
+use crate::scenario::fault::{Act, Moment, Stage};
+use crate::{Force, Scenario, Signal};
+use response::{HALVED, Response};
+
+/// The reason why a truth cannot continue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum TruthError {
+    /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
+    #[error("the true {} is no longer a finite number: the plant is unstable", .0.name())]
+    Channel(Channel),
+    /// The force and the disturbance overflow.
+    #[error("the force is no longer a finite number")]
+    Force,
+    /// A sensor's reading overflows.
+    #[error("the sensor for {} no longer reads a finite number", .0.key())]
+    Reading(Quantity),
+    /// The plant oscillates too fast to be integrated between two samples.
+    #[error("the plant moves too fast between two samples: dt is too long for it")]
+    StepTooLong,
+}
+
+/// The sample at which a truth stopped, and the reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TruthStop {
+    /// The number, counted from the run's beginning, of the first sample that the record lacks.
+    pub sample: usize,
+    /// The reason.
+    pub reason: TruthError,
+}
+
+/// Simulates a record sample by sample, without an end.
+///
+/// Disturbance and parameters are held over each step, the input by the scenario's hold. The response of a linear plant
+/// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
+pub struct Simulator {
+    scenario: Scenario,
+    inputs: Inputs,
+    disturbance_noise: Normal,
+    sensor_noise: Vec<Normal>,
+    faults: Vec<Vec<Act>>,
+    model: Model,
+    signals: Vec<Signal>,
+    readings: Vec<Option<Reading>>,
+    measured: Vec<f64>,
+    state: Vec<f64>,
+    response: Response,
+    load: Option<Load>,
+    stop: Option<TruthStop>,
+}
+
+struct Load {
+    /// The input of the sample, in its unit.
+    recorded: f64,
+    /// The recorded forces over mass at its beginning and at its end \[m/s²\].
+    forces: [f64; 2],
+    /// The unrecorded one \[m/s²\].
+    disturbance: f64,
+}
+
+impl Simulator {
+    /// A simulator at t = 0 of a valid scenario.
+    pub fn new(scenario: &Scenario) -> Self {
+        let stream = |purpose| Normal::new(scenario.seed, purpose);
+        let model = scenario.plant.model(scenario.input);
+        let initial = |channel: &Channel| match *channel {
+            c if c == Channel::DISPLACEMENT => scenario.plant.initial.displacement,
+            c if c == Channel::VELOCITY => scenario.plant.initial.velocity,
+            _ => 0.0,
+        };
+        let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
+        Self {
+            inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
+            disturbance_noise: stream(Purpose::Disturbance),
+            sensor_noise: mapped(&scenario.sensors, &|s| stream(Purpose::Sensor(s.measures))),
+            faults: mapped(&scenario.sensors, &|s| s.faults.acts(s.measures, scenario.seed)),
+            signals: mapped(&model.channels()[model.motion()..], &signal),
+            readings: mapped(&scenario.sensors, &|s| model.reading(s.measures)),
+            measured: Vec::with_capacity(scenario.sensors.len()),
+            state: Vec::with_capacity(model.channels().len()),
+            response: Response::new(model.channels().iter().map(initial)),
+            model,
+            scenario: scenario.clone(),
+            load: None,
+            stop: None,
+        }
+    }
+
+    /// An empty record with the columns of the scenario.
+    pub fn empty_record(&self) -> Record {
+        let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
+        let sensors = mapped(sensors, &|s| s.measures);
+        Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
+    }
+
+    /// Where and why the truth stopped, if it did.
+    pub fn stop(&self) -> Option<TruthStop> {
+        self.stop
+    }
+
+    /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
+    /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
+    pub fn step(&mut self, record: &mut Record) -> bool {
+        let before = place_of_next(record);
+        while !self.advance(record, u64::MAX) {}
+        place_of_next(record) > before
+    }
+
+    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
+    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth lasts until
+    /// then.
+    pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
+        let end = self.response.halved + HALVED;
+        while place_of_next(record) < samples && self.response.halved < end {
+            self.advance(record, end - self.response.halved);
+            if self.stop.is_some() {
+                return place_of_next(record) >= samples;
+            }
+        }
+        true
+    }
+
+    /// Computes the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
+    /// is known. Returns whether the sample is done, or the truth has stopped.
+    fn advance(&mut self, record: &mut Record, most: u64) -> bool {
+        if self.stop.is_some() {
+            return true;
+        }
+        self.try_advance(record, most).unwrap_or_else(|reason| {
+            self.stop = Some(TruthStop { sample: place_of_next(record), reason });
+            true
+        })
+    }
+
+    fn try_advance(&mut self, record: &mut Record, most: u64) -> Result<bool, TruthError> {
+        let load = match self.load.take() {
+            Some(load) => load,
+            None => self.sample(place_of_next(record))?,
+        };
+        let Load { recorded, forces, disturbance } = load;
+        let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+        if is_done == Ok(false) {
+            self.load = Some(load);
+        } else {
+            record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+        }
+        is_done
+    }
+
+    fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
+        let Self { scenario, inputs, disturbance_noise, sensor_noise, faults, .. } = self;
+        let Self { model, signals, readings, measured, state, .. } = self;
+        let response = &mut self.response;
+        let t = k as f64 * scenario.dt;
+        for (place, signal) in signals.iter().enumerate() {
+            response.set(model.motion() + place, signal.at(t));
+        }
+        // The disturbance has its own random stream, so skipping its draws changes no other number.
+        let disturbance = match scenario.plant.disturbance_std {
+            0.0 => 0.0,
+            std => std * disturbance_noise.sample(),
+        };
+        let recorded = inputs.at(k);
+        let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
+        let (force, next) = (acting(k), acting(k + 1));
+        state.clear();
+        state.extend_from_slice(response.state());
+        if let Some(place) = state.iter().position(|x| !x.is_finite()) {
+            return Err(TruthError::Channel(model.channels()[place]));
+        }
+        if !(force + disturbance).is_finite() {
+            return Err(TruthError::Force);
+        }
+        measured.clear();
+        for (((sensor, noise), faults), reading) in scenario.sensors.iter().zip(sensor_noise).zip(faults).zip(readings)
+        {
+            let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
+            let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
+            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(Stage::Exact, exact, &moment));
+            let noise =
+                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(Stage::Noise, noise, &moment));
+            let value = exact + sensor.noise_std * noise;
+            if !value.is_finite() {
+                return Err(TruthError::Reading(sensor.measures));
+            }
+            let reported =
+                faults.iter_mut().fold(value, |reading, fault| fault.apply(Stage::Reading, reading, &moment));
+            if reported.is_infinite() {
+                return Err(TruthError::Reading(sensor.measures));
+            }
+            measured.push(reported);
+        }
+        inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
+        let end = match scenario.hold {
+            Hold::Zero => force,
+            Hold::First => next,
+        };
+        Ok(Load { recorded, forces: [force, end], disturbance })
+    }
+}
+
+/// The record of a valid scenario, as far as its truth goes.
+pub fn simulate(scenario: &Scenario) -> Record {
+    let mut simulator = Simulator::new(scenario);
+    let mut record = simulator.empty_record();
+    for _ in 0..scenario.samples() {
+        if !simulator.step(&mut record) {
+            break;
+        }
+    }
+    record
+}
+
+fn place_of_next(record: &Record) -> usize {
+    record.forgotten() + record.len()
+}
+
+/// The input of each sample, in its unit: kept as far back and drawn as far ahead as needed.
+struct Inputs {
+    force: Force,
+    dt: f64,
+    noise: Normal,
+    first: usize,
+    kept: VecDeque<f64>,
+}
+
+impl Inputs {
+    fn new(force: Force, dt: f64, noise: Normal) -> Self {
+        Self { force, dt, noise, first: 0, kept: VecDeque::new() }
+    }
+
+    fn at(&mut self, k: usize) -> f64 {
+        while self.first + self.kept.len() <= k {
+            let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);
+            self.kept.push_back(next);
+        }
+        self.kept[k - self.first]
+    }
+
+    /// The input `delay` samples before sample `k`, negative for after it. Before the record the first input holds.
+    fn delayed(&mut self, k: usize, delay: i32) -> f64 {
+        let steps = delay.unsigned_abs() as usize;
+        self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })
+    }
+
+    fn forget_before(&mut self, k: usize) {
+        while self.first < k && self.kept.pop_front().is_some() {
+            self.first += 1;
+        }
+    }
+}
+
+/// The source of a run's samples.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// A simulation of the scenario's truth.
+    #[default]
+    Simulated,
+    /// A given record. Its time between samples replaces the scenario's.
+    Measured(Arc<Record>),
+    /// A given record to which samples are still added: [`Run::lengthen`](crate::Run::lengthen). Smoothers and free runs, which need the end, wait.
+    Live(Arc<Record>),
+}
+
+impl Source {
+    /// The record, if it is given.
+    pub fn record(&self) -> Option<&Arc<Record>> {
+        match self {
+            Self::Simulated => None,
+            Self::Measured(record) | Self::Live(record) => Some(record),
+        }
+    }
+
+    /// Whether the samples are measured, not simulated.
+    pub fn is_measured(&self) -> bool {
+        self.record().is_some()
+    }
+}
+
+/// The record of a run: simulated, or given.
+pub(crate) struct Recording {
+    simulator: Option<Box<Simulator>>,
+    record: Arc<Record>,
+    pub(crate) is_live: bool,
+}
+
+impl Recording {
+    /// The empty record of a valid scenario, in the memory of an old one; or a given one.
+    pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
+        match source {
+            Source::Measured(record) => Self::given(record, false),
+            Source::Live(record) => Self::given(record, true),
+            Source::Simulated => {
+                let simulator = Box::new(Simulator::new(scenario));
+                let mut record = simulator.empty_record();
+                if let Some(spare) = spare {
+                    record.recycle(spare);
+                }
+                Self { simulator: Some(simulator), record: Arc::new(record), is_live: false }
+            }
+        }
+    }
+
+    pub(crate) fn given(record: Arc<Record>, is_live: bool) -> Self {
+        Self { simulator: None, record, is_live }
+    }
+
+    pub(crate) fn source(&self) -> Source {
+        match (&self.simulator, self.is_live) {
+            (Some(_), _) => Source::Simulated,
+            (None, false) => Source::Measured(Arc::clone(&self.record)),
+            (None, true) => Source::Live(Arc::clone(&self.record)),
+        }
+    }
+
+    pub(crate) fn record(&self) -> &Record {
+        &self.record
+    }
+
+    pub(crate) fn into_simulated(self) -> Option<Record> {
+        self.simulator.and_then(|_| Arc::into_inner(self.record))
+    }
+
+    /// Of a live record those that a filter can do, which may read the input of later ones.
+    pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
+        match &self.simulator {
+            Some(_) => scenario.samples(),
+            None if self.is_live => self.record.len().saturating_sub(lookahead(scenario, self.record.dt())),
+            None => self.record.len(),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        place_of_next(&self.record)
+    }
+
+    /// Counted from the beginning. Returns false if the truth has diverged before.
+    pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
+        while self.len() < samples {
+            if !self.advance_some(samples) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
+    pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
+        let Some(simulator) = &mut self.simulator else { return self.len() >= samples };
+        simulator.advance_some(Arc::make_mut(&mut self.record), samples)
+    }
+
+    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.
+    pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
+        let continues = self.is_live && longer.goes_on_from(&self.record);
+        if continues {
+            self.record = longer;
+        }
+        continues
+    }
+
+    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
+    pub(crate) fn forget(&mut self, samples: usize) -> bool {
+        let is_simulated = self.simulator.is_some();
+        if is_simulated {
+            Arc::make_mut(&mut self.record).forget(samples);
+        }
+        is_simulated
+    }
+
+    pub(crate) fn stop(&self) -> Option<TruthStop> {
+        self.simulator.as_ref().and_then(|simulator| simulator.stop())
+    }
+}
+
+/// The number of samples, `dt` \[s\] apart, beyond its last one that a filter of a scenario reads of the record.
+pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
+    scenario.filters.iter().map(|filter| filter.delays(dt).lookahead()).max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plant that needs thousands of halved steps for each sample.
+    const HARD: &str = include_str!("../../../tests/hostile/hard-truth.toml");
+
+    #[test]
+    fn a_piece_of_a_hard_truth_halves_few_steps_and_the_record_is_that_of_whole_samples() {
+        const SAMPLES: usize = 6;
+        let scenario = Scenario::from_toml(HARD).unwrap();
+        let mut whole = Simulator::new(&scenario);
+        let mut expected = whole.empty_record();
+        (0..SAMPLES).for_each(|_| assert!(whole.step(&mut expected)));
+        assert!(whole.response.halved > 1000 * SAMPLES as u64, "the steps of a sample are halved often");
+        let mut simulator = Simulator::new(&scenario);
+        let mut record = simulator.empty_record();
+        let mut pieces = 0;
+        while record.len() < SAMPLES {
+            let before = simulator.response.halved;
+            assert!(simulator.advance_some(&mut record, SAMPLES));
+            assert!(simulator.response.halved - before <= HALVED);
+            pieces += 1;
+        }
+        assert!(pieces as u64 >= whole.response.halved / HALVED, "{pieces}");
+        for sensor in 0..record.sensors().len() {
+            assert_eq!(record.measured(sensor), expected.measured(sensor));
+        }
+        assert_eq!(record.truth(Channel::DISPLACEMENT), expected.truth(Channel::DISPLACEMENT));
+    }
+}

@@ -1,0 +1,209 @@
+//! Samples of a filter's results, and their receivers.
+
+use kalmanscope_filters::Stop;
+use kalmanscope_filters::gaussian_likelihood;
+
+use crate::run::passage::Passages;
+
+/// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
+/// channels, m sensors.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample<'a> {
+    /// Mean, n numbers.
+    pub mean: &'a [f64],
+    /// Covariance, n × n, symmetric to the last bit.
+    pub cov: &'a [f64],
+    /// Mean before the update, n numbers; empty unless the sink wants it ([`Sink::wants_prior`](crate::Sink::wants_prior)). At the first sample and where
+    /// nothing was measured it is the mean.
+    pub prior_mean: &'a [f64],
+    /// Covariance before the update, n × n; empty unless the sink wants it.
+    pub prior_cov: &'a [f64],
+    /// The innovation e of each sensor in its unit, m numbers; NaN where a sensor measured nothing.
+    pub innovation: &'a [f64],
+    /// S, the covariance of e, m × m.
+    pub innovation_cov: &'a [f64],
+    /// K: for each sensor, the change of each channel by a unit of innovation; m × n.
+    pub gain: &'a [f64],
+    /// The readings of the step to this sample that one of the same sensor follows in it. e, S and K are those of the last one; NIS
+    /// and det S count all.
+    pub earlier: u32,
+    /// Normalised innovation squared.
+    pub nis: f64,
+    /// det S over the sensors with a measurement; zero or infinite where it underflows or overflows.
+    pub determinant: f64,
+    /// For a particle filter, the logarithm of the mean likelihood of its particles; NaN for other filters, where it
+    /// follows from NIS and det S.
+    pub log_likelihood: f64,
+    /// Effective sample size of a particle filter before it resampled; NaN for any other.
+    pub effective_samples: f64,
+    /// For an adaptive filter, the present variances of process and sensor noise.
+    pub noise: Option<AssumedNoise<'a>>,
+    /// For a filter that weighs its readings, the weight of each sensor's, from 0 for none to about 1, m numbers; NaN where a sensor
+    /// measured nothing, and empty for any other filter.
+    pub weights: &'a [f64],
+    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once; of a bank, whether it is
+    /// from this sample on more probable that its parameters walk.
+    pub has_widened: bool,
+}
+
+impl<'a> Sample<'a> {
+    /// A belief without a measurement, and without that before it.
+    pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
+        let nan = f64::NAN;
+        Self { mean, cov, nis: nan, determinant: nan, log_likelihood: nan, effective_samples: nan, ..Self::default() }
+    }
+
+    /// The number of readings in its update.
+    pub fn readings(&self) -> u32 {
+        self.earlier + readings(self.innovation)
+    }
+
+    /// The log likelihood of the measurements, of every kind of filter; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    pub fn ln_likelihood(&self) -> f64 {
+        let Self { innovation, innovation_cov, nis, determinant, log_likelihood: own, .. } = *self;
+        match self.readings() {
+            0 => f64::NAN,
+            _ if !own.is_nan() => own,
+            measured => {
+                let ln_determinant = gaussian_likelihood::ln_determinant(determinant, innovation_cov, innovation.len());
+                gaussian_likelihood::log_likelihood(nis, ln_determinant, measured)
+            }
+        }
+    }
+}
+
+#[inline]
+pub(crate) fn readings(innovation: &[f64]) -> u32 {
+    innovation.iter().map(|e| u32::from(!e.is_nan())).sum()
+}
+
+/// The variances of an adaptive filter.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AssumedNoise<'a> {
+    /// Diagonal of Q, n numbers, in the state's units squared.
+    pub process: &'a [f64],
+    /// Diagonal of R, m numbers, in the sensors' units squared.
+    pub sensors: &'a [f64],
+    /// The variance of each number of [`Self::sensors`]; zero where R is not learnt.
+    pub uncertainty: &'a [f64],
+    /// Mean and standard deviation of ln s, where s is the factor between √Q and the √Q of the settings; NaN for a filter with one scale
+    /// ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    pub process_scale: [f64; 2],
+}
+
+/// Receives the samples of one filter in turn: a full history ([`Estimates`]), or running sums
+/// ([`Scores`](crate::Scores)).
+///
+/// ```
+/// use kalmanscope_core::{Sample, Sink};
+/// use kalmanscope_core::{Pass, Run, Scenario, Stop};
+///
+/// /// The largest NIS so far.
+/// struct Largest(f64);
+///
+/// impl Sink for Largest {
+///     fn push(&mut self, sample: &Sample<'_>) {
+///         self.0 = self.0.max(sample.nis);
+///     }
+///
+///     fn stop_at(&mut self, _: Stop) {}
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+/// let mut run = Run::new(&scenario)?;
+/// run.finish();
+/// let mut largest = Largest(0.0);
+/// Pass::new(&scenario, 0, run.record())?.follow(run.record(), 501, &mut largest);
+/// assert_eq!(largest.0, run.estimates()[0].nis()[1..].iter().copied().fold(0.0, f64::max));
+/// # Ok(())
+/// # }
+/// ```
+pub trait Sink {
+    /// Takes in the next sample. The first one is the initial belief.
+    fn push(&mut self, sample: &Sample<'_>);
+
+    /// Notes that the filter has stopped; there are no more samples.
+    fn stop_at(&mut self, stop: Stop);
+
+    /// Whether samples are to have the belief before the update too, `prior_mean` and `prior_cov`. It is copied for a sink
+    /// that asks, and costs nothing else.
+    fn wants_prior(&self) -> bool {
+        false
+    }
+
+    /// The passages of a smoother's sink, to which the filter adds those of each step.
+    #[doc(hidden)]
+    fn passages(&mut self) -> Option<&mut Passages> {
+        None
+    }
+}
+
+impl Sink for Passages {
+    fn push(&mut self, _: &Sample<'_>) {}
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.stop = Some(stop);
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        Some(self)
+    }
+}
+
+/// A sink that keeps the last sample alone, in memory that it uses again, with the belief before its update.
+#[derive(Clone, Debug, Default)]
+pub struct LastSample {
+    /// Its vectors and matrices, the variances that a filter learns among them, in the order of [`parts`].
+    parts: [Vec<f64>; 11],
+    /// The same sample with empty vectors and matrices.
+    scalars: Sample<'static>,
+    without_prior: bool,
+}
+
+fn parts<'a>(sample: &Sample<'a>) -> [&'a [f64]; 11] {
+    let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, .. } = *sample;
+    let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);
+    let [process, sensors, uncertainty] = noise.unwrap_or_default();
+    [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, process, sensors, uncertainty]
+}
+
+impl LastSample {
+    /// Sets whether it wants the belief before the update.
+    pub fn want_prior(&mut self, wants: bool) {
+        self.without_prior = !wants;
+    }
+
+    /// The sample; without numbers before the first one.
+    pub fn sample(&self) -> Sample<'_> {
+        let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = &self.parts;
+        let [process, sensors, uncertainty] = noise;
+        let noise = self.scalars.noise.map(|noise| AssumedNoise { process, sensors, uncertainty, ..noise });
+        let sample = Sample { mean, cov, prior_mean, prior_cov, noise, weights, ..self.scalars };
+        Sample { innovation, innovation_cov, gain, ..sample }
+    }
+}
+
+impl Sink for LastSample {
+    fn push(&mut self, sample: &Sample<'_>) {
+        for (kept, part) in self.parts.iter_mut().zip(parts(sample)) {
+            kept.clear();
+            kept.extend_from_slice(part);
+        }
+        let Sample { earlier, nis, determinant, log_likelihood, effective_samples, has_widened, .. } = *sample;
+        let noise =
+            sample.noise.map(|AssumedNoise { process_scale, .. }| AssumedNoise { process_scale, ..Default::default() });
+        let scalars = Sample { earlier, nis, determinant, log_likelihood, effective_samples, ..Sample::default() };
+        self.scalars = Sample { noise, has_widened, ..scalars };
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+
+    fn wants_prior(&self) -> bool {
+        !self.without_prior
+    }
+}

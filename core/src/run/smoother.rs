@@ -1,0 +1,385 @@
+//! Smoothed estimates: each sample in the light of later ones, of all or of the next few.
+//!
+//! A filter on its way forward, and its way back: the modified Bryson-Frazier smoother runs the adjoint of the filter backward.
+//!
+//! ```text
+//! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
+//! Λ̃ₖ = Hᵀ S⁻¹ H + (I - K H)ᵀ Λ̂ₖ (I - K H),  λ̃ₖ = (I - K H)ᵀ λ̂ₖ - Hᵀ S⁻¹ e
+//! Pₖˢ = Pₖ - Pₖ Λ̂ₖ Pₖ,                       yₖˢ = yₖ - Pₖ λ̂ₖ
+//! ```
+//!
+//! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
+//! covariance, which becomes singular where a motion dies out and has no process noise: G then grows as the motion
+//! decays, so that the rounding of later samples grows backward until it is as large as the result. The adjoint decays
+//! backward as the motion does forward, and needs no inverse but that of S.
+//!
+//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next
+//! state and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers
+//! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
+//!
+//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
+//! jump ([`kalmanscope_filters::filter::jump`]) adds to P⁻.
+//!
+//! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
+//! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
+
+use std::collections::VecDeque;
+
+use kalmanscope_filters::Stop;
+use kalmanscope_filters::engine::model;
+use kalmanscope_filters::filter::{FilterError, Gaussian};
+use kalmanscope_filters::linalg::{Matrix, Vector};
+use kalmanscope_records::Record;
+
+use crate::run::estimator::update::InUnits;
+use crate::run::estimator::{FilterContext, Truncating, Truncation};
+use crate::run::passage::{Adjoint, Passage, Passages, Update, congruence};
+use crate::run::sink::{Sample, Sink};
+use crate::run::waste::Piecewise;
+use crate::{Estimates, FilterSettings, Pass};
+
+/// A smoother in progress. If its filter stops, it ends with the last sample before.
+pub trait Smoother: Piecewise {
+    /// Continues for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
+    /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
+    fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
+
+    /// The share of its work that is done, from 0 to 1.
+    fn progress(&self, samples: usize) -> f64;
+
+    /// Whether it takes in more samples later; else it needs the last one.
+    fn goes_along(&self) -> bool;
+}
+
+impl Piecewise for Box<dyn Smoother> {
+    fn free_piece(&mut self) -> bool {
+        (**self).free_piece()
+    }
+}
+
+/// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
+pub struct Forward {
+    pass: Pass,
+    sink: Passages,
+    hindsight: Hindsight,
+}
+
+pub(crate) struct Hindsight {
+    in_units: Option<Box<InUnits>>,
+    truncation: Truncation,
+}
+
+impl Forward {
+    /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
+    pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
+        let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
+        let mut pass = Pass::with(&one, context, sensors);
+        pass.keep_passages().then(|| Self {
+            pass,
+            sink: Passages::default(),
+            hindsight: Hindsight::new(settings, context),
+        })
+    }
+
+    /// The belief after the next sample, and the passages to it in order: none for the first one, where the filter begins.
+    pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
+        let Self { pass, sink, .. } = self;
+        pass.follow(record, pass.done() + 1, sink);
+        let passages = std::mem::take(&mut sink.all);
+        match (sink.stop, sink.belief.take()) {
+            (None, Some(belief)) => Ok((belief, passages)),
+            (stop, _) => Err(stop.unwrap_or(Stop { sample: pass.done(), reason: FilterError::NotFinite })),
+        }
+    }
+}
+
+impl Hindsight {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
+        let model = context.model(settings);
+        let in_units = InUnits::new(&model::Model::of(&model).logarithms, model.size(), 0);
+        Self { in_units, truncation: Truncation::of(settings, model.channels()) }
+    }
+
+    /// Hands a belief to a sink, whatever its numbers are in the channels' units.
+    pub(crate) fn report(&mut self, Gaussian { mean, cov }: &Gaussian, sink: &mut dyn Sink) {
+        let Self { in_units, truncation } = self;
+        let sample = Sample::unmeasured(mean.as_slice(), cov.as_slice());
+        let mut sink = Truncating { truncation, sink };
+        match in_units.as_deref_mut() {
+            Some(in_units) => sink.push(&in_units.take(sample).0),
+            None => sink.push(&sample),
+        }
+    }
+}
+
+/// Limits the samples freed in one call, which takes about a millisecond.
+const FREED: usize = 4_000;
+
+/// The smoother of a whole record: the filter goes forward, its adjoint backward.
+pub struct FixedInterval {
+    forward: Forward,
+    /// The belief after each sample: of the filter, then of the smoother.
+    beliefs: Vec<Gaussian>,
+    /// From each sample to the next, one or several.
+    passages: Vec<Vec<Passage>>,
+    adjoint: Adjoint,
+    stop: Option<Stop>,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy)]
+enum Stage {
+    Forth,
+    Back(usize),
+    Report(usize),
+}
+
+impl FixedInterval {
+    /// A smoother over the passage of this filter.
+    pub fn new(forward: Forward) -> Self {
+        let (beliefs, passages) = (Vec::new(), Vec::new());
+        Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: Stage::Forth }
+    }
+
+    fn smooth(&mut self, k: usize) {
+        let Self { beliefs, passages, adjoint, .. } = self;
+        if k + 1 == passages.len() {
+            *adjoint = Adjoint::nothing(beliefs[k].size());
+        }
+        passages[k].iter().rev().for_each(|passage| adjoint.pass(passage));
+        adjoint.correct(&mut beliefs[k]);
+    }
+}
+
+impl Smoother for FixedInterval {
+    /// The samples must be the same in each call: this smoother needs the last one.
+    fn advance(&mut self, record: &Record, samples: usize, _: bool, steps: usize, estimates: &mut Estimates) -> bool {
+        for _ in 0..steps {
+            match self.stage {
+                Stage::Forth => {
+                    let Self { forward, beliefs, passages, stop, .. } = self;
+                    let k = beliefs.len();
+                    if k == 0 {
+                        // Reserves memory now: growing a large vector copies it, which takes long.
+                        beliefs.reserve(samples);
+                        passages.reserve(samples);
+                    }
+                    if k == samples || stop.is_some() {
+                        self.stage = Stage::Back(k.saturating_sub(1));
+                        continue;
+                    }
+                    match forward.filter(record) {
+                        Ok((belief, passage)) => {
+                            beliefs.push(belief);
+                            if k > 0 {
+                                passages.push(passage);
+                            }
+                        }
+                        Err(at) => *stop = Some(at),
+                    }
+                }
+                Stage::Back(0) => self.stage = Stage::Report(0),
+                Stage::Back(k) => {
+                    self.smooth(k - 1);
+                    self.stage = Stage::Back(k - 1);
+                }
+                Stage::Report(k) if k == self.beliefs.len() => {
+                    if let Some(stop) = self.stop {
+                        estimates.stop_at(stop);
+                    }
+                    return true;
+                }
+                Stage::Report(k) => {
+                    self.forward.hindsight.report(&self.beliefs[k], estimates);
+                    self.stage = Stage::Report(k + 1);
+                }
+            }
+        }
+        false
+    }
+
+    fn progress(&self, samples: usize) -> f64 {
+        let of = |done: usize| done as f64 / samples.max(1) as f64;
+        match self.stage {
+            // The way forth takes the most time.
+            Stage::Forth => 0.6 * of(self.beliefs.len()),
+            Stage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
+            Stage::Report(k) => 0.9 + 0.1 * of(k),
+        }
+    }
+
+    fn goes_along(&self) -> bool {
+        false
+    }
+}
+
+impl Piecewise for FixedInterval {
+    fn free_piece(&mut self) -> bool {
+        let end = self.beliefs.len().saturating_sub(FREED);
+        let had_any = !self.beliefs.is_empty();
+        self.beliefs.truncate(end);
+        self.passages.truncate(end);
+        had_any
+    }
+}
+
+/// The smoother with a fixed lag: it goes along with the filter, and knows each sample in the light of the next few.
+///
+/// Each report needs the way back over all passages of the lag. The window moves by one passage a sample, and the ways
+/// back compose: two stacks keep the composition of the window at about three compositions a sample, whatever the lag.
+///
+/// Source: Anderson and Moore (1979), Optimal filtering, chapter 7; Särkkä and García-Fernández (2021), Temporal
+/// parallelization of Bayesian smoothers; Tangwongsan, Hirzel and Schneider (2015), General incremental sliding-window
+/// aggregation.
+pub(crate) struct FixedLag {
+    forward: Forward,
+    lag: usize,
+    beliefs: VecDeque<Gaussian>,
+    reported: usize,
+    window: LagWindow,
+    stop: Option<Stop>,
+}
+
+impl FixedLag {
+    /// The smoother of a filter before its first sample, with a lag of at least one sample.
+    pub(crate) fn new(forward: Forward, lag: usize) -> Self {
+        let lag = lag.max(1);
+        Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
+    }
+
+    fn report(&mut self, estimates: &mut Estimates) {
+        let Some(mut belief) = self.beliefs.pop_front() else { return };
+        if self.reported >= estimates.forgotten() {
+            self.window.adjoint(belief.size()).correct(&mut belief);
+            self.forward.hindsight.report(&belief, estimates);
+        }
+        self.window.older.pop();
+        self.reported += 1;
+    }
+}
+
+impl Smoother for FixedLag {
+    fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool {
+        for _ in 0..steps {
+            let filtered = self.reported + self.beliefs.len();
+            let is_end = self.stop.is_some() || (is_whole && filtered == samples);
+            if self.beliefs.len() > self.lag || (is_end && !self.beliefs.is_empty()) {
+                if !self.window.turn_one() {
+                    self.report(out);
+                }
+            } else if is_end || filtered == samples {
+                if let Some(stop) = self.stop {
+                    out.stop_at(stop);
+                }
+                return true;
+            } else {
+                match self.forward.filter(record) {
+                    Ok((belief, passages)) => {
+                        self.beliefs.push_back(belief);
+                        self.window.push(&passages);
+                    }
+                    Err(at) => self.stop = Some(at),
+                }
+            }
+        }
+        false
+    }
+
+    fn progress(&self, samples: usize) -> f64 {
+        (self.reported + self.beliefs.len()) as f64 / samples.max(1) as f64
+    }
+
+    fn goes_along(&self) -> bool {
+        true
+    }
+}
+
+impl Piecewise for FixedLag {
+    fn free_piece(&mut self) -> bool {
+        self.beliefs.pop_back().is_some() || self.window.older.pop().is_some() || self.window.newer.pop().is_some()
+    }
+}
+
+/// The way back over several passages.
+///
+/// ```text
+/// λ ↦ Aᵀ λ - b,  Λ ↦ Aᵀ Λ A + C
+/// ```
+struct WayBack {
+    /// A, n × n.
+    closed_loop: Matrix,
+    /// b, n numbers.
+    score: Vector,
+    /// C, n × n.
+    information: Matrix,
+}
+
+impl WayBack {
+    fn over(Passage { transition, update }: &Passage) -> Self {
+        let n = transition.nrows();
+        let Some(Update { kept, information, score }) = update else {
+            return Self { closed_loop: transition.clone(), score: Vector::zeros(n), information: Matrix::zeros(n, n) };
+        };
+        let mut gained = information.clone();
+        congruence(&mut gained, transition);
+        Self { closed_loop: kept * transition, score: transition.tr_mul(score), information: gained }
+    }
+
+    fn after(&self, later: &Self) -> Self {
+        let mut gained = later.information.clone();
+        congruence(&mut gained, &self.closed_loop);
+        Self {
+            closed_loop: &later.closed_loop * &self.closed_loop,
+            score: &self.score + self.closed_loop.tr_mul(&later.score),
+            information: &self.information + gained,
+        }
+    }
+}
+
+/// The ways back over the passages of a window, as two stacks.
+#[derive(Default)]
+struct LagWindow {
+    /// For each of the older passages, the way back from the last of them over all to it; the oldest is the last.
+    older: Vec<WayBack>,
+    newer: Vec<WayBack>,
+    over_newer: Option<WayBack>,
+}
+
+impl LagWindow {
+    fn push(&mut self, passages: &[Passage]) {
+        let over = |passages: &[Passage]| {
+            let ways = passages.iter().map(WayBack::over);
+            ways.reduce(|before, next| before.after(&next))
+        };
+        let Some(one) = over(passages) else { return };
+        self.over_newer = match &self.over_newer {
+            Some(newer) => Some(newer.after(&one)),
+            None => over(passages),
+        };
+        self.newer.push(one);
+    }
+
+    /// Where no older passages are left, turns one of the newer into the older. Returns whether there was one to turn.
+    fn turn_one(&mut self) -> bool {
+        let turns = self.older.is_empty() || self.over_newer.is_none();
+        let Some(one) = self.newer.pop_if(|_| turns) else { return false };
+        self.over_newer = None;
+        let turned = match self.older.last() {
+            Some(later) => one.after(later),
+            None => one,
+        };
+        self.older.push(turned);
+        true
+    }
+
+    /// All that the window knows about the sample before it.
+    fn adjoint(&self, n: usize) -> Adjoint {
+        let adjoint_of =
+            |WayBack { score, information, .. }: &WayBack| Adjoint { score: -score, information: information.clone() };
+        match (self.older.last(), &self.over_newer) {
+            (Some(older), Some(newer)) => adjoint_of(&older.after(newer)),
+            (Some(all), None) => adjoint_of(all),
+            (None, _) => Adjoint::nothing(n),
+        }
+    }
+}

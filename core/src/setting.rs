@@ -1,0 +1,59 @@
+//! The settings of scenarios and filters, as data: one row each.
+//!
+//! A row has a setting's key, words, limits and place. Validation, sliders, axes of maps, searches, remedies and lessons read it. An
+//! [`Address`] means one number of a scenario, and an [`Edit`] is a setting with its new value.
+
+mod address;
+mod change;
+mod choice;
+mod edit;
+mod filter;
+pub(super) mod info;
+mod place;
+mod scenario;
+mod table;
+mod words;
+
+use kalmanscope_filters::channel::Channel;
+
+use crate::scenario::Scenario;
+
+pub use address::{Address, UnknownSetting, addresses, words_of};
+pub use change::{Change, Changed};
+pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
+pub use edit::Edit;
+pub use filter::{
+    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, PROCESS_SCALES, SMOOTHER, WALK, of_filter,
+    options,
+};
+pub(crate) use info::by_key;
+pub use info::{Allowed, SettingInfo};
+pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
+pub use table::{
+    CORRELATION_TIME, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo,
+};
+
+/// The symbol of a setting, a table or a channel of a scenario with a key, if it has one.
+pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {
+    let filters = of_filter().map(|info| (info.key, info.symbol));
+    let of_scenario = of_scenario().map(|info| (info.key, info.symbol));
+    let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
+    let mut all = filters.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
+    let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
+    found.or_else(|| scenario.channel(key).map(Channel::symbol))
+}
+
+/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
+fn name(scenario: &Scenario, key: &str) -> String {
+    let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
+    let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));
+    let rows = of_filter().map(|row| (row.key, row.name)).chain(of_scenario().map(|row| (row.key, row.name)));
+    let part = |part: &str| match (symbol(scenario, part), part.parse::<usize>()) {
+        (Some(symbol), _) => symbol.to_owned(),
+        (None, Ok(place)) => (place + 1).to_string(),
+        (None, Err(_)) => part.replace('_', " "),
+    };
+    let named = || choices.chain(rows).find(|(own, _)| *own == key).map(|(_, name)| name);
+    let whole = symbol(scenario, key).or_else(named);
+    whole.map_or_else(|| key.split('.').map(part).collect::<Vec<_>>().join(" "), str::to_owned)
+}

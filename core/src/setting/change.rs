@@ -1,0 +1,391 @@
+//! Changes of a scenario, and what was before them.
+
+use kalmanscope_filters::lists::sort_items;
+use kalmanscope_filters::plant::PlantKind;
+use kalmanscope_filters::quantity::Quantity;
+use kalmanscope_records::document::{self, Document};
+
+use super::{
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, address, edit, name, of_filter,
+};
+use crate::scenario::address::{of_filter as address_of, split_id};
+use crate::scenario::{FilterSettings, Scenario, ScenarioError, Sensor};
+
+/// Changes of a scenario, in the order in which they are made: settings with their new values, and filters and sensors that come or go.
+/// It is made where a user or a program says what to change, and applies to any scenario that has these settings.
+///
+/// ```
+/// use kalmanscope_core::{Scenario, setting::Change};
+///
+/// let mut scenario = Scenario::default();
+/// let mut change = Change::default();
+/// change.set(&scenario, "filters.EKF.fading", 1.0);
+/// assert_eq!(change.apply(&mut scenario).unwrap(), ["filters#1.fading"]);
+/// assert_eq!(scenario.filters[0].fading, 1.0);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change(Vec<Part>);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Part {
+    Number(Address, f64),
+    Edit(Edit),
+    /// Null for a setting that is left out.
+    Value(String, Document),
+    Filter(usize, Box<FilterSettings>),
+    NoFilter(u32),
+    Sensor(Box<Sensor>),
+    NoSensor(Quantity),
+    Plant(PlantKind),
+}
+
+impl Change {
+    /// Gives the number at an address of a scenario a value.
+    pub fn set(&mut self, scenario: &Scenario, address: &str, value: f64) {
+        match Address::parse(scenario, address) {
+            Ok(address) => self.set_at(address, value),
+            // It is refused where it is applied.
+            Err(_) => self.edit(Edit::new(address, value)),
+        }
+    }
+
+    /// Gives a number a value.
+    pub fn set_at(&mut self, address: Address, value: f64) {
+        self.0.push(Part::Number(address, value));
+    }
+
+    /// Gives a setting a value.
+    pub fn edit(&mut self, edit: Edit) {
+        self.0.push(Part::Edit(edit));
+    }
+
+    /// Gives the setting at an address a value as a file has it: for none its default, or no place in a table in which it need not be.
+    pub fn put(&mut self, address: impl Into<String>, value: &impl serde::Serialize) {
+        self.0.push(Part::Value(address.into(), document::of(value).unwrap_or_default()));
+    }
+
+    /// Puts a filter in place of the one with its id, or else adds it at a place.
+    pub fn put_filter(&mut self, place: usize, filter: FilterSettings) {
+        self.0.push(Part::Filter(place, Box::new(filter)));
+    }
+
+    /// Takes out the filter with an id.
+    pub fn remove_filter(&mut self, id: u32) {
+        self.0.push(Part::NoFilter(id));
+    }
+
+    /// Puts a sensor in place of that of its quantity, or else adds it.
+    pub fn put_sensor(&mut self, sensor: Sensor) {
+        self.0.push(Part::Sensor(Box::new(sensor)));
+    }
+
+    /// Takes out the sensor of a quantity.
+    pub fn remove_sensor(&mut self, quantity: Quantity) {
+        self.0.push(Part::NoSensor(quantity));
+    }
+
+    /// Makes the truth a plant of this kind.
+    pub fn set_plant(&mut self, kind: PlantKind) {
+        self.0.push(Part::Plant(kind));
+    }
+
+    /// Changes a scenario, and turns off the options of filters that then exclude each other. Returns the addresses of all settings that
+    /// it has set, those of filters by their ids. The result may be impossible.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the scenario has no place for a setting.
+    pub fn apply(&self, scenario: &mut Scenario) -> Result<Vec<String>, ScenarioError> {
+        let mut keys = Vec::new();
+        for part in &self.0 {
+            match part {
+                Part::Number(address, value) => {
+                    let own = address.keys(scenario);
+                    if own.is_empty() {
+                        return Err(edit::no_setting(&address.to_string(), ""));
+                    }
+                    address.set(scenario, *value);
+                    keys.extend(own);
+                }
+                Part::Edit(Edit { key, .. }) | Part::Value(key, _) => {
+                    let mut document = document::of(scenario)?;
+                    match part {
+                        Part::Value(_, value) => edit::put(&mut document, scenario, key, value, "")?,
+                        Part::Edit(edit) => edit.put(&mut document, scenario)?,
+                        _ => {}
+                    }
+                    *scenario = scenario.knowing(|| document::read(&document))?;
+                    scenario.fill_in();
+                    keys.extend(address::keys_below(scenario, key));
+                }
+                Part::Filter(place, filter) => {
+                    if let Some(own) = scenario.filters.iter_mut().find(|own| own.id == filter.id) {
+                        own.clone_from(filter);
+                        keys.extend(address::keys_of(scenario, filter));
+                    } else {
+                        scenario.filters.insert((*place).min(scenario.filters.len()), (**filter).clone());
+                        keys.push(filter.address(""));
+                    }
+                }
+                Part::NoFilter(id) => {
+                    scenario.filters.retain(|filter| filter.id != *id);
+                    keys.push(address_of(*id, ""));
+                }
+                Part::Sensor(sensor) => {
+                    match scenario.sensor_place(sensor.measures) {
+                        Some(place) => scenario.sensors[place] = **sensor,
+                        None => scenario.add_sensor(**sensor),
+                    }
+                    keys.push(of_sensor(sensor.measures));
+                }
+                Part::NoSensor(quantity) => {
+                    scenario.remove_sensor(*quantity);
+                    keys.push(of_sensor(*quantity));
+                }
+                Part::Plant(kind) => {
+                    keys.extend(scenario.measured().into_iter().map(of_sensor));
+                    scenario.set_plant(kind.clone());
+                    keys.push("plant.kind".to_owned());
+                }
+            }
+        }
+        let Scenario { plant, filters, .. } = scenario;
+        for filter in filters {
+            let turned_off = filter.turn_off_excluded(&plant.kind);
+            keys.extend(turned_off.into_iter().map(|key| filter.address(key)));
+        }
+        Ok(keys)
+    }
+}
+
+const SENSOR: &str = "sensors.";
+
+fn of_sensor(quantity: Quantity) -> String {
+    format!("{SENSOR}{}", quantity.key())
+}
+
+/// The settings that differ between a scenario from before and that of now, among those that were changed meanwhile.
+pub struct Changed<'a> {
+    was: &'a Scenario,
+    now: &'a Scenario,
+    keys: Vec<&'a str>,
+}
+
+impl<'a> Changed<'a> {
+    /// Those of some addresses, which [`Change::apply`] returns. Filters are the same where their ids are.
+    pub fn among(addresses: impl IntoIterator<Item = &'a String>, was: &'a Scenario, now: &'a Scenario) -> Self {
+        let is_in_both = |id: u32| [was, now].into_iter().all(|scenario| filter_of(scenario, id).is_some());
+        let stays = |key: &str| split_id(key).is_none_or(|(id, inner)| inner.is_empty() || is_in_both(id));
+        let differs = |key: &&str| stays(key) && value(was, key) != value(now, key);
+        Self { was, now, keys: addresses.into_iter().map(String::as_str).filter(differs).collect() }
+    }
+
+    /// Whether filters alone differ: both scenarios have the same record.
+    pub fn is_of_filters(&self) -> bool {
+        self.keys.iter().all(|key| split_id(key).is_some())
+    }
+
+    /// Whether the results of a filter of both scenarios differ: by a setting but its name and colour, or by the record.
+    pub fn concerns(&self, id: u32) -> bool {
+        let of_look = |key: &str| matches!(key, "name" | "color");
+        let is_own = |key: &&str| split_id(key).is_some_and(|(of, key)| of == id && !of_look(key));
+        !self.is_of_filters() || self.keys.iter().any(is_own)
+    }
+
+    /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `number` writes a number.
+    pub fn what_was(&self, number: impl Fn(f64) -> String) -> Vec<String> {
+        let Self { was, keys, .. } = self;
+        // Those of filters come first, then filters that are gone, and new ones.
+        let rank = |key: &str| match split_id(key) {
+            Some((id, "")) => 1 + u8::from(filter_of(was, id).is_none()),
+            Some(_) => 0,
+            None => 3,
+        };
+        let mut keys = keys.clone();
+        sort_items(&mut keys, |one, other| (rank(one), one).cmp(&(rank(other), other)));
+        keys.into_iter().map(|key| self.said(key, &number)).collect()
+    }
+
+    fn said(&self, key: &str, number: &impl Fn(f64) -> String) -> String {
+        let Self { was, now, .. } = *self;
+        let come_or_gone = |is_gone: bool, name: &str| format!("{} {name}", if is_gone { "with" } else { "without" });
+        let filter =
+            split_id(key).and_then(|(id, inner)| Some((filter_of(was, id).or_else(|| filter_of(now, id))?, inner)));
+        if let Some((own, "")) = filter {
+            return come_or_gone(filter_of(was, own.id).is_some(), &own.name);
+        }
+        let old = words(&value(was, key), number);
+        if let Some(quantity) = sensor(key) {
+            let sensor = format!("the {} sensor", quantity.key());
+            return match [was, now].map(|scenario| scenario.sensor_place(quantity)) {
+                [Some(_), Some(_)] => format!("faults of {sensor} = {old}"),
+                [own, _] => come_or_gone(own.is_some(), &sensor),
+            };
+        }
+        let owner =
+            filter.filter(|_| was.filters.len() > 1).map_or_else(String::new, |(own, _)| format!("{} ", own.name));
+        format!("{owner}{} = {old}", name(was, filter.map_or(key, |(_, inner)| inner)))
+    }
+}
+
+fn filter_of(scenario: &Scenario, id: u32) -> Option<&FilterSettings> {
+    scenario.filters.iter().find(|filter| filter.id == id)
+}
+
+fn sensor(key: &str) -> Option<Quantity> {
+    key.strip_prefix(SENSOR).and_then(Quantity::from_key)
+}
+
+/// The value of a setting, of a filter whether there is one, and of a parameter that moves the shape of its signal; null where the
+/// scenario has none.
+fn value(scenario: &Scenario, key: &str) -> Document {
+    if let Some(quantity) = sensor(key) {
+        let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == quantity);
+        let faults = |sensor: &Sensor| sensor.faults.families().map(|fault| fault.info().name).collect::<Vec<_>>();
+        return sensor.map_or(Document::Null, |sensor| faults(sensor).join(", ").into());
+    }
+    let number = || {
+        let address = Address::parse(scenario, key).ok()?;
+        Some(address.shape(scenario).map_or_else(|| address.get(scenario).into(), Document::from))
+    };
+    let Some((id, inner)) = split_id(key) else {
+        return match chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(number) {
+            Some(value) => value,
+            None if key == "plant.kind" => document::of(&scenario.plant.kind).unwrap_or_default(),
+            None => written(scenario, key),
+        };
+    };
+    let Some(filter) = filter_of(scenario, id) else { return Document::Null };
+    if inner.is_empty() {
+        return true.into();
+    }
+    match of_filter().find(|row| row.key == inner && row.allowed == Allowed::Flag) {
+        Some(flag) => ((flag.get)(filter) != 0.0).into(),
+        None => chosen(&CHOICES_OF_FILTER, inner, filter).or_else(number).unwrap_or_else(|| written(filter, inner)),
+    }
+}
+
+/// The value at a path in the document of a scenario or a filter.
+fn written(of: &impl serde::Serialize, key: &str) -> Document {
+    let document = document::of(of).unwrap_or_default();
+    document.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default()
+}
+
+fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<Document> {
+    Some(all.iter().find(|info| info.key == key)?.chosen(of)?.name.into())
+}
+
+fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
+    match value {
+        Document::Null => "none".to_owned(),
+        Document::Bool(on) => if *on { "yes" } else { "no" }.to_owned(),
+        Document::Number(value) => number(value.as_f64().unwrap_or(f64::NAN)),
+        Document::String(text) => text.clone(),
+        Document::Array(_) | Document::Object(_) => "other".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Step = fn(&Scenario, &mut Change);
+
+    const STEPS: [(Step, &str); 10] = [
+        (|of, change| change.set(of, "filters.*.eta", 1.5), "filters#1.eta filters#2.eta"),
+        (
+            |of, change| change.set(of, "filters.EKF.sensor_std", 2.0),
+            "filters#1.sensor_std.displacement filters#1.sensor_std.velocity",
+        ),
+        (|_, change| change.edit(Edit::of_filter(1, "kind", "ckf")), "filters#1.kind"),
+        (|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0)), "plant.natural_frequency"),
+        (|_, change| change.put("draw", &None::<bool>), "draw"),
+        (|_, change| change.set_plant(PlantKind::DUFFING), "sensors.displacement sensors.velocity plant.kind"),
+        (|_, change| change.put_sensor(Sensor::new(Quantity::ACCELERATION, 0.3)), "sensors.acceleration"),
+        (|_, change| change.remove_sensor(Quantity::DISPLACEMENT), "sensors.displacement"),
+        (|_, change| change.remove_filter(1), "filters#1."),
+        (|of, change| change.put_filter(1, FilterSettings { id: 3, ..of.filters[0].clone() }), "filters#3."),
+    ];
+
+    fn scenario() -> Scenario {
+        let mut scenario = Scenario::default();
+        scenario.draw.insert("plant.natural_frequency".to_owned(), crate::scenario::Law::Normal([6.0, 0.1]));
+        scenario
+    }
+
+    fn changed(step: Step) -> (Scenario, Vec<String>) {
+        let (mut scenario, mut change) = (scenario(), Change::default());
+        step(&scenario, &mut change);
+        let keys = change.apply(&mut scenario).unwrap();
+        (scenario, keys)
+    }
+
+    #[test]
+    fn a_change_has_the_addresses_of_what_it_changes_and_leaves_all_others() {
+        for (step, addresses) in STEPS {
+            let (now, keys) = changed(step);
+            assert_eq!(keys.join(" "), addresses);
+            let mut elsewhere = Scenario { seed: 77, ..scenario() };
+            let mut change = Change::default();
+            step(&scenario(), &mut change);
+            change.apply(&mut elsewhere).unwrap();
+            assert_eq!(elsewhere, Scenario { seed: 77, ..now }, "{addresses}, elsewhere");
+        }
+    }
+
+    #[test]
+    fn what_was_before_is_said_in_the_words_of_the_settings() {
+        let said = |step: Step| {
+            let (now, keys) = changed(step);
+            Changed::among(&keys, &scenario(), &now).what_was(|number| number.to_string()).join(", ")
+        };
+        assert_eq!(said(|_, change| change.edit(Edit::new("force", "none"))), "force over time = white noise");
+        assert_eq!(said(|_, change| change.edit(Edit::new("hold", "first"))), "input between samples = held");
+        assert_eq!(said(|of, change| change.set(of, "filters#1.jump", 1.0)), "EKF jump at a sudden change = no");
+        assert_eq!(said(|_, change| change.edit(Edit::of_filter(2, "robust", "gate"))), "UKF outliers = none");
+        assert_eq!(said(|_, change| change.remove_filter(2)), "with UKF");
+        let other = |of: &Scenario, change: &mut Change| {
+            change.put_filter(0, FilterSettings { eta: 0.5, fading: 1.0, ..of.filters[0].clone() });
+            change.remove_sensor(Quantity::VELOCITY);
+        };
+        assert_eq!(said(other), "EKF η = 0, EKF λ = 1.005, EKF delay v = 0, EKF √R v = 0.06, with the velocity sensor");
+        assert_eq!(said(|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0))), "plant ωₙ = step");
+        let more = |of: &Scenario, change: &mut Change| {
+            change.put_filter(1, FilterSettings { id: 3, name: "C".to_owned(), ..of.filters[0].clone() });
+            change.edit(Edit::of_filter(3, "fading", 1.5));
+        };
+        assert_eq!(said(more), "without C");
+        assert_eq!(said(|of, change| change.set(of, "seed", 1.0)), "");
+    }
+
+    #[test]
+    fn a_change_tells_whose_results_it_concerns() {
+        let concerned = |step: Step| {
+            let ((now, keys), before) = (changed(step), scenario());
+            let changed = Changed::among(&keys, &before, &now);
+            (changed.is_of_filters(), [1, 2].map(|id| changed.concerns(id)))
+        };
+        assert_eq!(concerned(|of, change| change.set(of, "filters.UKF.fading", 1.5)), (true, [false, true]));
+        assert_eq!(concerned(|_, change| change.edit(Edit::of_filter(2, "name", "other"))), (true, [false, false]));
+        assert_eq!(concerned(|of, change| change.set(of, "seed", 7.0)), (false, [true, true]));
+    }
+
+    #[test]
+    fn options_that_the_others_exclude_are_turned_off_and_said() {
+        let mut scenario = scenario();
+        scenario.filters[0].walk = 0.1;
+        let mut change = Change::default();
+        change.set(&scenario, "filters#1.smoother", 1.0);
+        assert_eq!(change.apply(&mut scenario).unwrap(), ["filters#1.smoother", "filters#1.walk"]);
+        assert!(scenario.filters[0].smoother && scenario.validate().is_ok());
+    }
+
+    #[test]
+    fn a_setting_that_is_gone_is_not_changed() {
+        let mut change = Change::default();
+        change.set(&scenario(), "filters#1.fading", 1.5);
+        let mut without = scenario();
+        without.filters.remove(0);
+        let error = change.apply(&mut without).unwrap_err();
+        assert_eq!(error.to_string(), "the scenario has no setting `filters#1.fading`");
+    }
+}

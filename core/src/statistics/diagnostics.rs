@@ -1,0 +1,275 @@
+//! The diagnostics of a filter: how far it is from the truth, and whether its covariance agrees with that.
+
+pub(crate) mod accuracy;
+pub mod chi_squared;
+mod totals;
+mod whiteness;
+
+use std::ops::Range;
+
+use kalmanscope_filters::{Channel, Stop};
+use kalmanscope_records::Record;
+
+use crate::Estimates;
+use crate::run::waste::Piecewise;
+use accuracy::{Accuracy, Nees};
+use totals::{Likelihood, Totals};
+
+pub use accuracy::ErrorSums;
+pub use totals::{MeanSquare, Total};
+pub use whiteness::{LAGS, LjungBox, Whiteness};
+
+/// The number of samples that are taken in at once, which stay in the processor's cache.
+const PORTION: usize = 64;
+
+/// The depth of the diagnostics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Depth {
+    /// NIS, NEES and likelihood, at half the cost of everything: no tallies of errors, no whiteness and no diagnosis.
+    Consistency,
+    /// Everything.
+    #[default]
+    All,
+}
+
+/// The accuracy and consistency of one filter, from running sums that are updated sample by sample.
+///
+/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). The numbers are bit-identical however the
+/// samples are divided into portions.
+///
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), the diagnostics cover the samples that are
+/// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics {
+    depth: Depth,
+    samples: usize,
+    forgotten: usize,
+    accuracy: Accuracy,
+    nees: Nees,
+    nis: Totals,
+    whiteness: Vec<Whiteness>,
+    likelihood: Likelihood,
+    stop: Option<Stop>,
+}
+
+impl Diagnostics {
+    /// Empty diagnostics, for [`Self::restart`].
+    pub fn empty(depth: Depth) -> Self {
+        Self { depth, ..Self::default() }
+    }
+
+    /// The diagnostics of all estimates of a filter so far, against the record that it uses.
+    pub fn new(estimates: &Estimates, record: &Record) -> Self {
+        let mut diagnostics = Self::default();
+        diagnostics.restart(estimates, record);
+        diagnostics
+    }
+
+    /// Begins again with other estimates, at the same depth, and reuses the memory.
+    pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
+        self.clear(estimates, record);
+        self.follow(estimates, record);
+    }
+
+    /// Removes what was taken in, and keeps the memory.
+    pub fn clear(&mut self, estimates: &Estimates, record: &Record) {
+        let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
+        *samples = 0;
+        *forgotten = estimates.forgotten();
+        accuracy.restart(estimates, record);
+        nees.restart(accuracy.known.iter().map(|known| known.place));
+        nis.clear();
+        whiteness.clear();
+        if *depth == Depth::All {
+            whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
+        }
+        *likelihood = Likelihood::new(estimates.kind());
+        *stop = None;
+    }
+
+    /// Takes in the new samples, each in constant time. `estimates` and `record` must be those that the diagnostics
+    /// began with, grown longer. Where samples have been forgotten since, begins again with those that are kept.
+    pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
+        self.follow_to(estimates.len(), estimates, record);
+    }
+
+    /// [`Self::follow`] up to a sample.
+    pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
+        if estimates.forgotten() != self.forgotten {
+            let seen_all = self.forgotten + self.samples >= estimates.forgotten();
+            let before = self.accuracy.known.clone();
+            self.restart(estimates, record);
+            if seen_all {
+                self.accuracy.remember(&before);
+            }
+            return;
+        }
+        let end = end.min(estimates.len());
+        while self.samples < end {
+            let portion = self.samples..end.min(self.samples + PORTION);
+            self.samples = portion.end;
+            self.push(estimates, record, portion);
+        }
+        self.stop = estimates.stop().filter(|_| end == estimates.len());
+    }
+
+    fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) {
+        let Self { depth, accuracy, nees, nis, whiteness, likelihood, .. } = self;
+        let errors = match depth {
+            Depth::Consistency => accuracy.measure(estimates, record, samples.clone()),
+            Depth::All => accuracy.push(estimates, record, samples.clone()),
+        };
+        let channels = errors.len() / samples.len();
+        for (row, k) in samples.enumerate() {
+            nees.push(&errors[row * channels..][..channels], estimates.mean(k), estimates.cov(k));
+            let innovation = estimates.innovation(k);
+            nis.push(estimates.nis()[k], estimates.readings(k));
+            let determinant = estimates.determinant()[k];
+            likelihood.push(determinant, || estimates.ln_determinant(k), || estimates.log_likelihood(k));
+            let (m, cov) = (whiteness.len(), estimates.innovation_cov(k));
+            for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(innovation).enumerate() {
+                whiteness.push(innovation / cov[i * (m + 1)].sqrt());
+            }
+        }
+    }
+
+    /// The depth of these diagnostics.
+    pub fn depth(&self) -> Depth {
+        self.depth
+    }
+
+    /// The number of samples taken in.
+    pub fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Whether no sample has been taken in.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Where and why the filter stopped, if it did.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// The estimated channels with a known truth.
+    pub fn known(&self) -> impl Iterator<Item = Channel> {
+        self.accuracy.known.iter().map(|known| known.channel)
+    }
+
+    /// A channel's last error, estimate minus truth, in its unit. `None` if the truth is not known.
+    pub fn error(&self, channel: Channel) -> Option<f64> {
+        Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
+    }
+
+    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
+    /// [`Depth::Consistency`].
+    pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<ErrorSums> {
+        let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
+        (tally.known > 0).then_some(tally)
+    }
+
+    /// Each with its root mean square error over the last fifth in standard deviations and in its unit: more than `limit`
+    /// standard deviations, larger than the truth ever was and than the initial belief allows.
+    pub fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
+        let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
+        let recent = self.samples * 4 / 5..self.samples;
+        let is_lost = |(at, known): (usize, &accuracy::Tracked<f64>)| {
+            let rmse = self.accuracy.within(at, recent.clone()).rmse();
+            let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
+            let seen = known.largest_truth.max(known.first_error);
+            accuracy::is_lost(rmse, std, limit, seen, first).then_some((known.channel, rmse / std, rmse))
+        };
+        self.accuracy.known.iter().enumerate().filter_map(is_lost).collect()
+    }
+
+    /// The last third of the samples.
+    pub fn last_third(&self) -> Range<usize> {
+        (2 * self.samples).div_ceil(3)..self.samples
+    }
+
+    /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
+    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, the truth is not known, or the depth is
+    /// [`Depth::Consistency`].
+    pub fn settled(&self, channel: Channel) -> Option<usize> {
+        self.accuracy.settled(self.accuracy.place(channel)?)
+    }
+
+    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
+    /// factor.
+    ///
+    /// ```text
+    /// NEES = eᵀ P⁻¹ e
+    /// ```
+    ///
+    /// over all channels of known truth and positive variance.
+    ///
+    /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
+    pub fn nees(&self) -> &[f64] {
+        &self.nees.values
+    }
+
+    /// The sum of the NEES over a range of samples.
+    pub fn nees_within(&self, range: Range<usize>) -> Total {
+        self.nees.totals.within(range)
+    }
+
+    /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
+    /// is none.
+    pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
+        self.nees.totals.moving_means(window, range)
+    }
+
+    /// The mean NEES of all samples, and the 95 % interval of a single sample's.
+    ///
+    /// Errors of one run are strongly correlated from sample to sample, and the number of independent samples is
+    /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
+    /// errors the mean lies inside with a probability above 95 %.
+    pub fn mean_nees(&self) -> Option<MeanSquare> {
+        MeanSquare::new(self.nees.totals.whole, 1)
+    }
+
+    /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.
+    pub fn share_in_ellipsoid(&self) -> Option<f64> {
+        Some(self.nees.coverage()).filter(|share| !share.is_nan())
+    }
+
+    /// The sum of the NIS over a range of samples.
+    pub fn nis_within(&self, range: Range<usize>) -> Total {
+        self.nis.within(range)
+    }
+
+    /// For each sample of a range that exists, the NIS of the `window` samples up to it over its expectation; NaN where there
+    /// is none.
+    pub fn moving_nis(&self, window: usize, range: Range<usize>) -> Vec<f64> {
+        self.nis.moving_means(window, range)
+    }
+
+    /// The mean NIS of all samples with a measurement, and its 95 % interval for independent innovations.
+    pub fn mean_nis(&self) -> Option<MeanSquare> {
+        let total = self.nis.whole;
+        MeanSquare::new(total, total.samples)
+    }
+
+    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
+    pub fn whiteness(&self) -> &[Whiteness] {
+        &self.whiteness
+    }
+
+    /// Sum of the log likelihoods of all samples with a measurement.
+    pub fn log_likelihood(&self) -> f64 {
+        self.likelihood.value(self.nis.whole)
+    }
+
+    /// The same as the evidence of a model class ([`ModelClasses`](crate::ModelClasses)): minus infinity where the filter stopped.
+    pub fn log_evidence(&self) -> f64 {
+        if self.stop.is_some() { f64::NEG_INFINITY } else { self.log_likelihood() }
+    }
+}
+
+impl Piecewise for Diagnostics {
+    fn free_piece(&mut self) -> bool {
+        false
+    }
+}

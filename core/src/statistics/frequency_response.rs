@@ -1,0 +1,289 @@
+//! Frequency responses of plants, true and estimated.
+//!
+//! ```text
+//! H(iω) = C (iω I - A)⁻¹ B
+//! ```
+//!
+//! is the transfer function from the force over mass \[m/s²\] to the displacement \[m\] of the first mass, so that |H|
+//! is in s². A and B are those of the plant at rest, so that for a Duffing or Bouc-Wen oscillator the response holds
+//! for small motion. It does not depend on the cubic stiffness or the shape of the hysteresis.
+
+use std::f64::consts::TAU;
+
+use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
+use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::{Channel, Model, PlantKind};
+use kalmanscope_records::Record;
+
+use crate::Estimates;
+
+/// The number of draws from a belief for one estimate of the band.
+const DRAWS: usize = 96;
+/// The number of such estimates that are averaged; a single one is ragged where the belief is wide.
+const BATCHES: usize = 4;
+
+/// The estimated frequency response and its band \[s²\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Believed {
+    /// |H| of the estimated parameters.
+    pub mean: Vec<f64>,
+    /// The 2.5 % and the 97.5 % quantile of |H|. `None` if the covariance of the parameters has no root.
+    pub band: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+/// The transfer function of a plant at rest, with a value for each of its parameters in the channel's unit.
+pub fn transfer_function(plant: &PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
+    let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
+    let rest: Vec<f64> = mapped(plant.channels(), &|&channel| value(channel));
+    TransferFunction::of(&Model::new(plant.clone()), &rest)
+}
+
+/// The true transfer function at sample `k`. `None` if a parameter of the truth is not known.
+pub fn true_transfer_function(plant: &PlantKind, record: &Record, k: usize) -> Option<TransferFunction> {
+    let known = |channel| record.truth(channel)?.get(k).copied().filter(|value| value.is_finite());
+    plant.parameters().all(|c| known(c).is_some()).then(|| transfer_function(plant, |c| known(c).unwrap_or(f64::NAN)))
+}
+
+/// The estimate of |H| and its band at sample `k`, at frequencies \[rad/s\] that must be positive.
+///
+/// The band comes from draws from the normal distribution of the parameters in canonical form
+/// ([`Estimates::canonical_mean`]). The draws are the same at every sample, so that the band moves as smoothly as the
+/// belief. A filter of logarithms reports its belief in the parameters' own units to first order, and its band has the
+/// same accuracy.
+pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believed {
+    let (mean, draws) = from_belief(estimates, k);
+    let band = draws.map(|draws| {
+        let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
+        let mut magnitude = Vec::with_capacity(frequencies.len());
+        for batch in draws.chunks(DRAWS) {
+            let mut extremes = Extremes::new(frequencies.len());
+            for draw in batch {
+                draw.magnitude_into(frequencies, &mut magnitude);
+                extremes.push(&magnitude);
+            }
+            let (low, high) = extremes.quantiles();
+            for (mean, quantile) in band.0.iter_mut().zip(low).chain(band.1.iter_mut().zip(high)) {
+                *mean += quantile / BATCHES as f64;
+            }
+        }
+        band
+    });
+    Believed { mean: mean.magnitude(frequencies), band }
+}
+
+/// The transfer functions for the mean of a filter's belief at sample `k` and for draws from it, at rest.
+fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
+    let model = Model::new(estimates.plant().clone());
+    let (n, motion) = (model.size(), model.motion());
+    let mut mean = Vector::zeros(n);
+    for i in motion..n {
+        mean[i] = estimates.canonical_mean(k, i);
+    }
+    let (all, cov) = (estimates.channels().len(), estimates.cov(k));
+    let parameters = Matrix::from_fn(n - motion, n - motion, |i, j| {
+        let (i, j) = (i + motion, j + motion);
+        estimates.canonical_sign(k, i) * estimates.canonical_sign(k, j) * cov[j * all + i]
+    });
+    let draw = |root: &Matrix, i: usize| {
+        let normal = Vector::from_fn(n - motion, |j, _| normal(i, j, n - motion));
+        let mut drawn = mean.clone();
+        let mut parameters = drawn.rows_mut(motion, n - motion);
+        parameters += root * normal;
+        TransferFunction::of(&model, drawn.as_slice())
+    };
+    let draws = lower_root(&parameters).ok().map(|root| (0..BATCHES * DRAWS).map(|i| draw(&root, i)).collect());
+    (TransferFunction::of(&model, mean.as_slice()), draws)
+}
+
+/// The number of components for which the sequence's root is precomputed.
+const USUAL: usize = 6;
+
+/// The root of `x^(d+1) = x + 1` above 1: powers of its inverse are d numbers far from rational and from each other.
+fn root(d: usize) -> f64 {
+    let mut x = 1.2;
+    for _ in 0..60 {
+        // A fixed-point iteration: (1 + x)^(1/(d+1)).
+        x = libm::pow(1.0 + x, 1.0 / (d + 1) as f64);
+    }
+    x
+}
+
+const ROOT: f64 = 1.1127756842787055;
+
+/// The component `j` of draw `i` from a standard normal distribution of `d` components: a quasirandom sequence, which
+/// fills space more evenly than random points, with the Box-Muller transform.
+///
+/// Source: Roberts (2018), The unreasonable effectiveness of quasirandom sequences; Niederreiter (1992), *Random Number
+/// Generation and Quasi-Monte Carlo Methods*, section 3.1 (Kronecker sequences).
+fn normal(i: usize, j: usize, d: usize) -> f64 {
+    let ratio = if d <= USUAL { ROOT } else { root(d + d % 2) };
+    let uniform = |place: usize| {
+        let x = 0.5 + (i + 1) as f64 * (0..=place).fold(1.0, |power, _| power / ratio);
+        x - libm::floor(x)
+    };
+    let radius = (-2.0 * libm::log(1.0 - uniform(j & !1))).sqrt();
+    let (sin, cos) = libm::sincos(TAU * uniform(j | 1));
+    if j.is_multiple_of(2) { radius * cos } else { radius * sin }
+}
+
+/// The interpolation weight of the 2.5 % quantile between the second and the third smallest of the draws: the i-th
+/// smallest of n evenly spread draws has the share `(i - ½) / n` below it.
+///
+/// Source: Hyndman and Fan (1996), Sample quantiles in statistical packages, definition 5.
+const BEYOND_SECOND: f64 = 0.025 * DRAWS as f64 + 0.5 - 2.0;
+
+struct Extremes {
+    least: [Vec<f64>; 3],
+    most: [Vec<f64>; 3],
+}
+
+impl Extremes {
+    fn new(frequencies: usize) -> Self {
+        let all = |value: f64| std::array::from_fn(|_| vec![value; frequencies]);
+        Self { least: all(f64::INFINITY), most: all(f64::NEG_INFINITY) }
+    }
+
+    fn push(&mut self, values: &[f64]) {
+        insert(&mut self.least, values, |a, b| if a < b { (a, b) } else { (b, a) });
+        insert(&mut self.most, values, |a, b| if a > b { (a, b) } else { (b, a) });
+    }
+
+    fn quantiles(&self) -> (Vec<f64>, Vec<f64>) {
+        (quantile(&self.least), quantile(&self.most))
+    }
+}
+
+/// Inserts every value among the three that are kept; `sorted` orders two of them.
+#[inline]
+fn insert([first, second, third]: &mut [Vec<f64>; 3], values: &[f64], sorted: impl Fn(f64, f64) -> (f64, f64)) {
+    for (((first, second), third), &value) in first.iter_mut().zip(second).zip(third).zip(values) {
+        let rest;
+        (*first, rest) = sorted(*first, value);
+        let (before, rest) = sorted(*second, rest);
+        *second = before;
+        *third = sorted(*third, rest).0;
+    }
+}
+
+fn quantile([_, second, third]: &[Vec<f64>; 3]) -> Vec<f64> {
+    let between = |(&a, &b): (&f64, &f64)| if a == b { a } else { a + BEYOND_SECOND * (b - a) };
+    second.iter().zip(third).map(between).collect()
+}
+
+/// The transfer function of a plant at rest, as a ratio of polynomials.
+///
+/// ```text
+/// H(s) = C (s I - A)⁻¹ B = b(s) / a(s),  a(s) = det(s I - A)
+/// ```
+///
+/// The polynomials are those of `s / unit`. The unit is a frequency near those of the plant, so that the coefficients
+/// of a high degree neither overflow nor underflow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferFunction {
+    /// Coefficients of b, that of s⁰ first, padded with a zero to an even number; in s².
+    numerator: Vec<f64>,
+    /// Coefficients of a, in the same order and number.
+    denominator: Vec<f64>,
+    degree: usize,
+    /// A power of two \[rad/s\].
+    unit: f64,
+}
+
+impl TransferFunction {
+    /// From the force to the displacement of the first mass, linearised about a state of rest. Source: Faddeev and Faddeeva
+    /// (1963), *Computational Methods of Linear Algebra*, section 47 (the method of Leverrier and Faddeev).
+    fn of(model: &Model, rest: &[f64]) -> Self {
+        let degree = model.motion();
+        let jacobian = model.jacobian(rest, 0.0);
+        let push = model.by_force(rest);
+        let motion = jacobian.view((0, 0), (degree, degree)).into_owned();
+        // A few masses need no unit: their polynomials are exact enough.
+        let unit = if degree <= FEW { 1.0 } else { unit_of(&motion) };
+        let (a, b) = (motion / unit, push.rows(0, degree) / (unit * unit));
+        let output = model.place(Channel::DISPLACEMENT).unwrap_or(0);
+        let coefficients = 2 * (degree / 2 + 1);
+        let mut numerator = vec![0.0; coefficients];
+        let mut denominator = vec![0.0; coefficients];
+        denominator[degree] = 1.0;
+        let mut adjugate = Matrix::identity(degree, degree);
+        for k in 1..=degree {
+            numerator[degree - k] = unit * (0..degree).map(|j| adjugate[(output, j)] * b[j]).sum::<f64>();
+            adjugate = &a * adjugate;
+            let coefficient = -adjugate.trace() / k as f64;
+            denominator[degree - k] = coefficient;
+            for i in 0..degree {
+                adjugate[(i, i)] += coefficient;
+            }
+        }
+        Self { numerator, denominator, degree, unit }
+    }
+
+    /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
+    /// \[s²\].
+    pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
+        let mut magnitude = Vec::with_capacity(frequencies.len());
+        self.magnitude_into(frequencies, &mut magnitude);
+        magnitude
+    }
+
+    fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
+        let Self { numerator, denominator, degree: _, unit } = self;
+        let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
+        // Where a zero meets a pole, as that of a hum that the force does not drive, both are rounding; beside them is the limit.
+        let meet = |w: f64| is_rounding(numerator, w / unit) && is_rounding(denominator, w / unit);
+        magnitude.clear();
+        magnitude.extend(frequencies.iter().map(|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) }));
+    }
+
+    /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
+    /// \[rad/s\]; `None` without a natural frequency.
+    ///
+    /// ```text
+    /// a(s) = Π (s² + 2ζᵢωᵢ s + ωᵢ²),  a₂ ≥ Σ ωᵢ²,  a₂' ≥ Σ 1/ωᵢ²
+    /// ```
+    ///
+    /// with a₂ the coefficient two below the highest of a, and a₂' two above the lowest over the lowest.
+    pub fn natural_span(&self) -> Option<(f64, f64)> {
+        let Self { denominator, degree, unit, .. } = self;
+        let greatest = denominator.get(degree.checked_sub(2)?)?.abs().sqrt();
+        // A hysteretic displacement at rest adds a factor s, which is zero up to rounding.
+        let lowest = (0..*degree).find(|&i| denominator[i].abs() > 1e-9 * denominator[i + 1].abs() * greatest)?;
+        let least = (denominator[lowest] / denominator.get(lowest + 2)?).abs().sqrt();
+        (least.is_normal() && greatest.is_finite()).then_some((unit * least.min(greatest), unit * greatest))
+    }
+}
+
+/// The distance from a zero that meets a pole, as a ratio.
+const BESIDE: f64 = 1e-6;
+
+/// A polynomial's share of the sum of its terms' sizes, below which it is taken for rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The largest degree of polynomials that need no unit of time.
+const FEW: usize = 8;
+
+/// A power of two near the greatest natural frequency of a motion, by the norm of `A²` \[rad/s\].
+fn unit_of(motion: &Matrix) -> f64 {
+    let square = (motion * motion).abs().row_sum().max();
+    if square.is_normal() { libm::exp2(libm::round(0.5 * libm::log2(square)) - 1.0) } else { 1.0 }
+}
+
+/// |p(iω)|²: even powers of iω are real, odd ones are not.
+#[inline]
+fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
+    let square = -frequency * frequency;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for pair in polynomial.chunks_exact(2).rev() {
+        even = even * square + pair[0];
+        odd = odd * square + pair[1];
+    }
+    even * even + frequency * frequency * odd * odd
+}
+
+fn is_rounding(polynomial: &[f64], frequency: f64) -> bool {
+    let whole = polynomial.iter().rev().fold(0.0, |sum, c| sum * frequency + c.abs());
+    square_at(polynomial, frequency) <= (ROUNDING * whole) * (ROUNDING * whole)
+}
+
+#[cfg(test)]
+mod tests;

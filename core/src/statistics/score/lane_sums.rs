@@ -1,0 +1,269 @@
+//! Running sums of the scores of a run, or of several in lanes.
+
+use kalmanscope_filters::engine::belief::ErrorSquare;
+use kalmanscope_filters::engine::level::Level;
+use kalmanscope_filters::engine::number::{Mask, Number};
+use kalmanscope_filters::gaussian_likelihood::{LogSum, log_likelihood};
+use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::{Channel, Stop};
+
+use crate::statistics::diagnostics::Total;
+use crate::statistics::diagnostics::accuracy::Tracked;
+use crate::statistics::score::{ChannelSums, Outcome, SampleScore};
+
+/// A sum of normalised squares: the sum, the degrees of freedom, the samples that count.
+#[derive(Clone, Copy, Debug)]
+struct Squares<T> {
+    sum: T,
+    degrees: T,
+    samples: T,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct ScoreSums<T> {
+    frequency: Option<usize>,
+    last_fifth: usize,
+    samples: usize,
+    tracked: Vec<Tracked<T>>,
+    square: ErrorSquare<T>,
+    nees: Squares<T>,
+    nis: Squares<T>,
+    /// NEES and NIS of the last sample; NaN where there is none.
+    last: [T; 2],
+    ln_determinants: LogProducts<T>,
+    mean: Vec<T>,
+    variance: Vec<T>,
+}
+
+impl<T: Number> ScoreSums<T> {
+    pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
+        let (zero, none) = (T::of(0.0), T::of(f64::NAN));
+        let track = |(place, &channel)| Tracked::new(channel, place, 0);
+        let known = channels.iter().enumerate().filter(|(_, channel)| is_known(**channel));
+        let tracked: Vec<_> = known.map(track).collect();
+        let squares = Squares { sum: zero, degrees: zero, samples: zero };
+        Self {
+            frequency: Channel::NATURAL_FREQUENCY.place_in(channels),
+            last_fifth: samples * 4 / 5,
+            samples: 0,
+            square: ErrorSquare::new(mapped(&tracked, &|tracked| tracked.place)),
+            tracked,
+            nees: squares,
+            nis: squares,
+            last: [none; 2],
+            ln_determinants: LogProducts::new(),
+            mean: vec![none; channels.len()],
+            variance: vec![none; channels.len()],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: [&[T]; 2], truth: &[T]) {
+        let is_whole = self.tracked.len() == level.size(belief[0].len());
+        level.apart(
+            #[inline(always)]
+            || match is_whole {
+                true if const { L::IS_KNOWN } => self.take_tracked::<L, true>(level, belief, truth),
+                _ => self.take_tracked::<L, false>(level, belief, truth),
+            },
+        );
+    }
+
+    /// The same, where the truth of the whole state is known or not.
+    #[inline(always)]
+    fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, [of_mean, cov]: [&[T]; 2], truth: &[T]) {
+        let Self { frequency, last_fifth, samples, tracked, square, nees, last, mean, variance, .. } = self;
+        let n = level.size(of_mean.len());
+        let count = if WHOLE { n } else { tracked.len() };
+        let (tracked, mean, variance) = (&mut tracked[..count], &mut mean[..n], &mut variance[..n]);
+        mean.copy_from_slice(&of_mean[..n]);
+        for i in 0..n {
+            variance[i] = cov[i * n + i];
+        }
+        let mut sign = T::of(1.0);
+        if let Some(place) = *frequency {
+            sign = T::select(mean[place].lt(T::of(0.0)), T::of(-1.0), sign);
+        }
+        let is_recent = *samples >= *last_fifth;
+        for (at, (tracked, &truth)) in tracked.iter_mut().zip(truth).enumerate() {
+            let sign = if tracked.channel.is_mirrored() { sign } else { T::of(1.0) };
+            let place = if WHOLE { at } else { tracked.place };
+            let error = mean[place] - sign * truth;
+            tracked.take(error, truth, variance[place], *samples, is_recent);
+            tracked.error = sign * error;
+            square.errors[at] = error;
+        }
+        if *samples == 0 {
+            tracked.iter_mut().for_each(|tracked| tracked.initial_variance = variance[tracked.place]);
+        }
+        *samples += 1;
+        last[0] = T::of(f64::NAN);
+        if !tracked.is_empty() {
+            let (sum, degrees) = square.of::<L, WHOLE>(level, [of_mean, cov]);
+            let counts = T::of(0.0).lt(degrees);
+            nees.add(T::select(counts, sum, T::of(0.0)), degrees);
+            last[0] = T::select(counts, sum, last[0]);
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Adds an update: NIS and det S, zero and one without a measurement, and the number of measurements. `ln_determinant` computes
+    /// ln det S of a lane if det S is too large or too small for a number.
+    #[inline(always)]
+    pub(super) fn take_update(
+        &mut self,
+        [nis, determinant]: [T; 2],
+        measured: T,
+        ln_determinant: impl Fn(usize) -> f64,
+    ) {
+        self.take_square(nis, measured);
+        self.ln_determinants.add(determinant, ln_determinant);
+    }
+
+    /// Adds the updates of the parts of a step: their NIS, the number of readings and ln det S, which is empty afterwards.
+    pub(super) fn take_updates(&mut self, [nis, measured]: [T; 2], ln_determinants: &mut LogProducts<T>) {
+        self.take_square(nis, measured);
+        self.ln_determinants.absorb(ln_determinants);
+    }
+
+    #[inline(always)]
+    fn take_square(&mut self, nis: T, measured: T) {
+        self.nis.add(nis, measured);
+        self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
+    }
+
+    pub(super) fn sample_score(&self, lane: usize) -> SampleScore {
+        let mut channels = vec![[f64::NAN; 2]; self.mean.len()];
+        for tracked in &self.tracked {
+            if let Some(score) = self.sums(tracked, lane).score(self.samples) {
+                channels[tracked.place] = [score.error, score.std];
+            }
+        }
+        let [nees, nis] = self.last.map(|last| last.lane(lane));
+        SampleScore { nees, nis, channels }
+    }
+
+    pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
+        let sums: Vec<_> = mapped(&self.tracked, &|tracked| (tracked.channel, self.sums(tracked, lane)));
+        let nis = self.nis.total(lane);
+        let ln_determinants = self.ln_determinants.value(lane);
+        Outcome {
+            samples: self.samples,
+            nees: self.nees.total(lane),
+            nis,
+            log_likelihood: if nis.degrees > 0 { log_likelihood(nis.sum, ln_determinants, nis.degrees) } else { 0.0 },
+            stop,
+            diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
+            channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(self.samples)?))).collect(),
+            mean: mapped(&self.mean, &|mean| mean.lane(lane)),
+            std: mapped(&self.variance, &|variance| variance.lane(lane).sqrt()),
+            sample_scores: Vec::new(),
+        }
+    }
+
+    fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
+        let of = |number: T| number.lane(lane);
+        ChannelSums {
+            total: tracked.total(lane),
+            first_error: of(tracked.first_error),
+            largest_truth: of(tracked.largest_truth),
+            settled: of(tracked.settled) as usize,
+            recent: (of(tracked.recent), of(tracked.recent_known) as u32),
+            error: of(tracked.error),
+            std: of(self.variance[tracked.place]).sqrt(),
+            initial_std: of(tracked.initial_variance).sqrt(),
+        }
+    }
+}
+
+impl<T: Number> Squares<T> {
+    #[inline(always)]
+    fn add(&mut self, square: T, degrees: T) {
+        self.sum = self.sum + square;
+        self.degrees = self.degrees + degrees;
+        self.samples = self.samples + T::select(T::of(0.0).lt(degrees), T::of(1.0), T::of(0.0));
+    }
+
+    fn total(&self, lane: usize) -> Total {
+        let Self { sum, degrees, samples } = *self;
+        Total { sum: sum.lane(lane), degrees: degrees.lane(lane) as u32, samples: samples.lane(lane) as u32 }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct LogProducts<T> {
+    product: T,
+    taken: Vec<f64>,
+}
+
+impl<T: Number> LogProducts<T> {
+    pub(super) fn new() -> Self {
+        Self { product: T::of(1.0), taken: vec![0.0; T::LANES] }
+    }
+
+    /// Adds the logarithm of a factor. `ln` computes it in a lane where the factor is too large or too small for a number.
+    #[inline(always)]
+    pub(super) fn add(&mut self, factor: T, ln: impl Fn(usize) -> f64) {
+        let next = self.product * factor;
+        let [low, high] = [*LogSum::RANGE.start(), *LogSum::RANGE.end()].map(T::of);
+        let is_in_range = low.le(next) & next.le(high) & low.le(factor) & factor.le(high);
+        if is_in_range.all() {
+            self.product = next;
+        } else {
+            self.take_logarithms(factor, ln);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn take_logarithms(&mut self, factor: T, ln: impl Fn(usize) -> f64) {
+        for (lane, taken) in self.taken.iter_mut().enumerate() {
+            let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
+            let own = factor.lane(lane);
+            // As a history has it.
+            sum.add(own, || if own.is_normal() { libm::log(own) } else { ln(lane) });
+            *taken = sum.taken;
+            self.product.set_lane(lane, sum.product);
+        }
+    }
+
+    pub(super) fn absorb(&mut self, other: &mut Self) {
+        let Self { product, taken } = other;
+        // A product is in the range of factors.
+        self.add(*product, |_| 0.0);
+        self.taken.iter_mut().zip(&mut *taken).for_each(|(own, other)| *own += std::mem::take(other));
+        *product = T::of(1.0);
+    }
+
+    pub(super) fn value(&self, lane: usize) -> f64 {
+        LogSum { taken: self.taken[lane], product: self.product.lane(lane) }.value()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_filters::engine::lanes::Lanes;
+
+    #[test]
+    fn sums_that_absorb_others_have_the_logarithms_of_all_factors() {
+        let factor = |k: i32, lane: usize| libm::exp2(f64::from((k * (7 + lane as i32)) % 900 - 500));
+        let (mut all, mut part) = (LogProducts::<Lanes<4>>::new(), LogProducts::new());
+        let mut direct = [0.0; 4];
+        for k in 0..600 {
+            part.add(Lanes::from_lanes(|lane| factor(k, lane)), |lane| libm::log(factor(k, lane)));
+            direct.iter_mut().enumerate().for_each(|(lane, sum)| *sum += libm::log(factor(k, lane)));
+            if k % 3 == 0 {
+                all.absorb(&mut part);
+            }
+        }
+        all.absorb(&mut part);
+        for (lane, direct) in direct.iter().enumerate() {
+            assert!((all.value(lane) - direct).abs() < 1e-10 * direct.abs(), "{} for {direct}", all.value(lane));
+            assert_eq!(part.value(lane), 0.0);
+        }
+    }
+}

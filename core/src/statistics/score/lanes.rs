@@ -1,0 +1,304 @@
+//! Runs of filters over whole records, side by side.
+
+use std::borrow::Cow;
+
+use kalmanscope_filters::engine::belief::{Belief, convert};
+use kalmanscope_filters::engine::level::Level;
+use kalmanscope_filters::engine::number::{Mask, Number};
+use kalmanscope_filters::engine::update::UpdateResult;
+use kalmanscope_filters::engine::wrapper::{Span, Wrapped};
+use kalmanscope_filters::{FilterError, Stop};
+use kalmanscope_records::Record;
+use kalmanscope_records::record::Parts;
+
+use crate::run::estimator::setup::{Setup, filter};
+use crate::statistics::score::lane_sums::{LogProducts, ScoreSums};
+use crate::statistics::score::{Outcome, SampleScore};
+
+/// A filter and the record that it runs over.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// The filter.
+    pub setup: &'a Setup,
+    /// The record.
+    pub record: &'a Record,
+}
+
+impl Run<'_> {
+    /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth; and
+    /// readings at times of their own, if they have such, are those of one record.
+    pub fn goes_with(&self, other: &Self) -> bool {
+        let knows = |record: &Record, channel| record.truth(channel).is_some();
+        self.record.len() == other.record.len()
+            && self.setup.design == other.setup.design
+            && self.setup.of_batch == other.setup.of_batch
+            && self.setup.is_timed == other.setup.is_timed
+            && (!self.setup.is_timed || self.has_columns_of(other))
+            && self.setup.channels == other.setup.channels
+            && (self.setup.channels.iter()).all(|&channel| knows(self.record, channel) == knows(other.record, channel))
+    }
+
+    fn has_columns_of(&self, other: &Self) -> bool {
+        std::ptr::eq(self.record, other.record)
+            && (&self.setup.columns, &self.setup.delays) == (&other.setup.columns, &other.setup.delays)
+    }
+}
+
+/// The outcomes of some runs, at most as many as there are lanes, with the scores at these samples, which are in
+/// order. All must [go with](Run::goes_with) the first.
+pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    let [first, ..] = runs else { return Vec::new() };
+    let channels = &first.setup.channels;
+    let of = |lane: usize| runs[lane.min(runs.len() - 1)];
+    let is_shared = runs.iter().all(|run| run.has_columns_of(first));
+    let inputs = LaneInputs::new(runs, is_shared, T::LANES);
+    let filter = filter(&|lane| of(lane).setup);
+    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let in_units = LanesInUnits::new(&first.setup.design.model.logarithms, &filter.belief);
+    let batch = LaneBatch {
+        level,
+        count: runs.len(),
+        filter,
+        in_units,
+        scores,
+        stopped: T::of(0.0),
+        of_parts: LogProducts::new(),
+        outcomes: vec![None; runs.len()],
+        sample_scores: vec![Vec::new(); runs.len()],
+    };
+    level.apart(
+        #[inline(always)]
+        || batch.run(&inputs, first.record.len(), samples),
+    )
+}
+
+struct LaneInputs<'a> {
+    /// The run whose record has readings at times of their own, which all lanes share.
+    timed: Option<Run<'a>>,
+    force: Column<'a>,
+    measured: Vec<Column<'a>>,
+    truth: Vec<Column<'a>>,
+}
+
+/// A number of each sample: the same for all lanes, or one a lane.
+struct Column<'a>(Vec<Cow<'a, [f64]>>);
+
+impl Column<'_> {
+    #[inline(always)]
+    fn at<T: Number>(&self, k: usize) -> T {
+        match &self.0[..] {
+            [shared] => T::of(shared[k]),
+            own => Self::each(own, k),
+        }
+    }
+
+    // Apart: else the compiler takes lane by lane what they share, too.
+    #[inline(never)]
+    fn each<T: Number>(own: &[Cow<'_, [f64]>], k: usize) -> T {
+        T::from_lanes(|lane| own[lane][k])
+    }
+}
+
+impl<'a> LaneInputs<'a> {
+    fn new(runs: &[Run<'a>], is_shared: bool, lanes: usize) -> Self {
+        let lanes = if is_shared { 1 } else { lanes };
+        let column = |of: &dyn Fn(Run<'a>) -> Cow<'a, [f64]>| {
+            Column((0..lanes).map(|lane| of(runs[lane.min(runs.len() - 1)])).collect())
+        };
+        let force = |Run { setup, record }: Run<'a>| {
+            (0..record.len()).map(|k| record.delayed_force(k, setup.delays.input)).collect()
+        };
+        let measured = |place: usize| {
+            column(&|Run { setup, record }| {
+                let (from, late) = (setup.columns[place], setup.delays.of(place));
+                let readings = || (0..record.len()).map(|k| record.late_reading(from, k, late)).collect();
+                if late == 0.0 { Cow::Borrowed(record.measured(from)) } else { Cow::Owned(readings()) }
+            })
+        };
+        let setup = runs[0].setup;
+        let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
+        let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
+        Self {
+            timed: setup.is_timed.then_some(runs[0]),
+            force: column(&force),
+            measured: (0..setup.columns.len()).map(measured).collect(),
+            truth: known.map(truth).collect(),
+        }
+    }
+}
+
+struct LanesInUnits<T> {
+    logarithms: Vec<usize>,
+    unit: Vec<T>,
+    belief: Belief<T>,
+}
+
+impl<T: Number> LanesInUnits<T> {
+    fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
+        let unit = vec![T::of(1.0); belief.mean.len()];
+        let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
+        in_units.take(belief);
+        (!logarithms.is_empty()).then_some(in_units)
+    }
+
+    fn take(&mut self, belief: &Belief<T>) {
+        convert(&self.logarithms, &mut self.unit, [&belief.mean, &belief.cov], &mut self.belief);
+    }
+}
+
+struct LaneBatch<T: Number, L> {
+    level: L,
+    count: usize,
+    filter: Wrapped<T>,
+    in_units: Option<LanesInUnits<T>>,
+    scores: ScoreSums<T>,
+    stopped: T,
+    of_parts: LogProducts<T>,
+    outcomes: Vec<Option<Outcome>>,
+    sample_scores: Vec<Vec<SampleScore>>,
+}
+
+impl<T: Number, L: Level> LaneBatch<T, L> {
+    #[inline(always)]
+    fn run(mut self, inputs: &LaneInputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
+        let mut samples = samples.iter().copied().peekable();
+        let mut measured = vec![T::of(0.0); inputs.measured.len()];
+        let mut truth = vec![T::of(0.0); inputs.truth.len()];
+        let mut force: T = inputs.force.at(0);
+        let mut parts = Parts::default();
+        for k in 0..length {
+            for (truth, column) in truth.iter_mut().zip(&inputs.truth) {
+                *truth = column.at(k);
+            }
+            if k > 0 {
+                let before = force;
+                force = inputs.force.at(k);
+                let goes_on = match inputs.timed {
+                    Some(Run { setup, record }) if record.parts_to(k, &setup.delays, &setup.columns, &mut parts) => {
+                        self.step_through(&parts, &mut measured, k)
+                    }
+                    _ => {
+                        for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
+                            *measured = column.at(k);
+                        }
+                        self.step([before, force], &measured, k)
+                    }
+                };
+                if !goes_on {
+                    break;
+                }
+            }
+            let Self { level, scores, filter, in_units, .. } = &mut self;
+            let belief = in_units.as_ref().map_or(&filter.belief, |in_units| &in_units.belief);
+            scores.take_belief(*level, [&belief.mean, &belief.cov], &truth);
+            while samples.next_if_eq(&k).is_some() {
+                self.score_sample();
+            }
+        }
+        self.finish()
+    }
+
+    fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
+        let Some(update) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
+        let Self { level, scores, filter, .. } = self;
+        level.apart(
+            #[inline(always)]
+            || {
+                scores.take_update([update.nis, update.determinant], update.measured, |lane| {
+                    filter.update.ln_determinant(lane)
+                });
+            },
+        );
+        true
+    }
+
+    /// The same from one reading to the next, where they have times of their own. `measured` is memory.
+    fn step_through(&mut self, parts: &Parts, measured: &mut [T], k: usize) -> bool {
+        let mut squares = [T::of(0.0); 2];
+        for (part, readings) in parts.iter() {
+            measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
+            let update = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
+            let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
+            let Self { filter, of_parts, .. } = self;
+            of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
+            squares = [squares[0] + nis, squares[1] + measured];
+        }
+        self.scores.take_updates(squares, &mut self.of_parts);
+        true
+    }
+
+    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if all filters have stopped.
+    #[inline(never)]
+    fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
+        let Self { level, filter, .. } = self;
+        let mut update = level.apart(
+            #[inline(always)]
+            || {
+                filter.predict(*level, Span { share, forces, times: [0.0; 2] });
+                filter.update(*level, force, measured)
+            },
+        );
+        let has_stopped = T::of(0.5).le(self.stopped);
+        let mut fits = T::Mask::of(true);
+        if let Some(in_units) = &mut self.in_units {
+            in_units.take(&self.filter.belief);
+            [fits, _] = in_units.belief.check(self.level);
+        }
+        if !((update.holds & fits) | has_stopped).all() {
+            self.stop(update.holds, fits, k);
+            if self.outcomes.iter().all(Option::is_some) {
+                return None;
+            }
+        }
+        let is_going = self.stopped.lt(T::of(0.5));
+        if !is_going.all() {
+            update.nis = T::select(is_going, update.nis, T::of(0.0));
+            update.determinant = T::select(is_going, update.determinant, T::of(1.0));
+            self.park();
+        }
+        Some(update)
+    }
+
+    /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.
+    #[cold]
+    #[inline(never)]
+    fn stop(&mut self, holds: T::Mask, fits: T::Mask, k: usize) {
+        for lane in 0..T::LANES {
+            if (holds & fits).lane(lane) || self.stopped.lane(lane) > 0.0 {
+                continue;
+            }
+            self.stopped.set_lane(lane, 1.0);
+            if lane < self.count {
+                let reason = if holds.lane(lane) { FilterError::NotFinite } else { self.filter.reason(lane) };
+                let stop = Stop { sample: k, reason };
+                self.outcomes[lane] = Some(self.outcome(lane, Some(stop)));
+            }
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn park(&mut self) {
+        for lane in (0..T::LANES).filter(|&lane| self.stopped.lane(lane) > 0.0) {
+            self.filter.park(lane);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn score_sample(&mut self) {
+        for (lane, sample_scores) in self.sample_scores.iter_mut().enumerate() {
+            if self.stopped.lane(lane) == 0.0 {
+                sample_scores.push(self.scores.sample_score(lane));
+            }
+        }
+    }
+
+    fn outcome(&mut self, lane: usize, stop: Option<Stop>) -> Outcome {
+        Outcome { sample_scores: std::mem::take(&mut self.sample_scores[lane]), ..self.scores.outcome(lane, stop) }
+    }
+
+    fn finish(mut self) -> Vec<Outcome> {
+        (0..self.count).map(|lane| self.outcomes[lane].take().unwrap_or_else(|| self.outcome(lane, None))).collect()
+    }
+}

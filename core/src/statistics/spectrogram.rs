@@ -1,0 +1,179 @@
+//! The power of a measurement over time and frequency.
+
+use std::f64::consts::{PI, TAU};
+
+use kalmanscope_filters::fourier::Transform;
+use kalmanscope_filters::lists::{mapped, numbers};
+use kalmanscope_records::{Record, Task};
+
+const WINDOW: [usize; 2] = [64, 1024];
+/// The windows that a record should have at least, before they overlap.
+const WINDOWS: usize = 24;
+const COLUMNS: usize = 400;
+
+/// The power of a measurement in windows that overlap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrogram {
+    /// The middle of the first window \[s\].
+    pub start: f64,
+    /// The time between windows \[s\].
+    pub step: f64,
+    /// The distance between frequencies; the first one is 0 \[rad/s\].
+    pub resolution: f64,
+    /// The power in each window at each frequency up to the Nyquist frequency, in dB below the highest.
+    pub decibels: Vec<Vec<f32>>,
+}
+
+impl Spectrogram {
+    /// The spectrogram of the first `samples` measurements of a sensor. `None` if there are too few. A missing
+    /// measurement repeats the one before it.
+    ///
+    /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
+    pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
+        Self::windows(record, sensor, samples).map(Task::run)
+    }
+
+    /// The same, before its first window.
+    pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
+        Windows::new(record, sensor, samples, WINDOWS)
+    }
+}
+
+/// The power of a measurement in the making, window by window.
+#[derive(Debug)]
+pub struct Windows {
+    /// The first sample's time, and the time between samples \[s\].
+    start: f64,
+    dt: f64,
+    values: Vec<f64>,
+    /// The samples of a window, and those from one to the next.
+    length: usize,
+    hop: usize,
+    weights: Vec<f64>,
+    transform: Transform,
+    buffer: Vec<(f64, f64)>,
+    power: Vec<Vec<f64>>,
+}
+
+impl Windows {
+    /// Windows of the first `samples` measurements of a sensor, none computed yet. They are short enough for `count` of
+    /// them side by side; they overlap, so that there are more. `None` if there are too few samples. A missing
+    /// measurement repeats the one before it.
+    pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
+        let mut last = 0.0;
+        let measured = record.measured(sensor).iter().take(samples);
+        let values = measured.map(|&value| {
+            if !value.is_nan() {
+                last = value;
+            }
+            last
+        });
+        let values: Vec<f64> = values.collect();
+        let [shortest, longest] = WINDOW;
+        let length = (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * count <= values.len())?;
+        let hop = (length / 4).max(values.len() / COLUMNS);
+        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
+        Some(Self {
+            start: record.time(0),
+            dt: record.dt(),
+            values,
+            length,
+            hop,
+            weights: numbers(length, &weight),
+            transform: Transform::new(length),
+            buffer: vec![(0.0, 0.0); length],
+            power: Vec::new(),
+        })
+    }
+
+    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
+    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
+    ///
+    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
+    /// Audio and Electroacoustics* 15(2).
+    pub fn density(&self) -> Vec<[f64; 2]> {
+        let Self { dt, length, weights, power, .. } = self;
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
+        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
+        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
+    }
+}
+
+impl Task for Windows {
+    type Outcome = Spectrogram;
+
+    fn progress(&self) -> f64 {
+        let all = self.values.len().saturating_sub(self.length) / self.hop + 1;
+        self.power.len() as f64 / all as f64
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { values, length, hop, weights, transform, buffer, power, .. } = self;
+        while let Some(window) = values.get(power.len() * *hop..power.len() * *hop + *length) {
+            let mean = window.iter().sum::<f64>() / *length as f64;
+            for ((slot, value), weight) in buffer.iter_mut().zip(window).zip(weights.iter()) {
+                *slot = (weight * (value - mean), 0.0);
+            }
+            transform.apply(buffer);
+            power.push(mapped(&buffer[..=*length / 2], &|(re, im)| re * re + im * im));
+            if !while_time() {
+                break;
+            }
+        }
+        power.len() * *hop + *length > values.len()
+    }
+
+    fn finish(self) -> Spectrogram {
+        let Self { start, dt, length, hop, power, .. } = self;
+        let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
+        let decibels = |p: &f64| (10.0 * libm::log10((p / most).max(1e-30))) as f32;
+        Spectrogram {
+            start: start + 0.5 * length as f64 * dt,
+            step: hop as f64 * dt,
+            resolution: TAU / (length as f64 * dt),
+            decibels: mapped(&power, &|column| mapped(column, &decibels)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_filters::{Hold, InputKind, Quantity};
+    use kalmanscope_records::record::Input;
+
+    #[test]
+    fn a_tone_that_jumps_is_found_before_and_after() {
+        let tone = |k: usize| if k < 4000 { 0.5 } else { 1.5 };
+        let measured: Vec<f64> = (0..8000).map(|k| libm::sin(tone(k) * k as f64)).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 8000] };
+        let record = Record::new(0.01, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+        let spectrogram = Spectrogram::new(&record, 0, 8000).unwrap();
+        let peak = |time: f64| {
+            let column = &spectrogram.decibels[((time - spectrogram.start) / spectrogram.step) as usize];
+            let place = (0..column.len()).max_by(|&a, &b| column[a].total_cmp(&column[b])).unwrap();
+            place as f64 * spectrogram.resolution * 0.01
+        };
+        assert!((peak(20.0) - 0.5).abs() < 0.02 && (peak(60.0) - 1.5).abs() < 0.02, "{} {}", peak(20.0), peak(60.0));
+        assert_eq!(Spectrogram::new(&record, 0, 100), None);
+    }
+
+    #[test]
+    fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
+        let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * f64::from(k))).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
+        let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+        let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
+        let mut pieces = 1;
+        while !windows.advance(&mut || false) {
+            pieces += 1;
+        }
+        assert_eq!(pieces, 1 + (30_000 - 1024) / 256);
+        let density = windows.density();
+        let power: f64 = density.iter().map(|[_, density]| density / (1024.0 * 0.02)).sum();
+        assert!((power - 4.5).abs() < 0.05, "half of the squared amplitude: {power}");
+        let [peak, _] = density.into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+        assert!((peak - 0.7 / 0.02 / TAU).abs() < 0.05, "{peak} Hz");
+    }
+}

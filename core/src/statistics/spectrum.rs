@@ -1,0 +1,210 @@
+//! The power spectral density of a force.
+
+use std::f64::consts::{PI, TAU};
+
+use kalmanscope_filters::lists::mapped;
+
+/// The number of cycles in a window, unless the longest window is shorter.
+const CYCLES: f64 = 8.0;
+const FEWEST: usize = 4;
+/// The number of frequencies that share a window, so that the compiler can vectorise over them.
+const LANES: usize = 8;
+
+/// The one-sided power spectral density of a series at some frequencies, from running sums.
+///
+/// ```text
+/// S(ω) = Δt/(πn) · Σ |Σₖ wₖ fₖ exp(-iωkΔt)|²,  ∫ S dω = mean of fₖ²
+/// ```
+///
+/// over half-sine windows that overlap by half, the outer sum over windows; in the series' unit squared per rad/s. The
+/// squares of the two weights of each of the n samples add up to one, so that an impulse has the same power at any
+/// time. White noise of standard deviation s has `S = s² Δt / π` up to the Nyquist frequency `π / Δt`. This is the
+/// density of the samples; a force held between them has `(sin(ωΔt/2) / (ωΔt/2))²` times that density.
+///
+/// A window is eight cycles long, so that a spectral line has the same width everywhere on a logarithmic axis, but at
+/// most `longest`. The first window peaks at the first sample, and incomplete windows count, so that there is a density
+/// from the first sample on. The numbers are bit-identical however the samples are divided into portions, and the
+/// memory is constant.
+///
+/// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Harris (1978), On the use of
+/// windows for harmonic analysis with the discrete Fourier transform, section V.C; Brown (1991), Calculation of a constant Q
+/// spectral transform.
+#[derive(Clone, Debug)]
+pub struct Spectrum {
+    frequencies: Vec<f64>,
+    dt: f64,
+    samples: usize,
+    groups: Vec<Group>,
+}
+
+impl Spectrum {
+    /// An empty spectrum at `frequencies` \[rad/s\] in ascending order, with `dt` \[s\] between samples and windows of
+    /// at most `longest` \[s\].
+    pub fn new(frequencies: Vec<f64>, dt: f64, longest: f64) -> Self {
+        let groups = frequencies.chunks(LANES).map(|chunk| Group::new(chunk, dt, longest)).collect();
+        Self { frequencies, dt, samples: 0, groups }
+    }
+
+    /// The frequencies \[rad/s\].
+    pub fn frequencies(&self) -> &[f64] {
+        &self.frequencies
+    }
+
+    /// Takes in the next samples.
+    pub fn extend(&mut self, samples: &[f64]) {
+        for group in &mut self.groups {
+            group.extend(samples, self.dt);
+        }
+        self.samples += samples.len();
+    }
+
+    /// The density at every frequency, zero before the first sample; in the samples' unit squared per rad/s.
+    pub fn density(&self) -> Vec<f64> {
+        let scale = self.dt / (PI * self.samples.max(1) as f64);
+        let mut sums: Vec<f64> = Vec::new();
+        self.groups.iter().for_each(|group| sums.extend_from_slice(&group.sums()));
+        mapped(&sums[..self.frequencies.len()], &|sum| sum * scale)
+    }
+}
+
+/// Frequencies that share their windows. Each window has a rising and a falling half; while one falls, the next rises.
+#[derive(Clone, Debug)]
+struct Group {
+    frequencies: [f64; LANES],
+    turn: Phasors,
+    half: usize,
+    halves: usize,
+    samples: usize,
+    phase: Phasors,
+    /// Cosine and sine of an angle from 0 to π/2 within a half, the falling and rising weights; and of its step.
+    window: (f64, f64),
+    window_turn: (f64, f64),
+    rising: Sum,
+    falling: Sum,
+    /// The sums of the previous rising half, the first part of the window that is falling.
+    risen: Sum,
+    squares: [f64; LANES],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Phasors {
+    cos: [f64; LANES],
+    sin: [f64; LANES],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    re: [f64; LANES],
+    im: [f64; LANES],
+}
+
+#[inline]
+fn turned((cos, sin): (f64, f64), (by_cos, by_sin): (f64, f64)) -> (f64, f64) {
+    (cos * by_cos - sin * by_sin, cos * by_sin + sin * by_cos)
+}
+
+impl Phasors {
+    fn new(angles: [f64; LANES]) -> Self {
+        let both = angles.map(libm::sincos);
+        Self { cos: both.map(|(_, cos)| cos), sin: both.map(|(sin, _)| sin) }
+    }
+
+    #[inline]
+    fn turn(&mut self, by: &Self) {
+        for i in 0..LANES {
+            (self.cos[i], self.sin[i]) = turned((self.cos[i], self.sin[i]), (by.cos[i], by.sin[i]));
+        }
+    }
+}
+
+impl Sum {
+    #[inline]
+    fn add(&mut self, phase: &Phasors, share: f64) {
+        for i in 0..LANES {
+            self.re[i] += share * phase.cos[i];
+            self.im[i] += share * phase.sin[i];
+        }
+    }
+
+    fn squares_with(&self, other: &Self) -> [f64; LANES] {
+        std::array::from_fn(|i| {
+            let (re, im) = (self.re[i] + other.re[i], self.im[i] + other.im[i]);
+            re * re + im * im
+        })
+    }
+}
+
+/// Samples stand in the middle of their intervals of the window.
+fn start_of_half(half: usize) -> (f64, f64) {
+    let (sin, cos) = libm::sincos(0.25 * PI / half as f64);
+    (cos, sin)
+}
+
+impl Group {
+    fn new(chunk: &[f64], dt: f64, longest: f64) -> Self {
+        // The last group may have too few frequencies and repeats one; the result leaves out the repetitions.
+        let frequencies = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)]);
+        let length = (CYCLES * TAU / chunk[chunk.len() / 2]).min(longest);
+        let half = (libm::round(0.5 * length / dt) as usize).max(FEWEST);
+        let (sin, cos) = libm::sincos(0.5 * PI / half as f64);
+        Self {
+            frequencies,
+            turn: Phasors::new(frequencies.map(|w| w * dt)),
+            half,
+            halves: 0,
+            samples: 0,
+            phase: Phasors::new([0.0; LANES]),
+            window: start_of_half(half),
+            window_turn: (cos, sin),
+            rising: Sum::default(),
+            falling: Sum::default(),
+            risen: Sum::default(),
+            squares: [0.0; LANES],
+        }
+    }
+
+    fn extend(&mut self, mut samples: &[f64], dt: f64) {
+        while !samples.is_empty() {
+            let (now, later) = samples.split_at(samples.len().min(self.half - self.samples));
+            self.extend_half(now);
+            if self.samples == self.half {
+                self.finish_half(dt);
+            }
+            samples = later;
+        }
+    }
+
+    fn extend_half(&mut self, samples: &[f64]) {
+        let Self { turn, phase, window, window_turn, rising, falling, .. } = self;
+        for &sample in samples {
+            falling.add(phase, window.0 * sample);
+            rising.add(phase, window.1 * sample);
+            phase.turn(turn);
+            *window = turned(*window, *window_turn);
+        }
+        self.samples += samples.len();
+    }
+
+    /// Ends a half. Phases are computed from the time again, so that rounding does not accumulate.
+    fn finish_half(&mut self, dt: f64) {
+        for (sum, square) in self.squares.iter_mut().zip(self.risen.squares_with(&self.falling)) {
+            *sum += square;
+        }
+        self.risen = std::mem::take(&mut self.rising);
+        self.falling = Sum::default();
+        self.samples = 0;
+        self.window = start_of_half(self.half);
+        self.halves += 1;
+        let time = (self.halves * self.half) as f64 * dt;
+        self.phase = Phasors::new(self.frequencies.map(|w| w * time));
+    }
+
+    fn sums(&self) -> [f64; LANES] {
+        let falling = self.risen.squares_with(&self.falling);
+        let rising = self.rising.squares_with(&Sum::default());
+        std::array::from_fn(|i| self.squares[i] + falling[i] + rising[i])
+    }
+}
+
+#[cfg(test)]
+mod tests;

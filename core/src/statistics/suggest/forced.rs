@@ -1,0 +1,196 @@
+//! An oscillator under the recorded input, fitted to the readings over time: of a record with few periods, spectra are too coarse.
+
+use std::f64::consts::TAU;
+
+use kalmanscope_filters::least_squares::{NormalEquations, descend};
+use kalmanscope_filters::lists::{mapped, numbers, sort_items};
+use kalmanscope_filters::{Hold, Quantity};
+use kalmanscope_records::Record;
+
+use super::moments;
+use super::response::{Response, is_within, order, relative};
+use super::spectra::stride;
+
+/// Limits the samples that are fitted, and the least number of them.
+const MOST: usize = 4096;
+const FEWEST: usize = 48;
+/// Of the periods in a record at least, and of the samples in a period.
+const PERIODS: f64 = 3.0;
+const SAMPLES: f64 = 2.2;
+/// The frequencies of the first look are this far apart, and have these damping ratios: a broad resonance has no neighbours between.
+const APART: f64 = 1.04;
+const DAMPING: [f64; 2] = [0.05, 0.2];
+const BEGINS: usize = 6;
+const TRIES: usize = 30;
+/// The largest share of the power that the fit leaves, and the least gain in its standard deviations.
+const UNEXPLAINED: f64 = 0.5;
+const CERTAIN: f64 = 6.0;
+
+struct Readings {
+    /// In units of their sizes.
+    values: Vec<f64>,
+    force: Vec<f64>,
+    dt: f64,
+    hold: Hold,
+    order: i32,
+}
+
+/// ln ωₙ and ln ζ.
+type Place = [f64; 2];
+/// The columns of a sample, and the parts that fit best: of the response to the input from rest, of a free decay, and constant.
+type Parts = [f64; 4];
+
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+impl Readings {
+    /// The columns of every sample, by the exact motion from sample to sample:
+    ///
+    /// ```text
+    /// q' = λq + u,  λ = -ζωₙ + iω_d,  x = Im q / ω_d,  v = Im λq / ω_d,  a = Im λ²q / ω_d + u
+    /// ```
+    fn columns(&self, at: &Place) -> Vec<Parts> {
+        let [wn, zeta] = at.map(libm::exp);
+        let (rate, damped) = (zeta * wn, wn * libm::sqrt(1.0 - zeta * zeta));
+        let pole = (-rate, damped);
+        let (sin, cos) = libm::sincos(damped * self.dt);
+        let size = libm::exp(-rate * self.dt);
+        let turn = (size * cos, size * sin);
+        let inverse = (pole.0 / (wn * wn), -pole.1 / (wn * wn));
+        let held = times((turn.0 - 1.0, turn.1), inverse);
+        let ramp = times((held.0 / self.dt - 1.0, held.1 / self.dt), inverse);
+        let read = [(1.0, 0.0), pole, times(pole, pole)][self.order as usize];
+        let (mut q, mut free, mut columns) = ((0.0, 0.0), (1.0, 0.0), Vec::with_capacity(self.values.len()));
+        for (k, &force) in self.force.iter().enumerate() {
+            let felt = if self.order == 2 { force } else { 0.0 };
+            columns.push([times(read, q).1 / damped + felt, free.0, free.1, 1.0]);
+            let next = self.force.get(k + 1).filter(|_| self.hold == Hold::First).map_or(0.0, |next| next - force);
+            let moved = times(turn, q);
+            q = (moved.0 + held.0 * force + ramp.0 * next, moved.1 + held.1 * force + ramp.1 * next);
+            free = times(turn, free);
+        }
+        columns
+    }
+
+    fn rows<'a>(&'a self, columns: &'a [Parts]) -> impl Iterator<Item = (usize, &'a Parts, f64)> {
+        let all = columns.iter().zip(&self.values).enumerate();
+        all.filter(|(_, (_, value))| !value.is_nan()).map(|(k, (columns, value))| (k, columns, *value))
+    }
+
+    fn normal(&self, columns: &[Parts]) -> NormalEquations<4> {
+        let mut equations = NormalEquations::zero();
+        self.rows(columns).for_each(|(_, columns, value)| equations.add(*columns, value, 1.0));
+        equations
+    }
+
+    fn fit(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
+        let columns = self.columns(at);
+        let Some(parts) = self.normal(&columns).damped(1e-12, 1e-12).solution() else {
+            return (f64::INFINITY, (columns, [0.0; 4]));
+        };
+        let cost = self.rows(&columns).map(|(_, columns, value)| square(value - dot(columns, &parts))).sum();
+        (cost, (columns, parts))
+    }
+
+    fn equations(&self, at: &Place, (columns, parts): &(Vec<Parts>, Parts)) -> NormalEquations<6> {
+        const CHANGE: f64 = 1e-6;
+        let near = [[at[0] + CHANGE, at[1]], [at[0], at[1] + CHANGE]].map(|near| self.columns(&near));
+        let mut equations = NormalEquations::zero();
+        for (k, columns, value) in self.rows(columns) {
+            let model = dot(columns, parts);
+            let [by_frequency, by_damping] = [&near[0], &near[1]].map(|near| (dot(&near[k], parts) - model) / CHANGE);
+            let [input, re, im, one] = *columns;
+            equations.add([by_frequency, by_damping, input, re, im, one], value - model, 1.0);
+        }
+        equations
+    }
+
+    fn descend(&self, begin: Place) -> (f64, Place) {
+        let step = |at: &Place, by: [f64; 6]| {
+            let zeta = (at[1] + by[1].clamp(-1.0, 1.0)).clamp(libm::log(1e-4), libm::log(0.9));
+            Some([at[0] + by[0].clamp(-0.1, 0.1), zeta])
+        };
+        descend(begin, (TRIES, 1e-9), |cost| 1e-7 * cost, |at| self.fit(at), |at, k| self.equations(at, k), step)
+    }
+
+    fn begins(&self, low: f64, high: f64) -> Vec<Place> {
+        let count = (libm::log(high / low) / libm::log(APART)).max(1.0) as usize;
+        let mut found = Vec::new();
+        for damping in DAMPING.map(libm::log) {
+            let at = |i: usize| [libm::log(low) + i as f64 * libm::log(APART), damping];
+            let costs: Vec<f64> = numbers(count + 1, &|i| self.fit(&at(i)).0);
+            let is_least =
+                |i: &usize| costs[i.saturating_sub(1)..(*i + 2).min(costs.len())].iter().all(|c| costs[*i] <= *c);
+            found.extend((0..=count).filter(is_least).map(|i| (costs[i], at(i))));
+        }
+        sort_items(&mut found, |a, b| a.0.total_cmp(&b.0));
+        found.into_iter().take(BEGINS).map(|(_, at)| at).collect()
+    }
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+fn dot(a: &Parts, b: &Parts) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The oscillator that explains most of the readings of a quantity, by least squares, from the motion at the record's beginning and the
+/// input:
+///
+/// ```text
+/// y = g (h * u) + exp(-ζωₙt) (a cos ω_d t + b sin ω_d t) + c
+/// ```
+///
+/// The descent begins at the best of frequencies all over the `band` \[Hz\] and at `guess`. `None` if the input does not explain the
+/// readings.
+///
+/// Source: Golub and Pereyra (1973), The differentiation of pseudo-inverses and nonlinear least squares problems whose variables
+/// separate; Ljung (1999), *System Identification*, section 4.3 (output error).
+pub(super) fn forced(
+    record: &Record,
+    quantity: Quantity,
+    band: Option<[f64; 2]>,
+    guess: Option<&Response>,
+) -> Option<Response> {
+    let measured = relative(record, quantity)?;
+    let every = stride(&measured);
+    // Where the frequency is about known and low, means over some samples do as well.
+    let block = if guess.is_some() { measured.len().div_ceil(MOST) } else { 1 };
+    let (samples, dt) = ((measured.len() / block).min(MOST), record.dt() * block as f64);
+    let mean = |of: &dyn Fn(usize) -> f64, k: usize| {
+        let there = (k * block..(k + 1) * block).map(of).filter(|value| !value.is_nan());
+        let (sum, count) = there.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
+        sum / f64::from(count)
+    };
+    let measured: Vec<f64> = numbers(samples, &|k| mean(&|i| measured[i], k));
+    let force: Vec<f64> = numbers(samples, &|k| mean(&|i| record.force(i), k));
+    let ((mean, size), (middle, strength)) = (moments(&measured), moments(&force));
+    let there = measured.iter().filter(|value| !value.is_nan()).count();
+    if there < FEWEST || !(size > 0.0 && strength > 0.0) {
+        return None;
+    }
+    let readings = Readings {
+        values: mapped(&measured, &|value| (value - mean) / size),
+        force: mapped(&force, &|value| (value - middle) / strength),
+        dt,
+        hold: if block == 1 { record.hold() } else { Hold::First },
+        order: order(quantity),
+    };
+    let (low, high) = (PERIODS / (dt * samples as f64), 1.0 / (SAMPLES * every as f64 * dt));
+    let [low, high] = band.map_or([low, high], |[from, to]| [low.max(from), high.min(to)]).map(|hertz| TAU * hertz);
+    let begins = if low < high { readings.begins(low, high) } else { Vec::new() };
+    let guess = guess.map(|guess| [guess.natural_frequency, guess.damping_ratio.clamp(1e-3, 0.8)].map(libm::log));
+    let found = begins.into_iter().chain(guess).map(|begin| readings.descend(begin));
+    let (cost, at) = found.filter(|(cost, _)| cost.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, (columns, parts)) = readings.fit(&at);
+    let [wn, zeta] = at.map(libm::exp);
+    let variance = cost / there.saturating_sub(6).max(1) as f64;
+    let [of_gain, ..] = readings.normal(&columns).variances()?;
+    let is_certain = square(parts[0]) > square(CERTAIN) * variance * of_gain;
+    let is_sound = cost < UNEXPLAINED * there as f64 && zeta < 0.8 && is_within(band, wn);
+    let gain = Some(parts[0] * size / strength);
+    (is_certain && is_sound).then_some(Response { natural_frequency: wn, damping_ratio: zeta.max(1e-3), gain })
+}

@@ -1,0 +1,314 @@
+//! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
+
+use super::level::{Level, apart};
+use super::number::{Function, Number, Real};
+use super::plants::{Equation, Plant, Slopes, fits, with_equation};
+use crate::Channel;
+use crate::lists::places;
+use crate::model::{Reading, Scale};
+
+/// The n-component state of a plant and its surroundings, and how it moves.
+///
+/// ```text
+/// y = [motion, parameters, augmentations],  ẏ = g(y, F),  F = g f + o + u + w,  ṗ = -η p
+/// ```
+///
+/// with the recorded force over mass f, its gain g, an offset o, an unknown force u and a white force w. In place of a parameter
+/// θ the state may have `ln θ`. All that does not move is constant over a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The plant.
+    pub plant: Plant,
+    /// n, the number of components.
+    pub size: usize,
+    /// η, the rate at which the parameters decay \[1/s\].
+    pub eta: f64,
+    /// The places of logarithms.
+    pub logarithms: Vec<usize>,
+    /// The place of the input gain.
+    pub gain: Option<usize>,
+    /// The place of the input offset.
+    pub offset: Option<usize>,
+    /// The places of the forces that are not recorded.
+    pub unrecorded: Vec<usize>,
+    /// The places of what does not last, and their correlation times \[s\].
+    pub forgotten: Vec<(usize, f64)>,
+    /// `∂g/∂F` of the components that move.
+    pub by_force: Vec<f64>,
+}
+
+impl Model {
+    /// The engine's form of a model.
+    pub fn of(book: &crate::Model) -> Self {
+        let plant = Plant::of(book.plant());
+        let place = |channel| book.place(channel);
+        let mut by_force = plant.by_force();
+        by_force.resize(book.moving(), 0.0);
+        Self {
+            plant,
+            size: book.size(),
+            eta: book.eta(),
+            logarithms: places(book.size(), &|place| book.is_logarithm(place)),
+            gain: place(Channel::INPUT_GAIN),
+            offset: place(Channel::INPUT_OFFSET),
+            unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),
+            forgotten: book.forgotten().to_vec(),
+            by_force,
+        }
+    }
+
+    /// The number of components that a step moves, which come first: those of the motion, and with a decay the parameters.
+    #[inline(always)]
+    pub fn moving(&self) -> usize {
+        self.by_force.len()
+    }
+
+    /// Whether the linear step has a closed form.
+    #[inline(always)]
+    pub fn is_oscillator(&self) -> bool {
+        self.plant.is_oscillator() && self.moving() == 2
+    }
+
+    /// [`Plant::coupling`] of a plant whose parameters stand still.
+    pub(crate) fn coupling(&self) -> Option<[usize; 2]> {
+        self.plant.coupling().filter(|[masses, _]| self.moving() == 2 * masses)
+    }
+
+    /// `g f + o`, the part of the force over mass that comes with the recorded input \[m/s²\].
+    #[inline(always)]
+    pub fn recorded<T: Real>(&self, state: &[T], force: T) -> T {
+        let scaled = match self.gain {
+            Some(place) => state[place] * force,
+            None => force,
+        };
+        match self.offset {
+            Some(place) => scaled + state[place],
+            None => scaled,
+        }
+    }
+
+    /// F, the force over mass that acts \[m/s²\].
+    #[inline(always)]
+    pub fn acting<T: Real>(&self, state: &[T], force: T) -> T {
+        let mut acting = self.recorded(state, force);
+        for &place in &self.unrecorded {
+            acting = acting + state[place];
+        }
+        acting
+    }
+
+    /// The rates of the components that move under this recorded force. `plain` is memory for n numbers.
+    #[inline(always)]
+    pub fn rate<T: Number, L: Level>(&self, level: L, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
+        with_equation!(&self.plant, equation => {
+            if fits::<T, L>(level, equation) {
+                self.rate_by(equation, state, force, plain, rate);
+            }
+        });
+    }
+
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(super) fn rate_by<T: Number>(
+        &self,
+        equation: impl Equation<T>,
+        state: &[T],
+        force: T,
+        plain: &mut [T],
+        rate: &mut [T],
+    ) {
+        let acting = self.acting(state, force);
+        let own = self.plain(state, plain);
+        equation.rate(own, acting, rate);
+        self.decay(own, rate);
+    }
+
+    #[inline(always)]
+    pub(super) fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
+        if self.logarithms.is_empty() {
+            return state;
+        }
+        self.plain_into(state, plain);
+        plain
+    }
+
+    #[inline(always)]
+    pub(super) fn plain_into<T: Number>(&self, state: &[T], plain: &mut [T]) {
+        plain.copy_from_slice(state);
+        for &place in &self.logarithms {
+            plain[place] = plain[place].call(Function::Exp);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn decay<T: Real>(&self, plain: &[T], rate: &mut [T]) {
+        if self.eta == 0.0 {
+            return;
+        }
+        for place in self.plant.motion()..self.moving() {
+            rate[place] = plain[place] * -self.eta;
+        }
+        for &place in &self.logarithms {
+            rate[place] = T::of(-self.eta);
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Derivatives<T> {
+    /// `g(y, F)` of the components that move.
+    pub rate: Vec<T>,
+    /// The upper rows of `A = ∂g/∂y`, column by column.
+    pub columns: Vec<T>,
+    /// Memory for the state without logarithms.
+    pub plain: Vec<T>,
+}
+
+impl<T: Number> Derivatives<T> {
+    pub(crate) fn new(model: &Model) -> Self {
+        let (zero, moving) = (T::of(0.0), model.moving());
+        Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
+    }
+
+    /// Takes them in a state under this recorded force, in a separate function: it is long, and called from many places.
+    #[inline(always)]
+    pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+        apart!(level, self.take_inside(level, model, state, force));
+    }
+
+    #[inline(always)]
+    fn take_inside<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+        let Self { rate, columns, plain } = self;
+        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+        let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
+        let own = model.plain(state, plain);
+        let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
+        model.plant.linearise(level, own, model.acting(state, force), out);
+        model.decay(own, rate);
+        if model.eta != 0.0 {
+            for place in model.plant.motion()..moving {
+                columns[place * moving + place] = T::of(-model.eta);
+            }
+        }
+        for &place in &model.logarithms {
+            let column = &mut columns[place * moving..(place + 1) * moving];
+            column.iter_mut().for_each(|entry| *entry = *entry * own[place]);
+            if model.eta != 0.0 {
+                // -η θ / θ does not depend on θ.
+                column[place] = T::of(0.0);
+            }
+        }
+        // The columns of biases stay zero.
+        if let Some(place) = model.gain {
+            for i in 0..moving {
+                columns[place * moving + i] = force * model.by_force[i];
+            }
+        }
+        for &place in model.offset.iter().chain(&model.unrecorded) {
+            for i in 0..moving {
+                columns[place * moving + i] = T::of(model.by_force[i]);
+            }
+        }
+    }
+}
+
+/// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
+#[inline(always)]
+pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+    if let Some(place) = reading.component {
+        return state[place];
+    }
+    let exact = read_exact(model, reading, state, rate, force);
+    match reading.gain {
+        None => exact,
+        Some(Scale { gain, bias: None }) => state[gain] * exact,
+        Some(Scale { gain, bias: Some(bias) }) => state[gain] * exact + state[bias],
+    }
+}
+
+#[inline(always)]
+fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+    let mut sum = T::of(0.0);
+    for &(place, factor) in &reading.components {
+        sum = sum + state[place] * factor;
+    }
+    for &(place, factor) in &reading.rates {
+        sum = sum + rate[place] * factor;
+    }
+    if reading.ground != 0.0 {
+        // The force over mass is the negative of the ground's acceleration.
+        sum = sum - model.recorded(state, force) * reading.ground;
+    }
+    sum
+}
+
+/// `∂h/∂y` of a sensor that reads more than components in a state, n numbers.
+#[inline(always)]
+pub(crate) fn gradient<T: Number>(
+    model: &Model,
+    reading: &Reading,
+    state: &[T],
+    derivatives: &Derivatives<T>,
+    force: T,
+    row: &mut [T],
+) {
+    let moving = model.moving();
+    for (k, entry) in row.iter_mut().enumerate() {
+        *entry = T::of(0.0);
+        for &(place, factor) in &reading.rates {
+            *entry = *entry + derivatives.columns[k * moving + place] * factor;
+        }
+    }
+    for &(place, factor) in &reading.components {
+        row[place] = row[place] + factor;
+    }
+    if reading.ground != 0.0 {
+        if let Some(place) = model.gain {
+            row[place] = row[place] - force * reading.ground;
+        }
+        if let Some(place) = model.offset {
+            row[place] = row[place] + -reading.ground;
+        }
+    }
+    if let Some(Scale { gain, bias }) = reading.gain {
+        row.iter_mut().for_each(|entry| *entry = *entry * state[gain]);
+        row[gain] = row[gain] + read_exact(model, reading, state, &derivatives.rate, force);
+        if let Some(bias) = bias {
+            row[bias] = row[bias] + 1.0;
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step<T> {
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
+    pub forces: [T; 2],
+    /// Whether they differ: else the force is held.
+    pub has_slope: bool,
+    /// The time that it takes \[s\].
+    pub dt: f64,
+}
+
+impl<T: Number> Step<T> {
+    /// The slope of the force over mass \[m/s³\].
+    #[inline(always)]
+    pub(crate) fn slope(&self) -> T {
+        (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
+    }
+
+    #[inline(always)]
+    pub(crate) fn thrice(&self) -> [T; 3] {
+        let [begin, end] = self.forces;
+        [begin, begin + (end - begin) * 0.5, end]
+    }
+
+    pub(crate) fn part(&self, i: usize, parts: usize) -> Self {
+        let [begin, end] = self.forces;
+        let force = |i: usize| match i {
+            0 => begin,
+            i if i == parts => end,
+            i => begin + (end - begin) * (i as f64 / parts as f64),
+        };
+        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
+    }
+}

@@ -1,0 +1,133 @@
+//! The update of the iterated EKF: a Gauss-Newton descent to the most probable state.
+//!
+//! ```text
+//! yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ)),  y₀ = y⁻
+//! ```
+//!
+//! Innovation, S, NIS and likelihood that are reported are those of the first step, at y⁻; gain and covariance are those of the last.
+//!
+//! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal Estimation*, section
+//! 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
+
+use super::{Observation, Target, Update, UpdateResult};
+use crate::engine::belief::Belief;
+use crate::engine::design::{Design, Method};
+use crate::engine::level::Level;
+use crate::engine::number::{Mask, Number};
+
+/// The step of an iteration counts as none when it is this small, squared, against the variance.
+const CONVERGED: f64 = 1e-12;
+
+#[derive(Clone, Debug)]
+pub(super) struct Descent<T> {
+    pub(super) prior: Belief<T>,
+    /// The state in which the sensors are linearised.
+    pub(super) at: Vec<T>,
+    /// Innovation, S and the factor of S of the first step.
+    pub(super) first: [Vec<T>; 3],
+}
+
+impl<T: Number> Descent<T> {
+    pub(super) fn new(n: usize) -> Self {
+        let zeros = |count: usize| vec![T::of(0.0); count];
+        let prior = Belief { mean: zeros(n), cov: zeros(n * n) };
+        Self { prior, at: zeros(n), first: [const { Vec::new() }; 3] }
+    }
+
+    pub(super) fn linearise_again(&mut self, belief: &mut Belief<T>) {
+        self.at.copy_from_slice(&belief.mean);
+        belief.copy_from(&self.prior);
+    }
+
+    /// Whether no component has moved by more than 1e-6 of its standard deviation.
+    pub(super) fn has_converged(&self, belief: &Belief<T>) -> bool {
+        let n = belief.size();
+        (0..n).all(|i| {
+            let moved = belief.mean[i] - self.at[i];
+            (moved * moved).le(belief.cov[i * (n + 1)] * CONVERGED).all()
+        })
+    }
+}
+
+impl<T: Number> Update<T> {
+    /// The same, with further steps of an iterated EKF, and a note for the smoother.
+    #[inline(never)]
+    pub(super) fn descend<L: Level>(
+        &mut self,
+        level: L,
+        target: &mut Target<'_, T>,
+        observation: Observation<'_, T>,
+    ) -> UpdateResult<T> {
+        let (design, mut descent) = (target.design, self.descent.take());
+        if let Some(Descent { prior, .. }) = descent.as_deref_mut() {
+            prior.copy_from(target.belief);
+        }
+        let mut result = self.condition_once(level, target, observation);
+        let m = self.active.len();
+        let reads_rates = !self.active.iter().all(|&sensor| design.readings[sensor].is_of_components());
+        if let (Some(descent), Method::Linearised(_, iterations), true) =
+            (descent.as_deref_mut(), design.method, reads_rates)
+        {
+            let parts = [&self.innovation[..m], &self.innovation_cov[..m * m], &self.factor[..m * m]];
+            for (kept, part) in descent.first.iter_mut().zip(parts) {
+                kept.clear();
+                kept.extend_from_slice(part);
+            }
+            for _ in 1..iterations {
+                if !result.holds.all() {
+                    break;
+                }
+                descent.linearise_again(target.belief);
+                result.holds = self.condition_at(level, target, observation, &descent.at).holds;
+                if descent.has_converged(target.belief) {
+                    break;
+                }
+            }
+        }
+        self.note(design);
+        if let Some(Descent { first: [innovation, innovation_cov, factor], .. }) =
+            descent.as_deref().filter(|_| reads_rates)
+        {
+            self.innovation[..m].copy_from_slice(innovation);
+            self.innovation_cov[..m * m].copy_from_slice(innovation_cov);
+            self.factor[..m * m].copy_from_slice(factor);
+        }
+        self.descent = descent;
+        result
+    }
+
+    fn note(&mut self, design: &Design) {
+        let Some(mut passage) = self.passage.take() else { return };
+        let [innovation, innovation_cov, gain] = self.parts();
+        for (own, part) in [
+            (&mut passage.innovation, innovation),
+            (&mut passage.innovation_cov, innovation_cov),
+            (&mut passage.gain, gain),
+        ] {
+            own.clear();
+            own.extend_from_slice(part);
+        }
+        passage.jacobian.clear();
+        passage.jacobian.resize(gain.len(), T::of(0.0));
+        if !self.jacobian_into(design, &mut passage.jacobian) {
+            passage.jacobian.clear();
+        }
+        self.passage = Some(passage);
+    }
+
+    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
+    ///
+    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
+    fn condition_at<L: Level>(
+        &mut self,
+        level: L,
+        Target { design, belief, checks, .. }: &mut Target<'_, T>,
+        observation: Observation<'_, T>,
+        at: &[T],
+    ) -> UpdateResult<T> {
+        let count = self.active.len();
+        self.expected.take_at(level, design, belief, &self.active, observation.force, at);
+        let number = self.compare(level, count, observation);
+        self.correct(level, count, design, belief, number, checks)
+    }
+}

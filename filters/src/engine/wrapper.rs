@@ -1,0 +1,205 @@
+//! Options of a filter, each of which wraps a filter.
+//!
+//! An option sees the filter that it wraps as a [`Recursion`], and knows of no other option.
+
+mod adapting;
+mod considering;
+mod jumping;
+mod restarting;
+mod weighing;
+
+pub use adapting::Adapting;
+pub use considering::Considering;
+pub use jumping::Jumping;
+pub use restarting::Restarting;
+pub use weighing::Weighing;
+
+use std::ops::{Deref, DerefMut};
+
+use super::filter::Filter;
+use super::level::{Level, apart};
+use super::number::Number;
+use super::update::UpdateResult;
+
+/// A step between samples, or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<T> {
+    /// The share of a step.
+    pub share: f64,
+    /// The recorded forces over mass at its beginning and at its end \[m/s²\].
+    pub forces: [T; 2],
+    /// The times of both, from the first sample on \[s\].
+    pub times: [f64; 2],
+}
+
+/// The readings of a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings<'a, T> {
+    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    pub(crate) force: T,
+    /// A number for each sensor; NaN where it is missing.
+    pub(crate) measured: &'a [T],
+    /// The diagonal of R; that of the filter's noise if left out.
+    pub(crate) variances: Option<&'a [T]>,
+}
+
+/// A filter in whatever options: predict, update, and the belief.
+pub trait Recursion<T: Number> {
+    fn predict(&mut self, span: Span<T>);
+
+    fn update(&mut self, readings: Readings<'_, T>) -> UpdateResult<T>;
+
+    /// The filter within all options, with its belief, its noise and its last update.
+    fn filter(&mut self) -> &mut Filter<T>;
+}
+
+/// An option: a filter around another.
+pub trait Wrapper<T: Number>: Send {
+    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+        inner.predict(span);
+    }
+
+    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+        inner.update(readings)
+    }
+
+    fn report<'a>(&'a self, _: &mut Learnt<'a, T>) {}
+
+    /// The numbers that it keeps from sample to sample, of which [`Self::restore`] makes a filter that can begin again.
+    fn memory(&self) -> &[T] {
+        &[]
+    }
+
+    fn restore(&mut self, _: &[T]) {}
+}
+
+/// What options have learnt of the last sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Learnt<'a, T> {
+    /// The weight of each sensor's reading, of a filter that weighs them.
+    pub weights: Option<&'a [T]>,
+    /// The variance of each R, of a filter that learns its noise.
+    pub uncertainty: Option<&'a [T]>,
+    pub has_widened: bool,
+}
+
+/// A filter in its options, from the inside out.
+pub struct Wrapped<T: Number> {
+    filter: Filter<T>,
+    wrappers: Vec<Box<dyn Wrapper<T>>>,
+}
+
+impl<T: Number> Deref for Wrapped<T> {
+    type Target = Filter<T>;
+
+    fn deref(&self) -> &Filter<T> {
+        &self.filter
+    }
+}
+
+impl<T: Number> DerefMut for Wrapped<T> {
+    fn deref_mut(&mut self) -> &mut Filter<T> {
+        &mut self.filter
+    }
+}
+
+impl<T: Number> Wrapped<T> {
+    pub fn new(filter: Filter<T>, wrappers: impl IntoIterator<Item = Option<Box<dyn Wrapper<T>>>>) -> Self {
+        Self { filter, wrappers: wrappers.into_iter().flatten().collect() }
+    }
+
+    pub fn has_options(&self) -> bool {
+        !self.wrappers.is_empty()
+    }
+
+    /// [`Filter::predict`] in all options.
+    #[inline(always)]
+    pub fn predict<L: Level>(&mut self, level: L, span: Span<T>) {
+        if self.has_options() {
+            return self.in_options(level, |filter| filter.predict(span));
+        }
+        self.filter.predict(level, span.share, span.forces);
+    }
+
+    /// [`Filter::update`] in all options.
+    #[inline(always)]
+    pub fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
+        if self.has_options() {
+            return self.in_options(level, |filter| filter.update(Readings { force, measured, variances: None }));
+        }
+        self.filter.update(level, force, measured, None)
+    }
+
+    #[inline(never)]
+    fn in_options<L: Level, R>(&mut self, level: L, work: impl FnOnce(&mut dyn Recursion<T>) -> R) -> R {
+        let Self { filter, wrappers } = self;
+        work(&mut Inside { wrappers, plain: &mut AtLevel(level, filter) })
+    }
+
+    /// What its options have learnt of the last sample.
+    pub fn learnt(&self) -> Learnt<'_, T> {
+        let mut learnt = Learnt { weights: None, uncertainty: None, has_widened: false };
+        self.wrappers.iter().for_each(|wrapper| wrapper.report(&mut learnt));
+        learnt
+    }
+
+    /// The numbers that its options keep from sample to sample.
+    pub fn memory(&self) -> Vec<T> {
+        self.wrappers.iter().flat_map(|wrapper| wrapper.memory()).copied().collect()
+    }
+
+    pub fn restore(&mut self, mut memory: &[T]) {
+        for wrapper in &mut self.wrappers {
+            let (own, others) = memory.split_at(wrapper.memory().len());
+            wrapper.restore(own);
+            memory = others;
+        }
+    }
+}
+
+/// A filter without options, by the instructions of a level.
+struct AtLevel<'a, L, T: Number>(L, &'a mut Filter<T>);
+
+impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
+    fn predict(&mut self, Span { share, forces, .. }: Span<T>) {
+        let Self(level, filter) = self;
+        apart!(level, filter.predict(*level, share, forces));
+    }
+
+    fn update(&mut self, Readings { force, measured, variances }: Readings<'_, T>) -> UpdateResult<T> {
+        let Self(level, filter) = self;
+        apart!(level, filter.update(*level, force, measured, variances))
+    }
+
+    fn filter(&mut self) -> &mut Filter<T> {
+        self.1
+    }
+}
+
+/// A filter in the first of its options.
+struct Inside<'a, T> {
+    wrappers: &'a mut [Box<dyn Wrapper<T>>],
+    plain: &'a mut dyn Recursion<T>,
+}
+
+impl<T: Number> Recursion<T> for Inside<'_, T> {
+    fn predict(&mut self, span: Span<T>) {
+        let Self { wrappers, plain } = self;
+        match wrappers.split_last_mut() {
+            Some((outer, wrappers)) => outer.predict(&mut Inside { wrappers, plain: &mut **plain }, span),
+            None => plain.predict(span),
+        }
+    }
+
+    fn update(&mut self, readings: Readings<'_, T>) -> UpdateResult<T> {
+        let Self { wrappers, plain } = self;
+        match wrappers.split_last_mut() {
+            Some((outer, wrappers)) => outer.update(&mut Inside { wrappers, plain: &mut **plain }, readings),
+            None => plain.update(readings),
+        }
+    }
+
+    fn filter(&mut self) -> &mut Filter<T> {
+        self.plain.filter()
+    }
+}

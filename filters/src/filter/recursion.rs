@@ -1,0 +1,211 @@
+//! Predict and update, sample after sample: the part that all filters share.
+
+use super::jump::Jump;
+use super::learning::Learning;
+use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
+use crate::engine::columns::factor;
+use crate::engine::weights::Innovations;
+use crate::gaussian_likelihood::part_of;
+use crate::lists::mapped;
+use crate::model::{Hold, Model};
+use crate::quantity::Quantity;
+
+/// A recursive estimator of the n-component state of a model whose belief is a random sample, or your own, at k = 0 and after.
+///
+/// ```
+/// use kalmanscope_core::filter::{Adaptation, Correction, Ensemble, Filter, Gaussian, Noise, Normal};
+/// use kalmanscope_core::filter::{Matrix, Vector};
+/// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
+/// # fn main() -> Result<(), kalmanscope_core::FilterError> {
+/// let model = Model::new(PlantKind::SDOF);
+/// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
+/// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
+/// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
+/// let belief = Box::new(Ensemble::new(initial, 100, Normal::from_seed(1))?);
+/// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
+/// let mut correction = Correction::nothing(4, 1);
+/// filter.predict([1.0, 1.0])?;
+/// filter.update(1.0, &[0.002], &mut correction)?;
+/// assert!(correction.nis < 1.0);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Filter<B: Belief + ?Sized = dyn Belief> {
+    model: Model,
+    dt: f64,
+    hold: Hold,
+    noise: Noise,
+    observation: Observation,
+    learning: Learning<f64>,
+    jump: Option<Jump>,
+    substeps: usize,
+    white: Option<White>,
+    belief: Box<B>,
+}
+
+impl<B: Belief + ?Sized> Filter<B> {
+    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor for a quantity that the model does not
+    /// have.
+    pub fn new(
+        model: Model,
+        belief: Box<B>,
+        dt: f64,
+        hold: Hold,
+        noise: Noise,
+        sensors: &[Quantity],
+        adaptation: Adaptation,
+    ) -> Self {
+        let readings = mapped(sensors, &|&quantity| model.reading(quantity));
+        let learning = Learning::new(adaptation, model.size(), &noise.sensors, dt);
+        let (observation, substeps) = (Observation::of(readings), 1);
+        let (jump, white) = (None, None);
+        Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }
+    }
+
+    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
+    /// noise is added in the last.
+    #[must_use]
+    pub fn with_substeps(self, substeps: usize) -> Self {
+        Self { substeps: substeps.max(1), ..self }
+    }
+
+    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
+    #[must_use]
+    pub fn with_jump(self) -> Self {
+        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
+        Self { jump: Some(Jump::new(initial)), ..self }
+    }
+
+    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
+    #[must_use]
+    pub fn with_white_force(mut self, white: Option<White>) -> Self {
+        self.white = white;
+        white.into_iter().for_each(|white| white.leave_out(&mut self.noise.process));
+        self
+    }
+
+    /// The white force, if the filter has one.
+    pub fn white_force(&self) -> Option<White> {
+        self.white
+    }
+
+    /// The belief after the last predict or update.
+    pub fn belief(&self) -> &B {
+        &self.belief
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The noise that the filter assumes by now.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// The variance of each R, where the filter learns R; zero elsewhere.
+    pub fn noise_uncertainty(&self) -> &[f64] {
+        &self.learning.uncertainty
+    }
+
+    /// Whether it learns noise.
+    pub fn is_adaptive(&self) -> bool {
+        self.learning.adaptation.is_on()
+    }
+
+    /// Whether the last prediction has widened P because the innovations had grown at once.
+    pub fn has_widened(&self) -> bool {
+        self.jump.as_ref().is_some_and(|jump| jump.has_widened)
+    }
+
+    /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
+    /// Where the force is held the second does not matter.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
+    /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
+    pub fn predict(&mut self, [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+        let end = match self.hold {
+            Hold::Zero => begin,
+            Hold::First => end,
+        };
+        let whole = Step { forces: [begin, end], hold: self.hold, dt: self.dt };
+        if !whole.forces.iter().all(|force| force.is_finite()) {
+            return Err(FilterError::UndefinedForce);
+        }
+        let Self { model, noise, jump, substeps, belief, white, .. } = self;
+        let mut wide = None;
+        if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
+            let Noise { process, .. } = wide.insert(noise.clone());
+            // A force that is drawn again at each sample always has its full variance.
+            let is_kept = |(i, _): &(usize, f64)| white.is_none_or(|white| white.place != *i);
+            widening.enumerate().filter(is_kept).for_each(|(i, variance)| process[(i, i)] += variance);
+        }
+        let noise = wide.as_ref().unwrap_or(noise);
+        let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
+        let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
+        for &(place, time) in model.forgotten() {
+            belief.renew(place, libm::exp(-whole.dt / time), 0.0)?;
+        }
+        for i in 0..steps {
+            belief.predict(model, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
+            if let Some(white) = white.filter(|_| i + 1 == renewed) {
+                belief.renew(white.place, 0.0, white.variance)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
+    /// measurement that is NaN skips its sensor.
+    ///
+    /// # Errors
+    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite;
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn or a variance comes out negative;
+    /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
+    /// does; [`FilterError::InfiniteMeasurement`].
+    pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
+        let Self { model, noise, observation, learning, jump, belief, white, .. } = self;
+        *correction = Correction::nothing(model.size(), noise.sensors.len());
+        learning.sample += 1;
+        observation.take(force, measured, &noise.sensors)?;
+        if observation.is_empty() {
+            return belief.gaussian().check();
+        }
+        belief.condition(model, observation, correction)?;
+        correction.check(&observation.sensors)?;
+        if learning.learns_now() {
+            learn(learning, (observation, measured), correction, noise, *white);
+        }
+        if let Some(jump) = jump {
+            jump.observe(correction.nis, observation.len());
+        }
+        Ok(())
+    }
+}
+
+fn learn(
+    learning: &mut Learning<f64>,
+    (Observation { sensors, variances, .. }, measured): (&Observation, &[f64]),
+    Correction { innovation, innovation_cov, gain, .. }: &Correction,
+    noise: &mut Noise,
+    white: Option<White>,
+) {
+    let m = sensors.len();
+    let innovation = mapped(sensors, &|&sensor| innovation[sensor]);
+    let innovation_cov = part_of(innovation_cov.as_slice(), innovation_cov.nrows(), sensors);
+    let mut lower = innovation_cov.clone();
+    let (_, is_positive) = factor(&mut lower, m);
+    let (innovation, innovation_cov, factor) = (&innovation[..], &innovation_cov[..], &lower[..]);
+    let update = Innovations { sensors, innovation, innovation_cov, factor, variances };
+    if learning.adaptation.process_noise {
+        let gain = gain.select_columns(sensors);
+        let process = (noise.process.as_mut_slice(), white.map(|white| white.place));
+        learning.adapt_process(&update, gain.as_slice(), true, process);
+        noise.process.fill_upper_triangle_with_lower_triangle();
+    }
+    if learning.adaptation.sensor_noise && is_positive {
+        learning.adapt_sensors(&update, measured, &mut noise.sensors);
+    }
+}

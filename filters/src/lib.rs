@@ -1,0 +1,47 @@
+//! Kalman filters of any system: [`KalmanFilter`] for matrices and a measurement function of your own, and for equations of motion
+//! KF, EKF, IEKF, UKF, SR-UKF, CKF, EnKF and a particle filter, each written once over the kind of number. Nothing here knows a
+//! scenario, a record or a run.
+//!
+//! The hidden modules are for the crates of this workspace.
+
+#[doc(hidden)]
+pub mod catalogue;
+pub mod channel;
+#[doc(hidden)]
+pub mod engine;
+pub mod equation;
+pub mod filter;
+#[doc(hidden)]
+pub mod filter_error;
+#[doc(hidden)]
+pub mod fourier;
+#[doc(hidden)]
+pub mod gaussian_likelihood;
+#[doc(hidden)]
+pub mod least_squares;
+#[doc(hidden)]
+pub mod linalg;
+#[doc(hidden)]
+pub mod lists;
+#[doc(hidden)]
+pub mod model;
+#[doc(hidden)]
+pub mod noise_scale;
+pub mod plant;
+#[doc(hidden)]
+pub mod quantity;
+#[doc(hidden)]
+pub mod random;
+#[doc(hidden)]
+pub mod registry;
+#[doc(hidden)]
+pub mod truncated_normal;
+
+pub use channel::Channel;
+pub use filter::{
+    Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
+};
+pub use filter_error::Stop;
+pub use model::{Hold, InputKind, Model};
+pub use plant::PlantKind;
+pub use quantity::{Aspect, AspectInfo, Quantity, Term};

@@ -1,0 +1,293 @@
+//! Plants: their equations of motion and parameters.
+
+mod built_in;
+
+use std::any::{Any, TypeId};
+use std::fmt;
+use std::sync::Arc;
+
+use crate::channel::MAX_MASSES;
+use crate::lists::numbers;
+use crate::quantity::Term;
+use crate::registry::registry;
+use crate::{Channel, Quantity};
+
+/// A plant's data other than its equation.
+#[derive(Clone, Copy, Debug)]
+pub struct PlantInfo<'a> {
+    /// The key in scenario files.
+    pub key: &'a str,
+    /// The name in running text.
+    pub name: &'a str,
+    /// The equation of motion, per mass.
+    pub equation: &'a str,
+    /// The source of the equation.
+    pub reference: &'a str,
+    /// The components of the state: the motion, then the parameters.
+    pub channels: &'a [Channel],
+    /// Whether it is linear while its parameters are constant; its response is exact then.
+    pub is_linear: bool,
+    /// The symbol of its springs in the picture.
+    pub spring: Spring,
+}
+
+/// The symbol of a spring in the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spring {
+    /// A spring of one stiffness.
+    Linear,
+    /// A spring that hardens or softens with the parameter in this channel.
+    Cubic(Channel),
+    /// A spring with a slider, which the displacement in this channel follows until it slips.
+    Slipping(Channel),
+}
+
+/// A plant with the state `y = [motion, parameters]` of N components. The first M move. Its parameters are constant or
+/// decay at a rate η; the model of the plant adds that, not the plant's equation.
+///
+/// ```text
+/// ẏ = g(y, f),  A = ∂g/∂y
+/// ```
+///
+/// The force over mass f enters additively, and equally for every mass.
+pub trait Plant: Any + Send + Sync {
+    /// Names, keys and the components of the state.
+    fn info(&self) -> PlantInfo<'_>;
+
+    /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
+    /// mass \[m/s²\].
+    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]);
+
+    /// The first M rows of A, row by row: `∂gᵢ/∂yⱼ` at `i N + j`. `jacobian` has M N numbers, which are zero.
+    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]);
+}
+
+/// A plant by its data: one of the registry, a user's own, or an equation that a user typed.
+#[derive(Clone)]
+pub struct PlantKind(Source);
+
+#[derive(Clone)]
+enum Source {
+    Program(&'static dyn Plant),
+    Shared(Arc<dyn Plant>),
+}
+
+registry! {
+    PlantKind by PlantKind::new,
+    /// Every plant of the registry.
+    ALL;
+    /// A linear oscillator with a single degree of freedom.
+    ///
+    /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
+    ///
+    /// ```text
+    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x, …]
+    /// ```
+    ///
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
+    SDOF = built_in::SDOF;
+    /// An oscillator with a cubic part in its spring.
+    ///
+    /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
+    ///
+    /// ```text
+    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x - μx³, …]
+    /// ```
+    ///
+    /// The spring hardens with μ > 0 and softens with μ < 0.
+    ///
+    /// Source: Duffing (1918), *Erzwungene Schwingungen bei veränderlicher Eigenfrequenz*; Kovacic and Brennan, eds. (2011),
+    /// *The Duffing Equation*.
+    DUFFING = built_in::DUFFING;
+    /// An oscillator with a spring that yields and remembers.
+    ///
+    /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
+    ///
+    /// ```text
+    /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
+    /// ```
+    ///
+    /// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
+    /// little with exponent 1. After yielding the stiffness is α times the initial one.
+    ///
+    /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
+    /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
+    /// benchmark with a dynamic nonlinearity (exponent 1).
+    BOUC_WEN = built_in::BOUC_WEN;
+    /// The same with exponent 1.
+    BOUC_WEN_1 = built_in::BOUC_WEN_1;
+    /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
+    ///
+    /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
+    /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+    ///
+    /// ```text
+    /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
+    /// ẍᵢ = f - sᵢ + sᵢ₊₁,  s_{m+1} = 0
+    /// ```
+    ///
+    /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
+    ///
+    /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
+    SHEAR_2 = built_in::ShearPlant::<2>::PLANT;
+    /// A chain of three masses.
+    SHEAR_3 = built_in::ShearPlant::<3>::PLANT;
+    /// A chain of four masses.
+    SHEAR_4 = built_in::ShearPlant::<4>::PLANT;
+    /// A chain of five masses.
+    SHEAR_5 = built_in::ShearPlant::<5>::PLANT;
+    /// A chain of six masses.
+    SHEAR_6 = built_in::ShearPlant::<6>::PLANT;
+    /// A chain of seven masses.
+    SHEAR_7 = built_in::ShearPlant::<7>::PLANT;
+    /// A chain of eight masses.
+    SHEAR_8 = built_in::ShearPlant::<8>::PLANT;
+    /// A chain of nine masses.
+    SHEAR_9 = built_in::ShearPlant::<9>::PLANT;
+    /// A chain of ten masses.
+    SHEAR_10 = built_in::ShearPlant::<10>::PLANT;
+}
+
+impl PlantKind {
+    /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
+    /// the key of one of these is refused.
+    pub const fn new(plant: &'static dyn Plant) -> Self {
+        Self(Source::Program(plant))
+    }
+
+    pub(crate) fn shared(plant: Arc<dyn Plant>) -> Self {
+        Self(Source::Shared(plant))
+    }
+
+    /// The plant of the registry with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.key() == key)
+    }
+
+    /// Whether it is a user's own plant with a key of the registry: a file with this key would mean the registry's.
+    pub fn is_impostor(&self) -> bool {
+        Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
+    }
+
+    pub(crate) fn type_id(&self) -> TypeId {
+        let plant: &dyn Any = self.plant();
+        plant.type_id()
+    }
+
+    /// The plant itself.
+    pub fn plant(&self) -> &(dyn Plant + 'static) {
+        match &self.0 {
+            Source::Program(plant) => *plant,
+            Source::Shared(plant) => &**plant,
+        }
+    }
+
+    /// Names, keys and the components of the state.
+    pub fn info(&self) -> PlantInfo<'_> {
+        self.plant().info()
+    }
+
+    /// The key in scenario files.
+    pub fn key(&self) -> &str {
+        self.info().key
+    }
+
+    /// The name in running text.
+    pub fn name(&self) -> &str {
+        self.info().name
+    }
+
+    /// The equation of motion, per mass.
+    pub fn equation(&self) -> &str {
+        self.info().equation
+    }
+
+    /// The source of the equation.
+    pub fn reference(&self) -> &str {
+        self.info().reference
+    }
+
+    /// The components of the state: the motion, then the parameters.
+    pub fn channels(&self) -> &[Channel] {
+        self.info().channels
+    }
+
+    /// The number of components that move.
+    pub fn motion(&self) -> usize {
+        self.channels().iter().take_while(|c| !c.is_parameter()).count()
+    }
+
+    /// The number of masses.
+    pub fn masses(&self) -> usize {
+        (0..MAX_MASSES).take_while(|&mass| self.channels().contains(&Channel::displacement(mass))).count()
+    }
+
+    /// The plant's parameters.
+    pub fn parameters(&self) -> impl Iterator<Item = Channel> {
+        self.channels().iter().copied().filter(|c| c.is_parameter())
+    }
+
+    /// The measurable quantities of the plant.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + Clone {
+        Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
+    }
+
+    /// Whether the plant has a quantity to measure.
+    pub fn has(&self, quantity: Quantity) -> bool {
+        quantity.reads().iter().all(|(term, _)| match term {
+            Term::State(channel) | Term::Rate(channel) => self.channels().contains(channel),
+            Term::Ground => true,
+        })
+    }
+
+    /// Whether the force acts on a mass, counted from 0.
+    pub fn is_driven(&self, mass: usize) -> bool {
+        let rate = |force| {
+            let mut rate = vec![0.0; self.motion()];
+            self.plant().motion_rate(&self.anywhere(), force, &mut rate);
+            self.place(Channel::velocity(mass)).map(|place| rate[place])
+        };
+        rate(1.0) != rate(0.0)
+    }
+
+    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall: whether the displacement
+    /// of one accelerates the other.
+    pub fn is_held(&self, mass: usize) -> bool {
+        let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
+        self.plant().motion_jacobian(&self.anywhere(), &mut jacobian);
+        let accelerates = |by: Channel, mass: usize| {
+            let place = self.place(Channel::velocity(mass)).zip(self.place(by));
+            place.is_some_and(|(row, column)| jacobian[row * self.channels().len() + column] != 0.0)
+        };
+        match mass.checked_sub(1) {
+            Some(before) => {
+                accelerates(Channel::displacement(before), mass) || accelerates(Channel::displacement(mass), before)
+            }
+            None => accelerates(Channel::displacement(0), 0) || accelerates(Channel::velocity(0), 0),
+        }
+    }
+
+    fn place(&self, channel: Channel) -> Option<usize> {
+        channel.place_in(self.channels())
+    }
+
+    /// A state at which no derivative is zero by chance.
+    fn anywhere(&self) -> Vec<f64> {
+        numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
+    }
+}
+
+impl Default for PlantKind {
+    fn default() -> Self {
+        Self::SDOF
+    }
+}
+
+impl fmt::Debug for PlantKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+#[cfg(test)]
+mod tests;

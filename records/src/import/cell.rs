@@ -1,0 +1,382 @@
+//! The cells of a line: numbers, times of day, and words of instruments.
+
+use super::header::{Dimension, unit};
+use crate::mapping::{Decimal, Delimiter};
+
+impl Delimiter {
+    pub(super) const fn name(self) -> &'static str {
+        ["commas", "semicolons", "tabs", "blanks"][self as usize]
+    }
+
+    /// The cells of a line, without the blanks and quotes around them.
+    pub fn cells(self, line: &str) -> Cells<'_> {
+        let line = if self == Self::Tab { line.trim_end_matches(['\r', '\n']) } else { line.trim() };
+        Cells { delimiter: self, rest: Some(line) }
+    }
+
+    fn is(self, character: char) -> bool {
+        [",", ";", "\t", " \t"][self as usize].contains(character)
+    }
+}
+
+/// Iterates over the cells of a line.
+pub struct Cells<'a> {
+    delimiter: Delimiter,
+    rest: Option<&'a str>,
+}
+
+impl<'a> Iterator for Cells<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest?;
+        let start = rest.trim_start_matches(' ');
+        // Within quotes a delimiter is a part of the cell; a quote that nothing ends is a character like others.
+        let quoted = start.strip_prefix('"').and_then(|inner| inner.split_once('"'));
+        let (cell, after) = match quoted {
+            Some((cell, after)) => (cell, after.find(|c| self.delimiter.is(c)).map(|end| &after[end..])),
+            None => match rest.find(|c| self.delimiter.is(c)) {
+                Some(end) => (&rest[..end], Some(&rest[end..])),
+                None => (rest, None),
+            },
+        };
+        self.rest = after.map(|after| match self.delimiter {
+            Delimiter::Blanks => after.trim_start_matches([' ', '\t']),
+            _ => &after[1..],
+        });
+        Some(cell.trim())
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Content {
+    Number(f64),
+    /// Has one reading only, such as `1.234,5`.
+    Grouped(f64),
+    /// \[s\]: since midnight, or with a date since 1970.
+    Clock {
+        seconds: f64,
+        is_dated: bool,
+    },
+    Missing,
+    Word,
+    Text,
+}
+
+impl Content {
+    pub(super) fn value(self) -> f64 {
+        match self {
+            Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
+            Self::Missing | Self::Word | Self::Text => f64::NAN,
+        }
+    }
+}
+
+impl Decimal {
+    /// The number in a cell: NaN in an empty one and for `nan`, `OVLD` and the like, `None` in one with other text.
+    /// Thousands may be separated, as in `1.234,5`, and the exponent may be Fortran's, as in `1.5D-3`. Times of day
+    /// such as `13:05:00.25`, with or without a date, are in seconds.
+    pub fn number(self, cell: &str) -> Option<f64> {
+        let found = self.read(cell, false);
+        (found != Content::Text).then(|| found.value())
+    }
+
+    /// With `thousands` the separator in `1.234` is one of thousands.
+    pub(super) fn read(self, cell: &str, thousands: bool) -> Content {
+        if cell.is_empty() {
+            return Content::Missing;
+        }
+        if let Some(digits) = cell.strip_prefix(['+', '-']).filter(|digits| digits.starts_with(' ')) {
+            return self.read(&format!("{}{}", &cell[..1], digits.trim_start()), thousands);
+        }
+        let plain = match self {
+            Self::Point => cell.parse().ok(),
+            Self::Comma if cell.contains('.') && (thousands || cell.contains(',')) => None,
+            Self::Comma => cell.replace(',', ".").parse().ok(),
+        };
+        match plain {
+            // A number that is too large has digits.
+            Some(value) if f64::is_infinite(value) && !cell.contains(|c: char| c.is_ascii_digit()) => Content::Word,
+            Some(value) => Content::Number(value),
+            None => self.unusual(cell, thousands),
+        }
+    }
+
+    fn unusual(self, cell: &str, thousands: bool) -> Content {
+        if let Some((text, is_sure)) = self.ungrouped(cell)
+            && (is_sure || thousands)
+            && let Ok(value) = text.parse()
+        {
+            return Content::Grouped(value);
+        }
+        if let Some(value) = self.fortran(cell) {
+            return Content::Number(value);
+        }
+        if is_missing(cell) {
+            return Content::Missing;
+        }
+        if is_word(cell) {
+            return Content::Word;
+        }
+        match clock(cell) {
+            Some((seconds, is_dated)) => Content::Clock { seconds, is_dated },
+            None => self.duration(cell).map_or(Content::Text, Content::Number),
+        }
+    }
+
+    /// Returns the number as Rust writes it, and whether this is its only reading.
+    fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
+        let (point, other) = match self {
+            Self::Point => ('.', ','),
+            Self::Comma => (',', '.'),
+        };
+        let unsigned = cell.trim_start_matches(['-', '+']);
+        let (whole, fraction) = unsigned.split_once(point).unwrap_or((unsigned, ""));
+        let is_group = |c: char| c == other || "'’ \u{A0}\u{2009}\u{202F}".contains(c);
+        let separator = whole.chars().find(|&c| is_group(c))?;
+        let mut groups = whole.split(separator);
+        let first = groups.next()?;
+        let is_number = |text: &str, most: usize| {
+            (1..=most).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit())
+        };
+        let rest: Vec<&str> = groups.collect();
+        let fits = is_number(first, 3)
+            && !first.starts_with('0')
+            && rest.iter().all(|group| is_number(group, 3) && group.len() == 3);
+        if !fits || cell.len() - unsigned.len() > 1 {
+            return None;
+        }
+        let sign = if cell.starts_with('-') { "-" } else { "" };
+        let is_sure = unsigned.contains(point) || rest.len() > 1 || separator != other;
+        let dot = if fraction.is_empty() { "" } else { "." };
+        Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
+    }
+
+    fn duration(self, cell: &str) -> Option<f64> {
+        if let Some(cell) = cell.strip_prefix("PT").and_then(|rest| rest.strip_suffix('S')) {
+            let (minutes, seconds) = cell.split_once('M').unwrap_or(("0", cell));
+            return Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?);
+        }
+        let number = cell.trim_end_matches(char::is_alphabetic);
+        let Some((Dimension::Time, size)) = unit(&cell[number.len()..]) else { return None };
+        let Content::Number(value) = self.read(number.trim_end(), false) else { return None };
+        Some(size * value)
+    }
+
+    fn fortran(self, cell: &str) -> Option<f64> {
+        let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
+        let (mantissa, exponent) = cell.split_once(['d', 'D']).filter(|_| begins)?;
+        let mantissa = if self == Self::Comma { mantissa.replace(',', ".") } else { mantissa.to_owned() };
+        format!("{mantissa}e{exponent}").parse().ok()
+    }
+}
+
+fn is_missing(cell: &str) -> bool {
+    "na n/a null none nil missing - -- #n/a #nv ?".split(' ').any(|word| cell.eq_ignore_ascii_case(word))
+}
+
+fn is_word(cell: &str) -> bool {
+    const WORDS: &str =
+        "∞ ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
+    // Of Windows and of spreadsheets.
+    const PARTS: [&str; 6] = ["#ind", "#qnan", "#snan", "#inf", "#div/0", "#num"];
+    let is_line = |mark: char| cell.chars().all(|c| c == mark);
+    let lower = cell.to_ascii_lowercase();
+    let bare = lower.trim_start_matches(['-', '+']);
+    WORDS.split(' ').any(|word| word == bare)
+        || PARTS.iter().any(|part| bare.contains(part))
+        || ["#value!", "#wert!"].contains(&bare)
+        || (cell.len() > 2 && (is_line('-') || is_line('*')))
+}
+
+/// Seconds, and whether there is a date: `hh:mm:ss.f`, `mm:ss.f`, `AM`, `PM`, `+01:00`, `Z`; `2024-05-01`, `20240501T080000`,
+/// `01.05.2024`, `01-May-2024`; with slashes the month comes first if it can be one (`05/01/2024`).
+pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
+    // Of pandas: `0 days 00:00:01.5`.
+    if let Some((days, (time, false))) = cell.split_once(" days ").and_then(|(days, rest)| Some((days, clock(rest)?))) {
+        return Some((days.parse::<f64>().ok()? * 86_400.0 + time, false));
+    }
+    let (date, time) = match cell.split_once(['T', ' ']) {
+        Some((date, time)) if !date.contains(':') => (Some(date), time.trim()),
+        _ => (None, cell),
+    };
+    let (time, half) = half_of_day(time);
+    let (time, zone) = zone(time)?;
+    let time = time.trim();
+    let [hours, minutes, seconds] = match *time.splitn(3, ':').collect::<Vec<&str>>() {
+        [hours, minutes, seconds] => [hours, minutes, seconds],
+        [minutes, seconds] if date.is_none() && seconds.find(['.', ',']) == Some(2) => ["0", minutes, seconds],
+        [_] if date.is_some() => [time.get(..2)?, time.get(2..4)?, time.get(4..)?],
+        _ => return None,
+    };
+    let whole = |text: &str, most: u32| text.parse::<u32>().ok().filter(|number| *number <= most).map(f64::from);
+    let (hours, minutes) = (whole(hours, 24)?, whole(minutes, 59)?);
+    let seconds: f64 = seconds.replace([',', ':'], ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    let hours = match half {
+        None => hours,
+        Some(_) if !(1.0..=12.0).contains(&hours) => return None,
+        Some(shift) => hours % 12.0 + shift,
+    };
+    let day = date.map_or(Some(0.0), days)?;
+    Some((day * 86_400.0 + hours * 3600.0 + minutes * 60.0 + seconds - zone, date.is_some()))
+}
+
+fn half_of_day(time: &str) -> (&str, Option<f64>) {
+    match time.len().checked_sub(2).and_then(|place| time.split_at_checked(place)) {
+        Some((rest, word)) if word.eq_ignore_ascii_case("am") => (rest, Some(0.0)),
+        Some((rest, word)) if word.eq_ignore_ascii_case("pm") => (rest, Some(12.0)),
+        _ => (time, None),
+    }
+}
+
+fn zone(time: &str) -> Option<(&str, f64)> {
+    if let Some(rest) = ["Z", "UTC", "GMT"].iter().find_map(|word| time.strip_suffix(word)) {
+        return Some((rest, 0.0));
+    }
+    let Some(place) = time.find(['+', '-']) else { return Some((time, 0.0)) };
+    let (rest, zone) = time.split_at(place);
+    let digits: String = zone[1..].chars().filter(|&c| c != ':').collect();
+    let (hours, minutes) = digits.split_at_checked(2)?;
+    let minutes: f64 = if minutes.is_empty() { 0.0 } else { minutes.parse::<u32>().ok().map(f64::from)? };
+    let ahead = f64::from(hours.parse::<u32>().ok()?) * 3600.0 + minutes * 60.0;
+    Some((rest, if zone.starts_with('-') { -ahead } else { ahead }))
+}
+
+/// Days since 1 January 1970. Source: Hinnant (2013), chrono-Compatible Low-Level Date Algorithms.
+fn days(date: &str) -> Option<f64> {
+    const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    let [first, second, third] = match *date.split(['-', '/', '.']).collect::<Vec<&str>>() {
+        [first, second, third] => [first, second, third],
+        [date] if date.len() == 8 => [date.get(..4)?, date.get(4..6)?, date.get(6..)?],
+        _ => return None,
+    };
+    let number = |text: &str| text.parse::<i64>().ok().filter(|number| *number >= 0);
+    let named = MONTHS.iter().position(|month| second.eq_ignore_ascii_case(month)).map(|place| place as i64 + 1);
+    let (year, month, day) = if first.len() == 4 {
+        (number(first)?, number(second)?, number(third)?)
+    } else {
+        let year = number(third)? + if third.len() == 2 { 2000 } else { 0 };
+        let (first, second) = (number(first)?, named.or_else(|| number(second))?);
+        let is_month_first = date.contains('/') && first <= 12;
+        if is_month_first { (year, first, second) } else { (year, second, first) }
+    };
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1..=9999).contains(&year) {
+        return None;
+    }
+    let year = if month <= 2 { year - 1 } else { year };
+    let (era, of_era) = (year.div_euclid(400), year.rem_euclid(400));
+    let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    let day_of_era = of_era * 365 + of_era / 4 - of_era / 100 + day_of_year;
+    Some((era * 146_097 + day_of_era - 719_468) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(delimiter: Delimiter, line: &str) -> Vec<&str> {
+        delimiter.cells(line).collect()
+    }
+
+    #[test]
+    fn lines_are_split_at_their_delimiter() {
+        assert_eq!(cells(Delimiter::Comma, "1, 2,3,\r\n"), ["1", "2", "3", ""]);
+        assert_eq!(cells(Delimiter::Semicolon, "1,5;;2,5"), ["1,5", "", "2,5"]);
+        assert_eq!(cells(Delimiter::Tab, "\t1\t2\n"), ["", "1", "2"]);
+        assert_eq!(cells(Delimiter::Blanks, "  1.0   2.0\t3.0 \n"), ["1.0", "2.0", "3.0"]);
+        assert_eq!(cells(Delimiter::Comma, "\"Angle, left\",\"1,5\" ,x"), ["Angle, left", "1,5", "x"]);
+        assert_eq!(cells(Delimiter::Blanks, "\"two words\" b"), ["two words", "b"]);
+        assert_eq!(cells(Delimiter::Comma, "5\" pipe,2"), ["5\" pipe", "2"]);
+        assert_eq!(cells(Delimiter::Comma, "\"open,2"), ["\"open", "2"]);
+        assert_eq!(cells(Delimiter::Comma, ""), [""]);
+    }
+
+    #[test]
+    fn numbers_are_read_with_their_decimal_character() {
+        for (points, commas, expected) in [
+            ("-1.5e-3", "-1,5E-3", Some(-1.5e-3)),
+            ("7", "7", Some(7.0)),
+            ("oops", "oops", None),
+            // A decimal comma, or thousands.
+            ("1,234", "1.234.5", None),
+            ("1,234.5", "1.234,5", Some(1234.5)),
+            ("+1,234,567", "1'234'567", Some(1_234_567.0)),
+            ("1'234.5", "1\u{A0}234,5", Some(1234.5)),
+            ("1,23.4", "1.23,4", None),
+            ("1,234,56", "1,2.3,4", None),
+            ("0,123.5", ".234,5", None),
+            ("12,3456.7", "--1.234,5", None),
+            // Exponents of Fortran.
+            ("-1.5D+02", "-1,5d2", Some(-150.0)),
+            (".25d-1", ",25D-1", Some(0.025)),
+            ("D3", "2d", None),
+            // Durations.
+            ("0.01 sec", "10 ms", Some(0.01)),
+            ("20ms", "0,02s", Some(0.02)),
+            ("12:00:00:500", "12:00:00,5", Some(43_200.5)),
+            ("5 mm", "3rd", None),
+        ] {
+            let found = [Decimal::Point.number(points), Decimal::Comma.number(commas)];
+            assert_eq!(found, [expected; 2], "{points} {commas}");
+        }
+        for missing in ["", "nan", "NaN", "N/A", "-"] {
+            assert!(Decimal::Point.number(missing).unwrap().is_nan(), "{missing}");
+        }
+        assert_eq!(Decimal::Comma.read("1.234", false), Content::Number(1.234));
+        assert_eq!(
+            [Decimal::Comma.read("1.234", true), Decimal::Point.read("1,234", true)],
+            [Content::Grouped(1234.0); 2]
+        );
+    }
+
+    #[test]
+    fn words_of_instruments_are_missing_readings() {
+        for word in
+            ["-1.#IND", "1.#QNAN00", "1.#INF", "OVLD", "-OL", "Overflow", "#DIV/0!", "#VALUE!", "---", "********"]
+        {
+            assert_eq!(Decimal::Point.read(word, false), Content::Word, "{word}");
+        }
+        assert_eq!(Decimal::Point.read("cold", false), Content::Text);
+    }
+
+    #[test]
+    fn times_of_day_are_seconds() {
+        const NOON: f64 = 1_714_564_800.0;
+        for (cell, expected) in [
+            ("01:02:03.5", Some((3723.5, false))),
+            ("00:00:01,25", Some((1.25, false))),
+            ("59:01.25", Some((3541.25, false))),
+            ("12:00:01.5 AM", Some((1.5, false))),
+            ("12:00:01.5 pm", Some((43_201.5, false))),
+            ("1:00:00 PM", Some((46_800.0, false))),
+            ("1970-01-02 00:00:00", Some((86_400.0, true))),
+            // 2024 is a leap year.
+            ("2024-02-28 23:59:59", Some((1_709_164_799.0, true))),
+            ("2024-03-01T00:00:00Z", Some((1_709_251_200.0, true))),
+            ("2024-05-01T12:00:00+00:00", Some((NOON, true))),
+            ("2024-05-01 14:00:00+02:00", Some((NOON, true))),
+            ("2024-05-01T08:30:00-0330", Some((NOON, true))),
+            ("2024-05-01 12:00:00 UTC", Some((NOON, true))),
+            ("20240501T120000.5", Some((NOON + 0.5, true))),
+            ("01.05.2024 12:00:00", Some((NOON, true))),
+            ("1-May-2024 12:00:00", Some((NOON, true))),
+            ("05/01/2024 12:00:00", Some((NOON, true))),
+            ("2024/05/01 12:00:00", Some((NOON, true))),
+            ("01.05.24 12:00:00", Some((NOON, true))),
+            // No month is the 31st.
+            ("31/12/2024 00:00:00", Some((1_735_603_200.0, true))),
+            ("13:00:00 PM", None),
+            ("12:30", None),
+            ("16:9.5", None),
+            ("2024-13-01 00:00:00", None),
+            ("12:61:00", None),
+            ("1:2", None),
+            ("::", None),
+            ("a:b:c", None),
+            ("2024-05 12:00:00", None),
+            ("12:00:00 XM", None),
+        ] {
+            assert_eq!(clock(cell), expected, "{cell}");
+        }
+    }
+}

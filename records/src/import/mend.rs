@@ -1,0 +1,320 @@
+//! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
+//! far from all others, a clock that is set back, parts that begin again.
+
+use std::cmp::Ordering;
+
+use kalmanscope_filters::lists::{mapped, median, places, sorted_places};
+
+use super::guess::{clocks, is_named_time, seldom_falls};
+use super::header::{Dimension, unit};
+use super::times::{DAY, EPOCHS, median_step};
+use super::{Column, Table};
+
+const NEAR: usize = 64;
+
+/// Limits from below the distance of first rows from the others, over the time of these.
+const APART: f64 = 1e3;
+
+/// Limits how often a clock is set back; times that go back more often are none.
+const SET_BACK: usize = 3;
+
+/// Limits the share of times with several rows up to which these are events, and the rows at an event.
+const EVENTS: (f64, usize) = (0.1, 4);
+
+/// Mends only faults with one cure; each cure is a remark of the table.
+pub(super) fn mend(mut table: Table) -> Table {
+    with_fractions(&mut table);
+    let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
+    let falls = |place: &usize| {
+        let values = &table.columns[*place].values;
+        !seldom_falls(values) && seldom_falls(&mapped(values, &|time| -time))
+    };
+    if !named.is_empty() && named.iter().all(falls) {
+        let name = table.columns[named[0]].name.clone();
+        table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
+        table
+            .remarks
+            .push(format!("the times in `{name}` fall, the newest first: the rows are read from last to first"));
+    }
+    for &place in &named {
+        let column = &mut table.columns[place];
+        let mut times = column.values.clone();
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+        let Some(step) = median(steps.collect()) else { continue };
+        let turned = with_turns(&mut times, |before, now| turn(before, now, step));
+        if let Some((row, range)) = turned.filter(|_| seldom_falls(&times)) {
+            column.values = times;
+            let (name, line) = (column.name.clone(), table.line(row));
+            table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times continue from there"));
+        }
+    }
+    let midnight = |before: f64, now: f64| (now < before - 0.5 * DAY).then_some(DAY);
+    for &place in &named {
+        if table.columns[place].is_time_of_day
+            && let Some((row, _)) = with_turns(&mut table.columns[place].values, midnight)
+        {
+            table.remarks.push(format!("the times pass midnight in line {}", table.line(row)));
+        }
+    }
+    // Rows that one clock has twice may be others of another clock.
+    match named.first() {
+        Some(&place) if clocks(&table).len() < 2 => rows_mended(table, place),
+        None => without_first_rows(table),
+        _ => table,
+    }
+}
+
+fn with_fractions(table: &mut Table) {
+    let size = |column: &Column| {
+        let word = column.unit.as_deref().or(column.name.rsplit(|c: char| !c.is_alphanumeric()).next())?;
+        let size = unit(word).filter(|(of, size)| *of == Dimension::Time && *size < 1.0)?.1;
+        column.values.iter().all(|x| x.fract() == 0.0 && (0.0..1.0).contains(&(x * size))).then_some(size)
+    };
+    let is_whole = |column: &Column| {
+        let is_second = column.unit.as_deref().is_none_or(|text| unit(text) == Some((Dimension::Time, 1.0)));
+        let is_repeated = column.values.windows(2).any(|pair| pair[0] == pair[1]);
+        is_named_time(column) && is_second && is_repeated && column.values.iter().all(|time| time.fract() == 0.0)
+    };
+    let of = |pair: &[Column]| size(&pair[1]).filter(|_| is_whole(&pair[0]));
+    let found = table.columns.windows(2).enumerate().find_map(|(place, pair)| Some((place, of(pair)?)));
+    let Some((place, size)) = found else { return };
+    let fractions = table.columns.remove(place + 1);
+    let time = &mut table.columns[place];
+    time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
+    table
+        .remarks
+        .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
+}
+
+/// Wristbands write the time of the start there, and the samples a second.
+fn without_first_rows(table: Table) -> Table {
+    let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
+    let columns: Vec<&[f64]> = numbers.map(|place| table.columns[place].values.as_slice()).collect();
+    let apart = |values: &&[f64]| if values.len() > 8 { first_rows_apart(values) } else { None };
+    let first = columns.first().and_then(apart);
+    let Some(first) = first.filter(|_| columns.iter().all(|of| apart(of) == first)) else { return table };
+    let rate = columns[0][first];
+    let begins = (1.0..=1e5).contains(&rate)
+        && rate.fract() == 0.0
+        && columns.iter().all(|values| values[first] == rate && EPOCHS.contains(&values[first - 1]));
+    let rows = first + usize::from(begins);
+    let mut kept = table.of_rows((rows..table.rows()).map(|row| vec![row]));
+    kept.rate = begins.then_some(rate).or(kept.rate);
+    kept.remarks.push(if begins {
+        format!("the first {rows} rows are the start time and the sample rate, {rate} samples a second")
+    } else {
+        format!("the numbers of the first {rows} row(s) are far from all others: these rows are left out")
+    });
+    kept
+}
+
+/// Of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
+fn ranges() -> impl Iterator<Item = f64> {
+    let bits = [65_536.0, 4_294_967_296.0].into_iter();
+    bits.flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit)).chain([604_800.0, 6.048e8])
+}
+
+/// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
+pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
+    let passed = |range: f64| (0.0..5.0 * step).contains(&(now + range - before));
+    let is_at_the_end = |range: f64| {
+        [0.0, -0.5 * range].iter().any(|low| (low + range - 5.0 * step..=low + range).contains(&before) && now >= *low)
+    };
+    if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
+}
+
+fn with_turns(times: &mut [f64], turn: impl Fn(f64, f64) -> Option<f64>) -> Option<(usize, f64)> {
+    let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
+    for (row, time) in times.iter_mut().enumerate() {
+        if let Some(range) = turn(before, *time) {
+            added += range;
+            first = first.or(Some((row, range)));
+        }
+        before = if time.is_nan() { before } else { *time };
+        *time += added;
+    }
+    first
+}
+
+fn rows_mended(mut table: Table, place: usize) -> Table {
+    let values = &table.columns[place].values;
+    let count = values.iter().rposition(|time| !time.is_nan()).map_or(0, |last| last + 1);
+    let mut times = values[..count].to_vec();
+    if count < 4 || times.iter().any(|time| !time.is_finite()) {
+        return table;
+    }
+    let (name, mut said) = (table.columns[place].name.clone(), Vec::new());
+    let mut rows: Vec<usize> = (0..count).collect();
+    if let Some(first) = first_rows_apart(&times) {
+        said.push(format!("the first {first} time(s) in `{name}` are far from all others: these rows are left out"));
+        rows.drain(..first);
+    }
+    let step = median_step(&rows.iter().map(|&row| times[row]).collect::<Vec<f64>>());
+    let back =
+        |rows: &[usize]| -> Vec<usize> { (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect() };
+    let backward = back(&rows);
+    if !backward.is_empty() && step > 0.0 {
+        let line = |k: usize| table.line(rows[k]);
+        let begins = |&k: &usize| (times[rows[k]] - times[rows[0]]).abs() <= 3.0 * step;
+        if let Some(sorted) = in_order(&times, &rows, step) {
+            said.push(format!(
+                "the rows from line {} on are not in the order of their times: they are sorted",
+                line(backward[0] - 1)
+            ));
+            rows = sorted;
+        } else if backward.iter().all(begins) {
+            let ends = [&[0], &backward[..], &[rows.len()]].concat();
+            let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
+            let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
+            said.push(format!(
+                "the times in `{name}` begin again in line {}: of {} parts the longest is read, lines {} to {}; to read another, save it \
+                 as a file",
+                line(backward[0]),
+                ends.len() - 1,
+                line(longest.start),
+                line(longest.end - 1)
+            ));
+            rows = rows[longest].to_vec();
+        } else if backward.len() <= SET_BACK {
+            for &k in &backward {
+                let shift = times[rows[k - 1]] + step - times[rows[k]];
+                said.push(format!(
+                    "the clock `{name}` is set back by {:.3} of its unit in line {}: the times continue by a usual step",
+                    shift,
+                    line(k)
+                ));
+                rows[k..].iter().for_each(|&row| times[row] += shift);
+            }
+        }
+    }
+    let groups = of_one_time(&table, place, &times, &rows).unwrap_or_else(|| mapped(&rows, &|row| vec![*row]));
+    if groups.len() < rows.len() {
+        let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
+        said.push(format!(
+            "{} rows have the time of the row before them, the first is line {}: their last reading counts",
+            rows.len() - groups.len(),
+            table.line(first)
+        ));
+    }
+    if said.is_empty() {
+        return table;
+    }
+    let groups = groups.into_iter().chain((count..table.rows()).map(|row| vec![row]));
+    table.columns[place].values[..count].copy_from_slice(&times);
+    table.remarks.extend(said);
+    table.of_rows(groups)
+}
+
+fn first_rows_apart(times: &[f64]) -> Option<usize> {
+    (1..=3.min(times.len() - 3)).find(|&first| {
+        let rest = &times[first..];
+        let ends =
+            rest.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &time| [low.min(time), high.max(time)]);
+        let span = ends[1] - ends[0];
+        span > 0.0 && times[..first].iter().all(|time| (time - rest[0]).abs() > APART * span)
+    })
+}
+
+/// `None` unless each row is near its place and the sorted times have usual steps.
+fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
+    let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
+    let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
+    let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
+    let usual = 0.2 * step..100.0 * step;
+    let has_steps = sorted.windows(2).all(|pair| usual.contains(&(times[pair[1]] - times[pair[0]])));
+    (is_near && has_steps).then_some(sorted)
+}
+
+/// `None` where many times have several rows with unlike readings: then they are rounded.
+fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Option<Vec<Vec<usize>>> {
+    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(rows.len());
+    for &row in rows {
+        match groups.last_mut() {
+            Some(group) if times[group[0]] == times[row] => group.push(row),
+            _ => groups.push(vec![row]),
+        }
+    }
+    let others = || table.columns.iter().enumerate().filter(|(other, _)| *other != place);
+    let is_unlike = |pair: &[usize]| {
+        others()
+            .map(|(_, column)| (column.values[pair[0]], column.values[pair[1]]))
+            .any(|(a, b)| a.partial_cmp(&b).is_some_and(Ordering::is_ne))
+    };
+    let unlike = groups.iter().filter(|group| group.windows(2).any(is_unlike)).count();
+    let is_short = groups.iter().all(|group| group.len() <= EVENTS.1);
+    (unlike == 0 || (is_short && unlike as f64 <= EVENTS.0 * groups.len() as f64)).then_some(groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+
+    fn mended(text: &str) -> (Vec<f64>, Vec<f64>, Vec<String>) {
+        let table = read(text.as_bytes(), None).unwrap();
+        let [time, .., last] = table.columns.as_slice() else { panic!("two columns") };
+        (time.values.clone(), last.values.clone(), table.remarks)
+    }
+
+    fn file(times: impl IntoIterator<Item = f64>) -> String {
+        let rows = times.into_iter().enumerate().map(|(row, time)| format!("{time},{row}\n"));
+        "time,x\n".to_owned() + &rows.collect::<String>()
+    }
+
+    fn steps(times: &[f64]) -> Vec<f64> {
+        times.windows(2).map(|pair| ((pair[1] - pair[0]) * 1e6).round() * 1e-6).collect()
+    }
+
+    #[test]
+    fn counters_go_on_where_they_turn_over() {
+        for (range, from, step) in [
+            (4_294_967_296.0, 4_294_960_000.0, 20_000.0),
+            (4_294_967.296, 4_294_967.0, 0.5),
+            (65_536.0, 65_500.0, 10.0),
+            (65.536, 65.0, 0.01),
+        ] {
+            let times = (0..200).map(|k| (from + f64::from(k) * step) % range);
+            let (times, _, remarks) = mended(&file(times));
+            assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-6 * range.max(1.0)), "{range}");
+            assert!(remarks.len() == 1 && remarks[0].contains("turns over"), "{remarks:?}");
+        }
+        // Those of a signed number turn over at its half.
+        let signed = (0..50).map(|k| f64::from(32_700_i16.wrapping_add(10 * k)));
+        assert_eq!(steps(&mended(&file(signed)).0), [10.0; 49]);
+    }
+
+    #[test]
+    fn each_fault_with_one_cure_is_cured_and_said() {
+        let even = |count: u32| (0..count).map(|k| 0.02 * f64::from(k));
+        let epoch = std::iter::once(0.0).chain(even(50).map(|time| 1.7e9 + time));
+        let mut swapped: Vec<f64> = even(60).collect();
+        swapped.swap(10, 11);
+        let back = even(60).map(|time| if time > 0.5 { 7200.0 + time - 3600.0 } else { 7200.0 + time });
+        let again = even(30).chain(even(40)).chain(even(20));
+        let twice = even(40).flat_map(|time| [time, time]);
+        let cases: [(&str, String, usize, usize, &str); 4] = [
+            ("epoch", file(epoch), 50, 1, "far from all others"),
+            ("swapped", file(swapped), 60, 0, "not in the order"),
+            ("back", file(back), 60, 0, "is set back by 3600.000"),
+            ("again", file(again), 40, 30, "of 3 parts the longest is read, lines 32 to 71"),
+        ];
+        for (name, text, rows, first, words) in cases {
+            let (times, readings, remarks) = mended(&text);
+            assert_eq!((times.len(), readings[0]), (rows, first as f64), "{name}");
+            assert!(steps(&times).iter().all(|step| (step - 0.02).abs() < 1e-6), "{name}: {times:?}");
+            assert!(remarks.len() == 1 && remarks[0].contains(words), "{name}: {remarks:?}");
+        }
+        // Rows that stand twice are one, whether they agree or complete each other; at an event the later one counts.
+        let same: String = even(40).map(|time| format!("{time},{time}\n").repeat(2)).collect();
+        let parts: String = even(40).map(|time| format!("{time},1,\n{time},,{time}\n")).collect();
+        let event: String = even(40)
+            .map(|time| if time == 0.4 { format!("{time},9\n{time},{time}\n") } else { format!("{time},{time}\n") })
+            .collect();
+        for text in [format!("t,x\n{same}"), format!("t,f,x\n{parts}"), format!("t,x\n{event}")] {
+            let (times, readings, remarks) = mended(&text);
+            assert_eq!((times.len(), &times), (40, &readings), "{remarks:?}");
+            assert!(remarks.iter().any(|remark| remark.contains("have the time of the row before")), "{remarks:?}");
+        }
+        let (times, _, remarks) = mended(&file(twice));
+        assert_eq!((times.len(), remarks), (80, vec![]), "rounded times stay: their rows are not one");
+    }
+}

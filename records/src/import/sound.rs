@@ -1,0 +1,99 @@
+//! Sound files (RIFF/WAVE, as every recorder writes them).
+
+use std::io::Cursor;
+
+use kalmanscope_filters::lists::numbers;
+
+use super::{Column, ImportError, MOST, Mapping, Table};
+use crate::free_decay::Ring;
+
+const FORM: &str = "sound";
+
+pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
+    let bad = |error: hound::Error| ImportError::Sound(error.to_string());
+    let mut reader = hound::WavReader::new(bytes).map_err(bad)?;
+    let hound::WavSpec { channels, sample_rate, bits_per_sample, sample_format } = reader.spec();
+    if channels == 0 || sample_rate == 0 {
+        return Err(ImportError::Sound("it has no channel or no rate".to_owned()));
+    }
+    let (rate, channels) = (f64::from(sample_rate), usize::from(channels));
+    let most = MOST * channels;
+    let values: Vec<f64> = match sample_format {
+        hound::SampleFormat::Float => {
+            reader.samples::<f32>().take(most).map(|x| x.map(f64::from)).collect::<Result<_, _>>().map_err(bad)?
+        }
+        hound::SampleFormat::Int => {
+            let full = f64::from(1_u32 << bits_per_sample.saturating_sub(1).min(31));
+            let share = |x: Result<i32, _>| x.map(|x| f64::from(x) / full);
+            reader.samples::<i32>().take(most).map(share).collect::<Result<_, _>>().map_err(bad)?
+        }
+    };
+    let rows = values.len() / channels;
+    if rows == 0 {
+        return Err(ImportError::Empty);
+    }
+    let seconds = rows as f64 / rate;
+    let is_cut = u64::from(reader.duration()) > rows as u64;
+    let remark = is_cut.then(|| format!("the sound is longer: its first {seconds:.1} s were read"));
+    let mut columns = vec![Column::of_header("t", Some("s"), numbers(rows, &|k| k as f64 / rate))];
+    for channel in 0..channels {
+        let name = if channels == 1 { "sound".to_owned() } else { format!("sound {}", channel + 1) };
+        let of = values.iter().skip(channel).step_by(channels).take(rows).copied().collect();
+        columns.push(Column::of_header(&name, None, of));
+    }
+    let form = format!("{FORM}: {sample_rate} samples a second, {bits_per_sample} bits");
+    Ok(Table::of_columns(&form, columns, remark.into_iter().collect()))
+}
+
+/// The file of a sound with one channel: RIFF/WAVE with floating numbers.
+///
+/// # Errors
+/// [`ImportError::Sound`] for one too long for such a file.
+pub fn wav(rate: u32, samples: &[f32]) -> Result<Vec<u8>, ImportError> {
+    let sample_format = hound::SampleFormat::Float;
+    let spec = hound::WavSpec { channels: 1, sample_rate: rate, bits_per_sample: 32, sample_format };
+    let mut bytes = Cursor::new(Vec::new());
+    let written = hound::WavWriter::new(&mut bytes, spec).and_then(|mut writer| {
+        samples.iter().try_for_each(|x| writer.write_sample(*x))?;
+        writer.finalize()
+    });
+    written.map_err(|error| ImportError::Sound(error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// Returns the samples a second too. `None` for any other table.
+pub(super) fn first_channel(table: &Table) -> Option<(f64, &[f64])> {
+    let [time, sound, ..] = table.columns.as_slice() else { return None };
+    let rest = table.form.strip_prefix(FORM)?.strip_prefix(": ")?;
+    let rate: f64 = rest.split_once(' ')?.0.parse().ok()?;
+    (time.name == "t" && rate > 0.0).then_some((rate, sound.values.as_slice()))
+}
+
+impl Ring {
+    /// The ring in the first channel of a sound. `None` for a table that is no sound, or where nothing rings.
+    pub fn of(table: &Table) -> Option<Self> {
+        let (rate, values) = first_channel(table)?;
+        Self::in_samples(rate, values)
+    }
+
+    /// A sentence about a table that is a sound: its ring, or that it has none. `None` for any other table.
+    pub fn remark(table: &Table) -> Option<String> {
+        first_channel(table)?;
+        let Some(Self { pitch, part: [from, to], band: [low, high], every }) = Self::of(table) else {
+            return Some("nothing rings in this sound: a line that is louder than the room and fades".to_owned());
+        };
+        let kept = if every == 1 { "every sample".to_owned() } else { format!("one of {every} samples") };
+        Some(format!(
+            "a sound that rings at {pitch:.1} Hz: {from:.2} s to {to:.2} s of it are taken, between {low:.0} Hz and {high:.0} Hz, {kept}"
+        ))
+    }
+
+    /// Sets part, band and samples of a mapping.
+    pub fn apply(&self, mapping: &mut Mapping) {
+        let round = |x: f64, digits: f64| libm::round(x * digits) / digits;
+        let [from, to] = self.part.map(|time| round(time, 1e4));
+        (mapping.from, mapping.to) = (Some(from), Some(to));
+        mapping.band = Some(self.band.map(|limit| round(limit, 1e2)));
+        mapping.every = self.every;
+    }
+}

@@ -1,0 +1,23 @@
+//! Measured records: the input and the readings of sensors over time, also while they come in, on clocks of their own, and the files
+//! that they are read from. Nothing here knows a scenario or a run.
+//!
+//! The hidden modules are for the crates of this workspace.
+
+pub mod document;
+pub mod free_decay;
+#[doc(hidden)]
+pub mod hash;
+pub mod import;
+#[doc(hidden)]
+pub mod length;
+#[doc(hidden)]
+pub mod mapping;
+pub mod record;
+#[doc(hidden)]
+pub mod resample;
+#[doc(hidden)]
+pub mod task;
+
+pub use length::Length;
+pub use record::{Record, RecordError};
+pub use task::Task;

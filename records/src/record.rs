@@ -1,0 +1,342 @@
+//! The input and the measurements, simulated or from a file, and the reasons why there are none.
+
+mod clocks;
+mod csv_file;
+mod growth;
+mod live;
+
+use std::sync::Arc;
+
+use kalmanscope_filters::catalogue::all_and;
+use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
+use thiserror::Error;
+
+pub use clocks::Parts;
+pub use clocks::{Clocks, ClocksError, Delays, Timed};
+pub(crate) use csv_file::input_name;
+pub use live::{LiveError, LiveRecord};
+
+use clocks::{Course, Readings};
+
+/// Equally spaced samples of the input, the measurements and, where it is known, the truth.
+///
+/// A run can forget its first samples ([`Run::forget`](kalmanscope_core::Run::forget)). Indices count from the first sample that
+/// is kept; only [`Self::time_of`] counts from the run's beginning.
+///
+/// A measured record can also have the [times that readings and input have](Clocks): filters then go from one to the next, and
+/// what the columns say at the samples is for plots, spectra and start values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    dt: f64,
+    start: f64,
+    forgotten: usize,
+    kind: InputKind,
+    hold: Hold,
+    input: Vec<f64>,
+    sensors: Vec<Quantity>,
+    measured: Vec<Vec<f64>>,
+    truth_channels: Vec<Channel>,
+    truth: Vec<Vec<f64>>,
+    clocks: Option<Arc<Clocks>>,
+}
+
+/// The input of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// The kind of input.
+    pub kind: InputKind,
+    /// The hold between samples.
+    pub hold: Hold,
+    /// The value at every sample \[m/s²\].
+    pub values: Vec<f64>,
+}
+
+const OPTIONAL: &str = "a number or NaN";
+
+impl Record {
+    /// A measured record with `dt` \[s\] between samples, from t = 0 on, and one column of measurements per quantity,
+    /// of the length of the input and in the quantity's unit. NaN is a missing measurement.
+    ///
+    /// ```
+    /// use kalmanscope_core::record::{Input, Record};
+    /// use kalmanscope_core::{Hold, InputKind, Quantity};
+    ///
+    /// let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0, 1.0, 0.5] };
+    /// let velocity = vec![0.0, f64::NAN, 0.02];
+    /// let record = Record::new(0.01, input, vec![(Quantity::VELOCITY, velocity)]).unwrap();
+    /// assert_eq!((record.len(), record.time(2)), (3, 0.02));
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordError::Step`] where `dt` is not positive and finite, [`RecordError::Repeated`] where two columns are of one
+    /// quantity, [`RecordError::Length`] where a column is not as long as the input, [`RecordError::Value`] where the input
+    /// is not finite or a measurement is infinite.
+    pub fn new(dt: f64, input: Input, columns: Vec<(Quantity, Vec<f64>)>) -> Result<Self, RecordError> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(RecordError::Step(dt));
+        }
+        let Input { kind, hold, values } = input;
+        check("input", &values, "a finite number", f64::is_finite)?;
+        let (sensors, measured) = complete(columns, values.len(), |quantity| quantity.key().to_owned())?;
+        let mut record = Self::empty(dt, kind, hold, sensors, Vec::new());
+        (record.input, record.measured) = (values, measured);
+        Ok(record)
+    }
+
+    /// The same record with the truth of some channels, one column each in the channel's unit; NaN where it is not known.
+    ///
+    /// # Errors
+    /// [`RecordError::Repeated`], [`RecordError::Length`] and [`RecordError::Value`] as in [`Self::new`].
+    pub fn with_truth(self, columns: Vec<(Channel, Vec<f64>)>) -> Result<Self, RecordError> {
+        let (truth_channels, truth) = complete(columns, self.len(), |channel| format!("true_{}", channel.key()))?;
+        Ok(Self { truth_channels, truth, ..self })
+    }
+
+    /// The same record, with times for its readings, and maybe for its input.
+    ///
+    /// A reading counts in the step in which it falls, and its column should have its value at the end of that step: a filter
+    /// reports the innovation there.
+    ///
+    /// # Errors
+    /// [`RecordError::Clocks`].
+    pub fn with_clocks(self, clocks: Clocks) -> Result<Self, RecordError> {
+        let clocks = clocks.checked(self.sensors.len())?;
+        Ok(Self { clocks: Some(Arc::new(clocks)), ..self })
+    }
+
+    /// The times that readings and input have, if they are not those of the samples.
+    pub fn clocks(&self) -> Option<&Clocks> {
+        self.clocks.as_deref()
+    }
+
+    /// The same record, with the readings at its samples alone.
+    pub fn at_samples(self) -> Self {
+        Self { clocks: None, ..self }
+    }
+
+    /// The same record, of which nothing is known but what was measured.
+    #[must_use]
+    pub fn without_truth(self) -> Self {
+        Self { truth_channels: Vec::new(), truth: Vec::new(), ..self }
+    }
+
+    /// A record without samples.
+    pub fn empty(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>, truth_channels: Vec<Channel>) -> Self {
+        Self {
+            dt,
+            start: 0.0,
+            forgotten: 0,
+            kind,
+            hold,
+            input: Vec::new(),
+            measured: vec![Vec::new(); sensors.len()],
+            sensors,
+            truth: vec![Vec::new(); truth_channels.len()],
+            truth_channels,
+            clocks: None,
+        }
+    }
+
+    /// A record of the same kind without samples.
+    pub fn emptied(&self) -> Self {
+        let Self { dt, kind, hold, sensors, truth_channels, .. } = self;
+        Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &Vec<f64>> {
+        std::iter::once(&self.input).chain(&self.measured).chain(&self.truth)
+    }
+
+    fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth)
+    }
+
+    /// Takes the memory of an old record.
+    pub fn recycle(&mut self, mut old: Self) {
+        for (new, old) in self.columns_mut().zip(old.columns_mut()) {
+            old.clear();
+            *new = std::mem::take(old);
+        }
+    }
+
+    /// Removes the first samples.
+    pub fn forget(&mut self, samples: usize) {
+        self.forgotten += samples;
+        self.columns_mut().for_each(|column| drop(column.drain(..samples)));
+    }
+
+    /// Adds a sample.
+    pub fn push(&mut self, input: f64, measured: impl IntoIterator<Item = f64>, truth: impl IntoIterator<Item = f64>) {
+        self.input.push(input);
+        for (column, value) in self.measured.iter_mut().zip(measured) {
+            column.push(value);
+        }
+        for (column, value) in self.truth.iter_mut().zip(truth) {
+            column.push(value);
+        }
+    }
+
+    /// Time between samples \[s\].
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Time of sample `k` of those that are kept \[s\].
+    pub fn time(&self, k: usize) -> f64 {
+        self.time_of(self.forgotten + k)
+    }
+
+    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last
+    /// \[s\].
+    pub fn time_of(&self, number: usize) -> f64 {
+        self.start + number as f64 * self.dt
+    }
+
+    /// The number of forgotten samples, which is also the number of the first one that is kept.
+    pub fn forgotten(&self) -> usize {
+        self.forgotten
+    }
+
+    /// The number of samples that are kept.
+    pub fn len(&self) -> usize {
+        self.input.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.input.is_empty()
+    }
+
+    /// The input at every sample \[m/s²\].
+    pub fn input(&self) -> &[f64] {
+        &self.input
+    }
+
+    /// The kind of input.
+    pub fn input_kind(&self) -> InputKind {
+        self.kind
+    }
+
+    /// The course of the input between samples.
+    pub fn hold(&self) -> Hold {
+        self.hold
+    }
+
+    /// The force over mass at sample `k` \[m/s²\].
+    #[inline]
+    pub fn force(&self, k: usize) -> f64 {
+        self.kind.force(self.input[k])
+    }
+
+    /// The force over mass \[m/s²\] that acts at sample `k` where the plant feels the input `delay` samples after it is
+    /// recorded, or before if that is negative. Beyond the record's ends its first or last value holds.
+    #[inline]
+    pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
+        let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };
+        self.force(place.min(self.len() - 1))
+    }
+
+    /// False if readings and input have the samples' times.
+    pub fn parts_to(&self, k: usize, delays: &Delays, columns: &[usize], into: &mut Parts) -> bool {
+        let clocks = self.clocks.as_deref();
+        if clocks.is_none() && !delays.is_of_sensors() {
+            return false;
+        }
+        let of_samples = [k - 1, k].map(|k| self.delayed_force(k, delays.input));
+        let course = Course { kind: self.kind, hold: self.hold, delay: f64::from(delays.input), of_samples };
+        let of = |place: usize| Readings {
+            // Samples count from this one: a record that has forgotten some gives the same bits.
+            times: clocks.map(|clocks| clocks.readings[columns[place]].times.as_slice()).ok_or(k),
+            values: clocks.map_or(&self.measured[columns[place]], |clocks| &clocks.readings[columns[place]].values),
+            late: delays.of(place),
+        };
+        let end = if clocks.is_some() { k as f64 } else { 0.0 };
+        into.take(end, columns.len(), of, clocks.and_then(|clocks| clocks.input.as_ref()), &course);
+        true
+    }
+
+    /// Late by steps, to the nearest sample; NaN where there is none.
+    #[inline]
+    pub fn late_reading(&self, column: usize, k: usize, late: f64) -> f64 {
+        let place = if late == 0.0 { Some(k) } else { k.checked_add_signed(libm::round(late) as isize) };
+        place.and_then(|place| self.measured[column].get(place)).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The measured quantities.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// All measurements of one sensor, in its quantity's unit; NaN where one is missing.
+    pub fn measured(&self, sensor: usize) -> &[f64] {
+        &self.measured[sensor]
+    }
+
+    /// All measurements of one quantity, if there is a sensor for it.
+    pub fn measured_quantity(&self, quantity: Quantity) -> Option<&[f64]> {
+        quantity.place_in(&self.sensors).map(|i| self.measured(i))
+    }
+
+    /// The channels whose true values are known, in the order of [`Channel::all`], and after them those of equations.
+    pub fn true_channels(&self) -> Vec<Channel> {
+        all_and(self.truth_channels.iter().copied()).into_iter().filter(|c| self.truth(*c).is_some()).collect()
+    }
+
+    /// The true values of a channel, if they are known; NaN where one is missing.
+    pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
+        channel.place_in(&self.truth_channels).map(|i| self.truth[i].as_slice())
+    }
+}
+
+fn complete<T: Copy + PartialEq>(
+    columns: Vec<(T, Vec<f64>)>,
+    expected: usize,
+    name: impl Fn(T) -> String,
+) -> Result<(Vec<T>, Vec<Vec<f64>>), RecordError> {
+    for (place, (of, values)) in columns.iter().enumerate() {
+        if columns[..place].iter().any(|(other, _)| other == of) {
+            return Err(RecordError::Repeated(name(*of)));
+        }
+        if values.len() != expected {
+            return Err(RecordError::Length(name(*of), values.len(), expected));
+        }
+        check(&name(*of), values, OPTIONAL, |x| !x.is_infinite())?;
+    }
+    Ok(columns.into_iter().unzip())
+}
+
+fn check(
+    column: &str,
+    values: &[f64],
+    allowed: &'static str,
+    is_allowed: impl Fn(f64) -> bool,
+) -> Result<(), RecordError> {
+    match values.iter().position(|&x| !is_allowed(x)) {
+        None => Ok(()),
+        Some(sample) => Err(RecordError::Value(column.to_owned(), sample, values[sample], allowed)),
+    }
+}
+
+/// The reason why columns or a file are not a record.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// The time between samples is not positive and finite.
+    #[error("dt = {0} s, but must be positive and finite")]
+    Step(f64),
+    /// Two columns are of the same quantity or channel.
+    #[error("there are two columns `{0}`")]
+    Repeated(String),
+    /// A column is not as long as the input: its name, the number of its values, and the input's.
+    #[error("column `{0}` has {1} values, but the input has {2}")]
+    Length(String, usize, usize),
+    /// A value is not finite where it must be, or infinite: the column's name, the sample from 0 on, the value, and what is allowed.
+    #[error("sample {1}, column `{0}`: {2} is not {3}")]
+    Value(String, usize, f64, &'static str),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// The times that readings have do not fit.
+    #[error(transparent)]
+    Clocks(#[from] ClocksError),
+}

@@ -1,0 +1,343 @@
+//! Readings and inputs at other times than those of the samples, or late.
+
+use std::ops::Range;
+
+use kalmanscope_filters::lists::{mapped, sort_numbers};
+use kalmanscope_filters::{Hold, InputKind};
+use thiserror::Error;
+
+/// Values with their times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timed {
+    /// The times, which rise, in steps of dt after the record's first sample.
+    pub times: Vec<f64>,
+    /// A value for each time.
+    pub values: Vec<f64>,
+}
+
+/// The exact times of a record's readings, and of its input if they are not those of the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clocks {
+    /// The input \[m/s²\]; `None` if its times are those of the samples.
+    pub input: Option<Timed>,
+    /// The readings of each sensor, in its quantity's unit.
+    pub readings: Vec<Timed>,
+}
+
+/// Times that a record cannot have.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ClocksError {
+    /// There must be a series for each sensor: their numbers.
+    #[error("{0} series of readings, but the record has {1} sensor(s)")]
+    Sensors(usize, usize),
+    /// There must be a value for each time: their numbers.
+    #[error("{0} times, but {1} values")]
+    Length(usize, usize),
+    /// Times must rise, and all numbers be finite.
+    #[error("value {0}: the times must rise, and all numbers be finite")]
+    Number(usize),
+    /// An input has a first value.
+    #[error("an input with times of its own needs a value")]
+    NoInput,
+}
+
+impl Timed {
+    fn check(&self) -> Result<(), ClocksError> {
+        let Self { times, values } = self;
+        if times.len() != values.len() {
+            return Err(ClocksError::Length(times.len(), values.len()));
+        }
+        let is_bad =
+            |k: &usize| !(times[*k].is_finite() && values[*k].is_finite()) || (*k > 0 && times[*k] <= times[*k - 1]);
+        (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
+    }
+
+    /// Clocks have few decimals: a time next to a step is that of the step.
+    fn snap(&mut self) {
+        for time in &mut self.times {
+            let whole = libm::round(*time);
+            if (*time - whole).abs() <= SAME {
+                *time = whole;
+            }
+        }
+    }
+
+    /// Before the first value it is that one; after the last one the last.
+    pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
+        let Self { times, values } = self;
+        let next = times.partition_point(|other| *other <= time + SAME);
+        let Some(known) = next.checked_sub(1) else { return values[0] };
+        match hold {
+            Hold::First if next < times.len() => {
+                let share = (time - times[known]) / (times[next] - times[known]);
+                values[known] + (values[next] - values[known]) * share.max(0.0)
+            }
+            _ => values[known],
+        }
+    }
+
+    fn within(&self, after: f64, until: f64) -> Range<usize> {
+        within(&self.times, after, until)
+    }
+}
+
+/// Limits the difference of times that are the same, in steps; also of delays, which users write in decimals, and whole steps.
+const SAME: f64 = 1e-6;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    pub share: f64,
+    /// At the beginning and just before the end \[m/s²\].
+    pub forces: [f64; 2],
+    /// At the end \[m/s²\].
+    pub force: f64,
+}
+
+/// The parts of a step between two samples, each with the readings at its end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parts {
+    parts: Vec<Part>,
+    /// m at the end of each part; NaN where there is none.
+    readings: Vec<f64>,
+    /// The times of both samples \[s\].
+    pub times: Option<[f64; 2]>,
+    cuts: Vec<f64>,
+}
+
+pub(super) struct Readings<'a> {
+    /// In steps; or the sample from which those of the samples are counted.
+    pub(super) times: Result<&'a [f64], usize>,
+    /// NaN where one is missing.
+    pub(super) values: &'a [f64],
+    pub(super) late: f64,
+}
+
+impl Readings<'_> {
+    fn within(&self, after: f64, until: f64) -> Range<usize> {
+        let (after, until) = (after + self.late, until + self.late);
+        match self.times {
+            Ok(times) => within(times, after, until),
+            Err(origin) => {
+                let place = |bound: f64| origin.saturating_add_signed(libm::floor(bound) as isize + 1);
+                let end = place(until).min(self.values.len());
+                place(after).min(end)..end
+            }
+        }
+    }
+
+    fn time(&self, place: usize) -> f64 {
+        match self.times {
+            Ok(times) => times[place] - self.late,
+            Err(origin) => place as f64 - origin as f64 - self.late,
+        }
+    }
+}
+
+fn within(times: &[f64], after: f64, until: f64) -> Range<usize> {
+    let place = |bound: f64| times.partition_point(|time| *time <= bound);
+    place(after)..place(until)
+}
+
+impl Parts {
+    /// Each part with its readings.
+    pub fn iter(&self) -> impl Iterator<Item = (Part, &[f64])> {
+        let m = self.readings.len() / self.parts.len().max(1);
+        self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
+    }
+
+    /// Parts of one step at most, of a force that is linear in time, with readings at the end.
+    pub fn evenly(steps: f64, times: [f64; 2], [begin, end]: [f64; 2], force: f64, readings: &[f64]) -> Self {
+        let count = (steps - SAME).ceil().max(1.0);
+        let is_whole = (steps / count - 1.0).abs() <= SAME;
+        let share = if is_whole { 1.0 } else { steps.max(0.0) / count };
+        let of = |place: f64| begin + (end - begin) * (place / count);
+        let part = |place: usize| Part { share, forces: [of(place as f64), of(place as f64 + 1.0)], force };
+        let count = count as usize;
+        let mut all = vec![f64::NAN; (count - 1) * readings.len()];
+        all.extend_from_slice(readings);
+        Self { parts: (0..count).map(part).collect(), readings: all, times: Some(times), cuts: Vec::new() }
+    }
+
+    /// \[s\]
+    pub fn between(&self, place: usize) -> Option<[f64; 2]> {
+        let [from, to] = self.times?;
+        Some([place, place + 1].map(|end| from + (to - from) * (end as f64 / self.parts.len() as f64)))
+    }
+
+    pub(super) fn take<'a>(
+        &mut self,
+        end: f64,
+        sensors: usize,
+        of: impl Fn(usize) -> Readings<'a>,
+        input: Option<&Timed>,
+        course: &Course,
+    ) {
+        let begin = end - 1.0;
+        let Self { parts, readings, cuts, times: _ } = self;
+        cuts.clear();
+        cuts.push(end);
+        for sensor in (0..sensors).map(&of) {
+            let there = sensor.within(begin + SAME, end + SAME).filter(|place| !sensor.values[*place].is_nan());
+            cuts.extend(there.map(|place| sensor.time(place)));
+        }
+        if let Some(input) = input {
+            let delay = course.delay;
+            cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
+        }
+        sort_numbers(cuts);
+        cuts.dedup_by(|later, before| *later - *before <= SAME);
+        // The end itself is exact.
+        if let Some(last) = cuts.last_mut() {
+            *last = end;
+        }
+        parts.clear();
+        readings.clear();
+        let mut from = begin;
+        for &cut in &*cuts {
+            let [before, force] = [from, cut].map(|time| course.at(time, input, [begin, end]));
+            let ahead = if course.hold == Hold::Zero { before } else { force };
+            parts.push(Part { share: cut - from, forces: [before, ahead], force });
+            for sensor in (0..sensors).map(&of) {
+                let place = sensor.within(from + SAME, cut + SAME).next_back();
+                readings.push(place.map_or(f64::NAN, |place| sensor.values[place]));
+            }
+            from = cut;
+        }
+    }
+}
+
+impl Clocks {
+    pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
+        let Self { input, readings } = &mut self;
+        if readings.len() != sensors {
+            return Err(ClocksError::Sensors(readings.len(), sensors));
+        }
+        if input.as_ref().is_some_and(|input| input.times.is_empty()) {
+            return Err(ClocksError::NoInput);
+        }
+        for timed in input.iter_mut().chain(readings) {
+            timed.check()?;
+            timed.snap();
+        }
+        Ok(self)
+    }
+
+    pub(super) fn change(&mut self, change: impl Fn(usize, usize, f64) -> f64) {
+        for (sensor, Timed { times, values }) in self.readings.iter_mut().enumerate() {
+            for (time, value) in times.iter().zip(&mut *values) {
+                *value = change(sensor, libm::ceil(time.max(0.0)) as usize, *value);
+            }
+            // A reading that is taken away is none.
+            let mut is_there = mapped(values, &|value| !value.is_nan()).into_iter();
+            times.retain(|_| is_there.next().unwrap_or(false));
+            values.retain(|value| !value.is_nan());
+        }
+    }
+
+    pub(super) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
+        let values = self.input.iter_mut().flat_map(|input| &mut input.values);
+        values.for_each(|value| *value = change(*value));
+    }
+
+    pub(super) fn part(&self, samples: Range<usize>) -> Self {
+        let (first, last) = (samples.start as f64, samples.end.saturating_sub(1) as f64);
+        let moved = |timed: &Timed, places: Range<usize>| Timed {
+            times: mapped(&timed.times[places.clone()], &|time| time - first),
+            values: timed.values[places].to_vec(),
+        };
+        // The input before the part still acts in it.
+        let of_input = |input: &Timed| {
+            let known = input.times.partition_point(|time| *time <= first).saturating_sub(1);
+            let end = (input.times.partition_point(|time| *time < last) + 1).min(input.times.len());
+            moved(input, known..end.max(known + 1))
+        };
+        Self {
+            input: self.input.as_ref().map(of_input),
+            readings: mapped(&self.readings, &|timed| moved(timed, timed.within(first - 1.0, last))),
+        }
+    }
+}
+
+pub(super) struct Course {
+    pub(super) kind: InputKind,
+    pub(super) hold: Hold,
+    pub(super) delay: f64,
+    /// At both samples \[m/s²\], for an input at the samples' times.
+    pub(super) of_samples: [f64; 2],
+}
+
+impl Course {
+    /// \[m/s²\]
+    fn at(&self, time: f64, input: Option<&Timed>, [begin, end]: [f64; 2]) -> f64 {
+        let Some(input) = input else {
+            let [before, after] = self.of_samples;
+            return match self.hold {
+                Hold::Zero if time < end => before,
+                Hold::Zero => after,
+                Hold::First => before + (after - before) * (time - begin),
+            };
+        };
+        self.kind.force(input.at(time - self.delay, self.hold))
+    }
+}
+
+/// The delays of the input and of the readings of a filter's sensors, in steps of dt.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Delays {
+    /// The number of samples after which the plant feels the recorded input.
+    pub input: i32,
+    /// The steps by which each sensor is late, in the order of the filter's sensors; empty where none is.
+    pub sensors: Vec<f64>,
+}
+
+impl Delays {
+    /// Limits the steps by which a sensor is late or early.
+    pub const MOST: f64 = 100_000.0;
+
+    /// In steps, of which none are beyond [`Self::MOST`].
+    pub fn new(input: i32, sensors: impl Iterator<Item = f64>) -> Self {
+        let snapped = |steps: f64| if (steps - libm::round(steps)).abs() <= SAME { libm::round(steps) } else { steps };
+        let mut sensors: Vec<f64> = sensors.map(|steps| snapped(steps.clamp(-Self::MOST, Self::MOST))).collect();
+        if sensors.iter().all(|steps| *steps == 0.0) {
+            sensors.clear();
+        }
+        Self { input, sensors }
+    }
+
+    /// The delay of a sensor \[samples\].
+    pub fn of(&self, place: usize) -> f64 {
+        self.sensors.get(place).copied().unwrap_or(0.0)
+    }
+
+    /// Whether a sensor has one.
+    pub fn is_of_sensors(&self) -> bool {
+        !self.sensors.is_empty()
+    }
+
+    /// The number of later samples that it needs.
+    pub fn lookahead(&self) -> usize {
+        let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(*steps));
+        (self.input.min(0).unsigned_abs() as usize).max(libm::ceil(of_sensors) as usize)
+    }
+
+    /// The number of earlier samples that it needs.
+    pub fn reach(&self) -> usize {
+        let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(-*steps));
+        (self.input.max(0) as usize).max(libm::ceil(of_sensors) as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_filter_reads_ahead_for_what_is_late_and_back_for_what_is_early() {
+        let of = |input, sensors: &[f64]| Delays::new(input, sensors.iter().copied());
+        assert_eq!(of(2, &[0.0, 0.0]), Delays { input: 2, sensors: Vec::new() });
+        assert_eq!((of(0, &[]).lookahead(), of(0, &[]).reach()), (0, 0));
+        assert_eq!((of(-3, &[1.5, 0.0]).lookahead(), of(-3, &[1.5, 0.0]).reach()), (3, 0));
+        assert_eq!((of(1, &[4.2, -2.5]).lookahead(), of(1, &[4.2, -2.5]).reach()), (5, 3));
+        assert_eq!(of(0, &[2.000_000_1, 0.25]).sensors, [2.0, 0.25]);
+    }
+}

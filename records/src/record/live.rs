@@ -1,0 +1,407 @@
+//! A record that becomes longer while readings come in.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::{Hold, InputKind, Quantity};
+use thiserror::Error;
+
+use super::{Clocks, Record, Timed};
+use crate::resample::change;
+
+/// A record to which samples are added as they come in: readings and input keep their times ([`Record::clocks`]), the samples are dt
+/// apart, from the first reading on, or from half a step after it where readings are shifted.
+///
+/// A reading counts in the step in which it falls, and its column has the last one of each step: shifted to the step's end along the
+/// cubic through those around it, where they are dense, as [`Self::smoothing`] says. Of two readings of a sensor at one time the first
+/// is kept. The input is that of the scenario's hold, and zero before the first one that is given. A sample is complete once something
+/// later comes, and [`Self::waiting`] seconds after it, unless it is [`Self::prompt`]; nothing is added to its step then.
+///
+/// ```
+/// use kalmanscope_core::record::LiveRecord;
+/// use kalmanscope_core::{Hold, InputKind, Quantity};
+/// let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);
+/// for (time, velocity) in [(5.0, 0.0), (5.0099, 0.1), (5.0196, 0.2), (5.0404, 0.4), (5.05, 0.5)] {
+///     live.take(time, f64::NAN, &[velocity])?;
+/// }
+/// let velocity = live.record().measured(0);
+/// assert_eq!(velocity[..3], [0.0, 0.1, 0.2]);
+/// assert!(velocity[3].is_nan() && velocity[4].is_nan());
+/// let times = &live.record().clocks().unwrap().readings[0].times;
+/// assert!((times[2] - 1.96).abs() < 1e-9, "in steps of dt after the first");
+/// # Ok::<(), kalmanscope_core::record::LiveError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LiveRecord {
+    record: Record,
+    /// \[s\]
+    begin: Option<f64>,
+    /// \[s\]
+    newest: f64,
+    tracks: Vec<Track>,
+    input: InputTrack,
+    /// Of each sensor, then of the input, in steps.
+    latest: Vec<f64>,
+    /// A reading out of order ends this.
+    prompt: bool,
+    wait: f64,
+    side: usize,
+    repeated: usize,
+    /// Once nobody else keeps it, only what it lacks has to be copied.
+    spare: Option<Arc<Record>>,
+}
+
+/// Limits the wait for the next input \[s\], where the input is linear between two values.
+const PATIENCE: f64 = 1.0;
+
+/// [`LiveRecord::update`] copies a whole record when it is longer by 1 / SHARE.
+const SHARE: usize = 20_000;
+
+impl LiveRecord {
+    /// Limits the samples.
+    pub const MOST: usize = 200_000;
+
+    /// Limits the readings of a sensor, and the values of the input: all are kept.
+    pub const MOST_READINGS: usize = 1_000_000;
+
+    /// Limits the readings of a sensor that wait for their samples.
+    pub const MOST_WAITING: usize = 100_000;
+
+    /// Limits the steps of dt between two times.
+    pub const LONGEST_GAP: usize = 20_000;
+
+    /// Before the first reading, with `dt` \[s\] between samples.
+    pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
+        let clocks = Clocks { input: None, readings: vec![Timed::default(); sensors.len()] };
+        Self {
+            tracks: mapped(&sensors, &|_| Track::default()),
+            latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
+            prompt: false,
+            record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
+            begin: None,
+            newest: f64::NEG_INFINITY,
+            input: InputTrack::new(hold),
+            wait: 0.0,
+            side: 0,
+            repeated: 0,
+            spare: None,
+        }
+    }
+
+    /// The same, where a sample waits this many seconds for late readings.
+    #[must_use]
+    pub fn waiting(self, seconds: f64) -> Self {
+        Self { wait: seconds.max(0.0), ..self }
+    }
+
+    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later:
+    /// then nothing more comes as long as each gives its readings in order. The first that comes too late is refused; from then
+    /// on samples wait.
+    #[must_use]
+    pub fn prompt(self) -> Self {
+        Self { prompt: true, ..self }
+    }
+
+    /// The same, where the columns have the readings shifted along the cubic through this many to either side. They have to lie within a
+    /// third of half a swing. A sample waits for two more.
+    #[must_use]
+    pub fn smoothing(self, side: usize) -> Self {
+        let wait = if side > 0 { self.wait.max(2.0 * self.record.dt) } else { self.wait };
+        Self { side, wait, ..self }
+    }
+
+    /// The samples that are complete, with the times of the readings in them. The first one's time is zero.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The record so far.
+    pub fn so_far(&self) -> Arc<Record> {
+        Arc::new(self.record.clone())
+    }
+
+    /// Puts the record so far in place of an earlier one of this live record. Returns whether it did: a longer one costs what is new,
+    /// as long as nobody else keeps the one before; else it is copied, once it is longer by a small share.
+    pub fn update(&mut self, earlier: &mut Arc<Record>) -> bool {
+        if self.record.len() <= earlier.len() {
+            return false;
+        }
+        let is_much = self.record.len() > earlier.len() + earlier.len() / SHARE;
+        let spare = self.spare.get_or_insert_with(|| Arc::clone(earlier));
+        if let Some(spare) = Arc::get_mut(spare).filter(|spare| self.record.goes_on_from(spare)) {
+            spare.append(&self.record);
+        } else if is_much {
+            *spare = Arc::new(self.record.clone());
+        } else {
+            return false;
+        }
+        std::mem::swap(earlier, spare);
+        true
+    }
+
+    /// Completes all samples up to the newest time: nothing more comes.
+    pub fn finish(&mut self) {
+        self.complete_until(|newest, _, sample| sample > newest);
+    }
+
+    /// The time of the first sample in the clock of the readings \[s\].
+    pub fn begin(&self) -> Option<f64> {
+        self.begin
+    }
+
+    /// Readings that were left out because another one of their sensor has their time.
+    pub fn repeated(&self) -> usize {
+        self.repeated
+    }
+
+    /// Takes in the events at a time \[s\]: the input from then on \[m/s²\], NaN if it is not given, and a reading for each
+    /// sensor in the unit of its quantity, NaN where there is none.
+    ///
+    /// # Errors
+    /// [`LiveError`]; a refusal leaves the samples as they were.
+    pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
+        self.check(time, input, readings).inspect_err(|error| {
+            self.prompt &= !matches!(error, LiveError::TooLate { .. });
+        })?;
+        let dt = self.record.dt;
+        // A reading that comes too early or too late by less than half a step is then the only one in its step.
+        let begin = if self.side > 0 { time + 0.5 * dt } else { time };
+        let begin = *self.begin.get_or_insert(begin);
+        self.newest = self.newest.max(time);
+        let time = steps(time - begin, dt);
+        for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
+            self.repeated += usize::from(!track.put(time, reading));
+        }
+        if !input.is_nan() {
+            self.input.put(time, input);
+        }
+        for (latest, value) in self.latest.iter_mut().zip(readings.iter().chain([&input])) {
+            if !value.is_nan() {
+                self.prompt &= time >= *latest;
+                *latest = latest.max(time);
+            }
+        }
+        self.complete_until(|newest, live, sample| {
+            let late = (newest - sample) * live.record.dt;
+            let wait = if live.has_all_readings(sample) { 0.0 } else { live.wait };
+            newest <= sample || late < wait || (late < PATIENCE && live.input.waits_at(sample))
+        });
+        Ok(())
+    }
+
+    fn has_all_readings(&self, sample: f64) -> bool {
+        let (input, sensors) =
+            self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
+        let has_input = input > f64::NEG_INFINITY;
+        self.prompt
+            && self.side == 0
+            && sensors.iter().all(|latest| *latest >= sample)
+            && (input >= sample || !has_input)
+    }
+
+    /// `waits` gets the newest time and the sample's, in steps.
+    fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
+        let Some(begin) = self.begin else { return };
+        let newest = steps(self.newest - begin, self.record.dt);
+        while self.record.len() < Self::MOST {
+            let sample = self.record.len() as f64;
+            if waits(newest, self, sample) {
+                break;
+            }
+            self.complete(sample);
+        }
+    }
+
+    fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
+        if readings.len() != self.tracks.len() {
+            return Err(LiveError::Readings(readings.len(), self.tracks.len()));
+        }
+        if !time.is_finite() || input.is_infinite() || readings.iter().any(|reading| reading.is_infinite()) {
+            return Err(LiveError::Infinite);
+        }
+        let Some(begin) = self.begin else { return Ok(()) };
+        if self.record.len() >= Self::MOST || self.kept() >= Self::MOST_READINGS {
+            return Err(LiveError::Full);
+        }
+        let last = self.record.len() as f64 - 1.0;
+        if steps(time - begin, self.record.dt) <= last {
+            return Err(LiveError::TooLate(time, begin + last * self.record.dt));
+        }
+        let is_behind = time <= self.newest + self.wait + PATIENCE + self.record.dt;
+        if is_behind && self.tracks.iter().any(|track| track.waiting() >= Self::MOST_WAITING) {
+            return Err(LiveError::Burst);
+        }
+        let steps = (time - self.newest) / self.record.dt;
+        if steps > Self::LONGEST_GAP as f64 {
+            return Err(LiveError::Gap(time, self.newest));
+        }
+        Ok(())
+    }
+
+    fn kept(&self) -> usize {
+        let all = self.record.clocks().into_iter().flat_map(|clocks| clocks.readings.iter().chain(&clocks.input));
+        all.map(|timed| timed.times.len()).max().unwrap_or(0)
+    }
+
+    fn complete(&mut self, sample: f64) {
+        let Self { record, tracks, input, side, .. } = self;
+        let Clocks { input: told, readings } = Arc::make_mut(record.clocks.get_or_insert_default());
+        let measured: Vec<f64> =
+            tracks.iter_mut().zip(readings).map(|(track, timed)| track.step_to(sample, *side, timed)).collect();
+        let input = input.step_to(sample, told);
+        record.push(input, measured, std::iter::empty());
+    }
+}
+
+/// The reason why a [`LiveRecord`] does not take in what came.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// The number of readings is not that of the sensors: both of them.
+    #[error("there are {0} readings, but the record has {1} sensors: a missing reading is NaN")]
+    Readings(usize, usize),
+    /// A number is infinite, or the time is NaN.
+    #[error("a reading, the input or the time is no finite number")]
+    Infinite,
+    /// Its sample is complete: its time, and that of the last complete sample \[s\].
+    #[error("the time is {0} s, which is too late: the record is complete until {1} s")]
+    TooLate(f64, f64),
+    /// The clock stands still, or is far too slow, while readings come.
+    #[error("{} readings of a sensor wait for their samples: the clock hardly advances", LiveRecord::MOST_WAITING)]
+    Burst,
+    /// Nothing came for too long: the time, and the newest time before it \[s\].
+    #[error("the time is {0} s, but before it was {1} s: at most {most} steps may be empty", most = LiveRecord::LONGEST_GAP)]
+    Gap(f64, f64),
+    /// There are as many samples, or readings of a sensor, as a record may have.
+    #[error(
+        "the record is full: it has at most {} samples and {} readings of a sensor",
+        LiveRecord::MOST,
+        LiveRecord::MOST_READINGS
+    )]
+    Full,
+}
+
+/// `time` \[s\]. A time next to a sample's is that.
+fn steps(time: f64, dt: f64) -> f64 {
+    let steps = time / dt;
+    let whole = libm::round(steps);
+    if (steps - whole).abs() <= ROUNDED { whole } else { steps }
+}
+
+const ROUNDED: f64 = 1e-6;
+
+#[derive(Clone, Debug, Default)]
+struct Track {
+    times: VecDeque<f64>,
+    values: VecDeque<f64>,
+    taken: usize,
+}
+
+impl Track {
+    fn waiting(&self) -> usize {
+        self.times.len() - self.taken
+    }
+
+    fn put(&mut self, time: f64, value: f64) -> bool {
+        let place = self.times.partition_point(|other| *other < time);
+        let is_new = self.times.get(place) != Some(&time);
+        if is_new {
+            self.times.insert(place, time);
+            self.values.insert(place, value);
+        }
+        is_new
+    }
+
+    /// Returns the last reading, shifted to the sample along the cubic through `side` readings to either side; NaN if there is none.
+    fn step_to(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
+        let Self { times, values, taken } = self;
+        let end = times.partition_point(|time| *time <= sample);
+        let own = *taken..end.max(*taken);
+        into.times.extend(times.range(own.clone()));
+        into.values.extend(values.range(own.clone()));
+        *taken = own.end;
+        let last = own.last();
+        let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
+        let old = self.taken.saturating_sub(2 * side + 1);
+        self.times.drain(..old);
+        self.values.drain(..old);
+        self.taken -= old;
+        value
+    }
+
+    fn shift(&self, place: usize, to: f64, side: usize) -> f64 {
+        let length = 2 * side + 1;
+        if side == 0 || self.times.len() < length {
+            return 0.0;
+        }
+        let begin = place.saturating_sub(side).min(self.times.len() - length);
+        let around = begin..begin + length;
+        let readings = self.times.range(around.clone()).zip(self.values.range(around));
+        change(readings, self.times[place], to - self.times[place], side as f64)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct InputTrack {
+    told: VecDeque<(f64, f64)>,
+    /// All but the last value that samples have taken are forgotten.
+    taken: usize,
+    hold: Hold,
+}
+
+impl InputTrack {
+    fn new(hold: Hold) -> Self {
+        Self { told: VecDeque::new(), taken: 0, hold }
+    }
+
+    /// Of several values at a time the last one counts.
+    fn put(&mut self, time: f64, value: f64) {
+        let place = self.told.partition_point(|(other, _)| *other < time);
+        match self.told.get_mut(place) {
+            Some(same) if same.0 == time => same.1 = value,
+            _ => self.told.insert(place, (time, value)),
+        }
+    }
+
+    fn waits_at(&self, sample: f64) -> bool {
+        self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
+    }
+
+    /// Zero before the first value; `into` is `None` until there is one. Of a line the value at the sample is handed over too.
+    fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
+        let Self { told, taken, hold } = self;
+        let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);
+        if next > 0 && into.is_none() {
+            // Until then it was zero: from the first sample on, and on a line up to the last one.
+            let mut times = vec![0.0];
+            if *hold == Hold::First && sample > 1.0 {
+                times.push(sample - 1.0);
+            }
+            times.retain(|zero| *zero < told[0].0);
+            *into = Some(Timed { values: vec![0.0; times.len()], times });
+        }
+        let value = match (next.checked_sub(1).map(|last| told[last]), told.get(next)) {
+            (None, _) => 0.0,
+            (Some((from, value)), Some(&(to, then))) if *hold == Hold::First => {
+                value + (then - value) * (sample - from) / (to - from)
+            }
+            (Some((_, value)), _) => value,
+        };
+        if let Some(Timed { times, values }) = into {
+            for (time, value) in told.range(*taken..next) {
+                times.push(*time);
+                values.push(*value);
+            }
+            if *hold == Hold::First && times.last().is_some_and(|last| *last < sample) {
+                times.push(sample);
+                values.push(value);
+            }
+        }
+        // The last one still counts.
+        let old = next.saturating_sub(1);
+        told.drain(..old);
+        *taken = next - old;
+        value
+    }
+}

@@ -1,0 +1,364 @@
+//! More samples, or fewer; readings that are carried to equal steps; Butterworth filters run forward and backward.
+
+use std::f64::consts::PI;
+
+use kalmanscope_filters::Hold;
+use kalmanscope_filters::least_squares::NormalEquations;
+
+use crate::Record;
+use crate::import::MOST;
+use crate::record::Input;
+
+const REACH: isize = 32;
+/// Side lobes below -80 dB.
+const KAISER: f64 = 8.0;
+/// As a share of the new Nyquist frequency.
+pub(crate) const GUARD: f64 = 0.8;
+
+/// All values must be finite.
+pub(crate) fn anti_alias(values: &mut Vec<f64>, every: usize) {
+    if every > 1 {
+        band_pass(values, 0.0, GUARD * 0.5 / every as f64);
+    }
+}
+
+pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
+    let mut place = 0;
+    values.retain(|_| {
+        place += 1;
+        (place - 1) % every.max(1) == 0
+    });
+}
+
+/// A sinc under a Kaiser window; the original values stay. All values must be finite. Source: Smith and Gossett (1984), A flexible
+/// sampling-rate conversion method.
+pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
+    let n = values.len() as isize;
+    if steps <= 1 || n < 2 {
+        return values.to_vec();
+    }
+    let (first, last) = (values[0], values[values.len() - 1]);
+    // Turned about the ends, so that value and slope continue.
+    let at = |place: isize| match place {
+        place if place < 0 => 2.0 * first - values[place.unsigned_abs().min(values.len() - 1)],
+        place if place >= n => 2.0 * last - values[(2 * (n - 1) - place).max(0) as usize],
+        place => values[place as usize],
+    };
+    let weights: Vec<Vec<f64>> = (1..steps).map(|step| kernel(step as f64 / steps as f64)).collect();
+    let mut finer = Vec::with_capacity((values.len() - 1) * steps + 1);
+    for k in 0..n - 1 {
+        finer.push(values[k as usize]);
+        for weights in &weights {
+            let terms = weights.iter().zip(k - REACH + 1..).map(|(weight, place)| weight * at(place));
+            finer.push(terms.sum());
+        }
+    }
+    finer.push(last);
+    finer
+}
+
+/// Lines through the values of a curve lie inside of its bends: of a swing they have the share `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values
+/// between those of the file move outwards by as much; those of the file stay, since an accelerometer feels them.
+pub(crate) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
+    let curve = interpolate(values, steps);
+    if steps <= 1 || hold == Hold::Zero {
+        return curve;
+    }
+    let outwards = steps as f64 / (12.0 * (steps - 1) as f64);
+    let mut finer = curve.clone();
+    for (k, around) in curve.windows(3).enumerate().filter(|(k, _)| (k + 1) % steps != 0) {
+        finer[k + 1] -= outwards * (around[2] - 2.0 * around[1] + around[0]);
+    }
+    finer
+}
+
+pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
+    let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
+    finer.iter_mut().step_by(steps).zip(values).for_each(|(fine, value)| *fine = *value);
+    finer
+}
+
+/// `None` if it would be too long, or its readings have their own times.
+pub fn finer(record: &Record, steps: usize) -> Option<Record> {
+    if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
+        return None;
+    }
+    let values = finer_input(record.input(), steps, record.hold());
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate();
+    let columns = columns.map(|(place, quantity)| (*quantity, spread(record.measured(place), steps))).collect();
+    Some(Record::new(record.dt() / steps as f64, input, columns).ok()?.starting_at(record.time(0)))
+}
+
+fn kernel(share: f64) -> Vec<f64> {
+    let weight = |place: isize| {
+        let distance = share - place as f64;
+        let window = distance / REACH as f64;
+        let sinc = libm::sin(PI * distance) / (PI * distance);
+        sinc * bessel(KAISER * libm::sqrt((1.0 - window * window).max(0.0))) / bessel(KAISER)
+    };
+    let weights: Vec<f64> = (1 - REACH..=REACH).map(weight).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.into_iter().map(|weight| weight / sum).collect()
+}
+
+/// I₀, the modified Bessel function of the first kind.
+fn bessel(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 0.0);
+    while term > 1e-17 * sum {
+        k += 1.0;
+        term *= (0.5 * x / k) * (0.5 * x / k);
+        sum += term;
+    }
+    sum
+}
+
+const ORDER: usize = 4;
+
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    b: [f64; 3],
+    a: [f64; 2],
+}
+
+/// `cut` is a share of the sample rate below ½. Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2
+/// (bilinear transform).
+fn sections(is_low: bool, cut: f64) -> [Section; ORDER / 2] {
+    let warped = libm::tan(PI * cut);
+    std::array::from_fn(|k| {
+        let damping = 2.0 * libm::sin(PI * (2 * k + 1) as f64 / (2 * ORDER) as f64);
+        let (w, ww) = (damping * warped, warped * warped);
+        let scale = 1.0 / (1.0 + w + ww);
+        let b = if is_low { [ww * scale, 2.0 * ww * scale, ww * scale] } else { [scale, -2.0 * scale, scale] };
+        Section { b, a: [2.0 * (ww - 1.0) * scale, (1.0 - w + ww) * scale] }
+    })
+}
+
+impl Section {
+    fn run(self, values: &mut [f64]) {
+        let Self { b, a } = self;
+        let Some(&first) = values.first() else { return };
+        let steady = first * b.iter().sum::<f64>() / (1.0 + a[0] + a[1]);
+        let mut second = b[2] * first - a[1] * steady;
+        let mut one = b[1] * first - a[0] * steady + second;
+        for value in values {
+            let x = *value;
+            let y = b[0] * x + one;
+            one = b[1] * x - a[0] * y + second;
+            second = b[2] * x - a[1] * y;
+            *value = y;
+        }
+    }
+}
+
+/// Passes `low` to `high`, shares of the sample rate: a `low` of 0 makes a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted
+/// in time. All values must be finite.
+pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
+    let mut all = Vec::new();
+    if low > 0.0 {
+        all.extend(sections(false, low.min(0.499)));
+    }
+    if high < 0.5 {
+        all.extend(sections(true, high));
+    }
+    let slowest = [low, high].into_iter().filter(|&cut| cut > 0.0).fold(0.5, f64::min);
+    let margin = (libm::ceil(3.0 / slowest) as usize).min(values.len().saturating_sub(1));
+    if all.is_empty() || values.len() < 2 {
+        return;
+    }
+    let mut extended = Vec::with_capacity(values.len() + 2 * margin);
+    let (first, last) = (values[0], values[values.len() - 1]);
+    extended.extend(values[1..=margin].iter().rev().map(|value| 2.0 * first - value));
+    extended.extend_from_slice(values);
+    extended.extend(values[values.len() - 1 - margin..values.len() - 1].iter().rev().map(|value| 2.0 * last - value));
+    for _ in 0..2 {
+        all.iter().for_each(|section| section.run(&mut extended));
+        extended.reverse();
+    }
+    values.clear();
+    values.extend_from_slice(&extended[margin..extended.len() - margin]);
+}
+
+/// Start and step in \[s\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Steps {
+    pub(crate) start: f64,
+    pub(crate) dt: f64,
+    pub(crate) count: usize,
+}
+
+impl Steps {
+    pub(crate) fn seconds(self) -> f64 {
+        self.count.saturating_sub(1) as f64 * self.dt
+    }
+
+    /// NaN at a step without a reading. `place` rounds the time of a reading, in steps; of several the nearest counts, shifted by the
+    /// change of the cubic through `side` readings to either side.
+    pub(crate) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
+        let Self { start, dt, count } = self;
+        let n = times.len();
+        let side = side.min(n.saturating_sub(1) / 2);
+        let mut nearest = vec![None; count];
+        for (k, time) in times.iter().enumerate() {
+            let steps = (time - start) / dt;
+            let place = place(steps);
+            if !(0.0..count as f64).contains(&place) {
+                continue;
+            }
+            let (place, distance) = (place as usize, (steps - place).abs());
+            if nearest[place].is_none_or(|(_, other)| distance < other) {
+                nearest[place] = Some((k, distance));
+            }
+        }
+        let at = |(place, reading): (usize, Option<(usize, f64)>)| {
+            let Some((k, _)) = reading else { return f64::NAN };
+            let first = k.saturating_sub(side).min(n - 1 - 2 * side);
+            let around = first..=first + 2 * side;
+            let shift = start + dt * place as f64 - times[k];
+            let size = 0.5 * (times[first + 2 * side] - times[first]);
+            let readings = times[around.clone()].iter().zip(&values[around]);
+            values[k] + change(readings, times[k], shift, size)
+        };
+        nearest.into_iter().enumerate().map(at).collect()
+    }
+}
+
+/// Change of the least-squares cubic through some values until `shift` later \[s\]; 0 if they do not determine one. `size` is about
+/// the time over which they lie \[s\]. A reading that is shifted so keeps its noise white, which it would not on a curve through the
+/// readings. Source: Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+pub(crate) fn change<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, from: f64, shift: f64, size: f64) -> f64 {
+    let mut equations = NormalEquations::<4>::zero();
+    for (time, value) in readings {
+        let u = (time - from) / size;
+        equations.add([1.0, u, u * u, u * u * u], *value, 1.0);
+    }
+    let u = shift / size;
+    equations.solution().map_or(0.0, |[_, first, second, third]| u * (first + u * (second + u * third)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sine_below_the_nyquist_frequency_is_found_between_its_samples() {
+        let sine = |time: f64| (2.0 * PI * 0.4 * time + 0.3).sin();
+        let values: Vec<f64> = (0..400).map(|k| sine(f64::from(k))).collect();
+        let finer = interpolate(&values, 4);
+        assert_eq!(finer.len(), 399 * 4 + 1);
+        for (k, value) in finer.iter().enumerate().skip(200).take(1200) {
+            assert!((value - sine(k as f64 / 4.0)).abs() < 1e-3, "{k}");
+        }
+        for (k, value) in values.iter().enumerate() {
+            assert_eq!(finer[4 * k], *value);
+        }
+    }
+
+    #[test]
+    fn lines_through_a_finer_input_have_all_of_a_swing() {
+        // Ten and twenty-five samples a swing; the share that lines through its values have, by the integral with its own sine.
+        for (per_swing, most) in [(10.0, 1e-4), (25.0, 1e-4)] {
+            let w = 2.0 * PI / per_swing;
+            let values: Vec<f64> = (0..=400).map(|k| libm::sin(w * f64::from(k))).collect();
+            let share = |fine: &[f64]| {
+                let (mut product, mut square, parts) = (0.0, 0.0, 50);
+                for k in 4 * 100..4 * 300 {
+                    for part in 0..parts {
+                        let at = (f64::from(part) + 0.5) / f64::from(parts);
+                        let sine = libm::sin(w * 0.25 * (k as f64 + at));
+                        product += sine * (fine[k] + at * (fine[k + 1] - fine[k]));
+                        square += sine * sine;
+                    }
+                }
+                product / square
+            };
+            let [held, linear] = [Hold::Zero, Hold::First].map(|hold| finer_input(&values, 4, hold));
+            let lost = (w / 4.0) * (w / 4.0) / 12.0;
+            assert!((share(&held) - 1.0 + lost).abs() < 0.1 * lost, "{per_swing}: {} {lost}", share(&held));
+            assert!((share(&linear) - 1.0).abs() < most, "{per_swing}: {}", share(&linear));
+            assert!(values.iter().enumerate().all(|(k, value)| linear[4 * k] == *value), "{per_swing}");
+        }
+    }
+
+    #[test]
+    fn lines_go_through_up_to_the_ends() {
+        let values: Vec<f64> = (0..50).map(|k| 2.0 * f64::from(k)).collect();
+        for (k, value) in interpolate(&values, 8).iter().enumerate() {
+            assert!((value - 2.0 * k as f64 / 8.0).abs() < 0.05, "{k}: {value}");
+        }
+        assert_eq!(interpolate(&[1.0, 1.0], 2), [1.0, 1.0, 1.0]);
+        assert_eq!(interpolate(&[5.0], 4), [5.0]);
+    }
+
+    #[test]
+    fn fast_parts_do_not_fold_back() {
+        let fast: Vec<f64> = (0..1000).map(|k| (2.0 * PI * 0.23 * f64::from(k)).sin()).collect();
+        let mut fewer = fast;
+        anti_alias(&mut fewer, 4);
+        keep_every(&mut fewer, 4);
+        assert_eq!(fewer.len(), 250);
+        assert!(fewer[20..230].iter().all(|value| value.abs() < 0.02));
+        let mut kept = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+        keep_every(&mut kept, 2);
+        assert_eq!(kept, [0.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn coefficients_are_those_of_scipy() {
+        // scipy.signal.butter(4, 0.2, output="ba"), the cut-off at a tenth of the sample rate.
+        let mut denominator = vec![1.0];
+        for Section { a, .. } in sections(true, 0.1) {
+            let factor = [1.0, a[0], a[1]];
+            let mut product = vec![0.0; denominator.len() + 2];
+            for (i, x) in denominator.iter().enumerate() {
+                factor.iter().enumerate().for_each(|(j, y)| product[i + j] += x * y);
+            }
+            denominator = product;
+        }
+        let expected =
+            [1.0, -2.369_513_007_182_037, 2.313_988_414_415_879_7, -1.054_665_405_878_567_4, 0.187_379_492_368_185];
+        for (found, expected) in denominator.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        let gain: f64 = sections(true, 0.1).iter().map(|section| section.b[0]).product();
+        assert!((gain - 0.004_824_343_357_716_2).abs() < 1e-15, "{gain}");
+    }
+
+    fn sine(cycles: f64, n: usize) -> Vec<f64> {
+        (0..n).map(|k| (2.0 * PI * cycles * k as f64).sin()).collect()
+    }
+
+    #[test]
+    fn sines_pass_or_vanish_and_are_not_shifted() {
+        let middle = 400..600;
+        for (cycles, expected) in [(0.02, 0.0), (0.1, 1.0), (0.4, 0.0)] {
+            let before = sine(cycles, 1000);
+            let mut after = before.clone();
+            band_pass(&mut after, 0.05, 0.2);
+            let worst = middle.clone().map(|k| (after[k] - expected * before[k]).abs()).fold(0.0, f64::max);
+            assert!(worst < 5e-3, "{cycles}: {worst}");
+        }
+        // At the cut-off, forward and backward leave a half.
+        let before = sine(0.2, 1000);
+        let mut after = before.clone();
+        band_pass(&mut after, 0.0, 0.2);
+        let worst = middle.map(|k| (after[k] - 0.5 * before[k]).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-3, "{worst}");
+    }
+
+    #[test]
+    fn constants_and_lines_pass_a_low_pass_up_to_the_ends() {
+        let mut line: Vec<f64> = (0..200).map(|k| 3.0 + 0.5 * f64::from(k)).collect();
+        let before = line.clone();
+        band_pass(&mut line, 0.0, 0.1);
+        for (found, expected) in line.iter().zip(before) {
+            assert!((found - expected).abs() < 0.05, "{found} {expected}");
+        }
+        let mut constant = vec![3.0; 50];
+        band_pass(&mut constant, 0.05, 0.5);
+        assert!(constant.iter().all(|value| value.abs() < 1e-9));
+        let mut short = vec![1.0, 2.0];
+        band_pass(&mut short, 0.0, 0.01);
+        assert_eq!(short.len(), 2);
+    }
+}
