@@ -6,7 +6,7 @@ mod own_filter;
 #[path = "../examples/own_plant.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_plant;
-#[path = "../examples/own_system.rs"]
+#[path = "../../filters/examples/own_system.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_system;
 #[path = "../examples/printer.rs"]

@@ -1,12 +1,12 @@
 //! A Kalman filter of a system of one's own, without a scenario: a boat that is tracked in a plane.
 //!
 //! ```text
-//! cargo run -p kalmanscope-core --example own_system
+//! cargo run -p kalmanscope-filters --example own_system
 //! ```
 
-use kalmanscope_core::filter::Gaussian;
-use kalmanscope_core::filter::{Matrix, Vector};
-use kalmanscope_core::{KalmanFilter, MeasurementModel, SystemError};
+use kalmanscope_filters::filter::Gaussian;
+use kalmanscope_filters::filter::{Matrix, Vector};
+use kalmanscope_filters::{KalmanFilter, MeasurementModel, SystemError};
 
 /// Time between samples \[s\].
 const DT: f64 = 1.0;
