@@ -63,24 +63,24 @@ pub struct Threads {
 }
 
 /// Whether work is still wanted.
-pub struct Wanted(Arc<State>);
+pub struct Wanted(Arc<ThreadState>);
 
 /// The parts of work on threads. It ends when this is dropped: no portion begins after that.
 pub struct Parts<T> {
     parts: Receiver<T>,
-    state: Arc<State>,
+    state: Arc<ThreadState>,
 }
 
 /// A panic, or the end of the team, leaves work unfinished; its user gets a report.
 struct Unfinished<T> {
     sender: Sender<T>,
-    state: Arc<State>,
+    state: Arc<ThreadState>,
     wake: Arc<dyn Fn(bool) + Send + Sync>,
     is_finished: bool,
 }
 
 #[derive(Default)]
-struct State {
+struct ThreadState {
     is_unwanted: AtomicBool,
     is_lost: AtomicBool,
 }
@@ -139,7 +139,7 @@ impl Threads {
         wake: impl Fn(bool) + Send + Sync + 'static,
     ) -> Parts<T> {
         let (sender, parts) = mpsc::channel();
-        let state = Arc::<State>::default();
+        let state = Arc::<ThreadState>::default();
         let wake: Arc<dyn Fn(bool) + Send + Sync> = Arc::new(wake);
         for mut step in steps {
             let (sender, state, wake) = (sender.clone(), Arc::clone(&state), Arc::clone(&wake));

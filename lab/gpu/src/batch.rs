@@ -56,14 +56,14 @@ fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
 }
 
 #[derive(PartialEq)]
-struct Kind {
+struct BatchKind {
     design: Design,
     channels: Vec<Channel>,
     known: usize,
     samples: usize,
 }
 
-struct Member<'a> {
+struct BatchMember<'a> {
     place: usize,
     setup: Setup,
     record: &'a Record,
@@ -71,9 +71,9 @@ struct Member<'a> {
 }
 
 struct Batch<'a> {
-    kind: Kind,
+    kind: BatchKind,
     program: Option<Program>,
-    members: Vec<Member<'a>>,
+    members: Vec<BatchMember<'a>>,
     tapes: Vec<Tape>,
 }
 
@@ -144,10 +144,10 @@ impl Gpu {
             let (runs, length, dt) = (members.len() as u32, kind.samples as u32, kind.design.dt);
             let job = Job { program, runs, length, dt, samples, cells };
             let states = self.run(&job, is_wanted).await?;
-            let of = |(member, state): &(&Member<'_>, &State)| {
+            let of = |(member, state): &(&BatchMember<'_>, &State)| {
                 outcome(&member.setup, member.record, &tapes[member.tape], state)
             };
-            let done: Vec<(&Member<'_>, &State)> = members.iter().zip(&states).collect();
+            let done: Vec<(&BatchMember<'_>, &State)> = members.iter().zip(&states).collect();
             let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
             for (member, outcome) in members.iter().zip(of_batch) {
                 outcomes[member.place] = Some(outcome);
@@ -176,7 +176,7 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
         let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
         let is_its = |batch: &&mut Batch<'_>| {
-            let Kind { design, channels, known: others, samples: length } = &batch.kind;
+            let BatchKind { design, channels, known: others, samples: length } = &batch.kind;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
         let batch = match batches.iter_mut().rev().find(is_its) {
@@ -184,7 +184,7 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
             None => {
                 let program = Program::new(&setup.design, &setup.channels, known);
                 let (design, channels) = (setup.design.clone(), setup.channels.clone());
-                let kind = Kind { design, channels, known, samples };
+                let kind = BatchKind { design, channels, known, samples };
                 batches.push(Batch { kind, program, members: Vec::new(), tapes: Vec::new() });
                 let Some(batch) = batches.last_mut() else { continue };
                 batch
@@ -193,7 +193,7 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
         if batch.program.is_none() {
             continue;
         }
-        let same = |member: &&Member<'_>| {
+        let same = |member: &&BatchMember<'_>| {
             let (other, own) = (&member.setup, &setup);
             std::ptr::eq(member.record, run.record) && (&other.columns, &other.delays) == (&own.columns, &own.delays)
         };
@@ -205,7 +205,7 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
                 batch.tapes.len() - 1
             }
         };
-        batch.members.push(Member { place, setup, record: run.record, tape });
+        batch.members.push(BatchMember { place, setup, record: run.record, tape });
     }
     batches.retain(|batch| !batch.members.is_empty());
     batches

@@ -58,7 +58,7 @@ pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Tracked {
+struct ErrorTally {
     squares: f64,
     recent: f64,
     inside: u32,
@@ -69,7 +69,7 @@ struct Tracked {
 pub(crate) struct State {
     mean: Vec<f64>,
     variance: Vec<f64>,
-    tracked: Vec<Tracked>,
+    tracked: Vec<ErrorTally>,
     nis: f64,
     nees: f64,
     ln_determinants: f64,
@@ -94,7 +94,7 @@ impl State {
         let first = root + shape.triangle();
         let tracked = |place: usize| {
             let at = first + TRACKED * place;
-            Tracked {
+            ErrorTally {
                 squares: both(at, at + 1),
                 recent: both(at + 2, at + 3),
                 inside: words[at + 4],
@@ -193,7 +193,7 @@ fn channels(
     let known = state.tracked.len();
     let recent = samples.saturating_sub(record.len() * 4 / 5) as u32;
     let frequency = setup.channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY);
-    let of = |(place, tracked): (usize, &Tracked)| {
+    let of = |(place, tracked): (usize, &ErrorTally)| {
         let channel = setup.channels[place];
         let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
         // In canonical form, in which the natural frequency is not negative.

@@ -123,7 +123,7 @@ impl Gpu {
     }
 
     async fn done(&self) -> Result<(), GpuError> {
-        let signal = Signal::new();
+        let signal = OneShot::new();
         let setter = Arc::clone(&signal);
         self.queue.on_submitted_work_done(move || setter.set(()));
         self.wait()?;
@@ -138,7 +138,7 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(states, 0, &copy, 0, size);
         self.queue.submit([encoder.finish()]);
-        let signal = Signal::new();
+        let signal = OneShot::new();
         let setter = Arc::clone(&signal);
         copy.slice(..).map_async(MapMode::Read, move |result| setter.set(result));
         self.wait()?;
@@ -172,9 +172,9 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-struct Signal<T>(Mutex<(Option<T>, Option<Waker>)>);
+struct OneShot<T>(Mutex<(Option<T>, Option<Waker>)>);
 
-impl<T> Signal<T> {
+impl<T> OneShot<T> {
     fn new() -> Arc<Self> {
         Arc::new(Self(Mutex::new((None, None))))
     }
