@@ -36,7 +36,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let written = |error: io::Error| InputError::unwritten(Path::new("-"), &error);
     let mut input = open(&source.to_string_lossy()).map_err(unread)?;
     let mut lines = Lines::new(&scenario);
-    let mut writer = Writer { output: io::stdout().lock(), json: *json, columns: Vec::new() };
+    let mut writer = EstimateWriter { output: io::stdout().lock(), json: *json, columns: Vec::new() };
     if !writer.begin(&filters).map_err(written)? {
         return Ok(true);
     }
@@ -223,14 +223,14 @@ fn moments(sample: &Sample<'_>, channels: &[Channel]) -> Vec<Document> {
 }
 
 /// Writes lines, each flushed. A closed pipe is the end and no error.
-struct Writer<W> {
+struct EstimateWriter<W> {
     output: W,
     json: bool,
     /// The names of each filter's columns.
     columns: Vec<Vec<String>>,
 }
 
-impl<W: Write> Writer<W> {
+impl<W: Write> EstimateWriter<W> {
     /// Writes the header of a table for these filters. Returns whether anybody reads it.
     fn begin(&mut self, filters: &[Followed]) -> io::Result<bool> {
         self.columns = filters.iter().map(Followed::columns).collect();

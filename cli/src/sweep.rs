@@ -39,7 +39,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
         return stream(args, &runner, cells);
     }
     let ensemble = runner.ensemble();
-    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
+    let (mut part, done) = SweepFile::open(out, &fingerprint, ensemble, cells.len())?;
     run_cells(args, &runner, cells.start + done..cells.end, &mut |slice| part.append(ensemble, slice))?;
     part.finish(out).map_err(|error| InputError::unwritten(out, &error))
 }
@@ -171,12 +171,12 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
 const FIRST: &str = "# sweep ";
 
 /// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
-struct Part {
+struct SweepFile {
     path: PathBuf,
     file: BufWriter<File>,
 }
 
-impl Part {
+impl SweepFile {
     /// The part file beside the table. Returns the number of rows that it has already, if it is of the same sweep.
     fn open(out: &Path, fingerprint: &str, ensemble: &Ensemble, most: usize) -> Result<(Self, usize), InputError> {
         let unwritten = |error| InputError::unwritten(out, &error);
