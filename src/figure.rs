@@ -78,12 +78,12 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
     let mut growth = 1.0;
     loop {
         let scale = geometry.type_size / TYPE / growth;
-        let canvas = Canvas::new(Pen::new(geometry.curves.map(|width| width / scale)));
+        let canvas = &Canvas::new(Pen::new(geometry.curves.map(|width| width / scale)));
         let width = geometry.width / scale;
-        let sheet = Sheet { canvas: &canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
-        let legend = sheet.legend();
+        let page = FigurePage { canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
+        let legend = page.legend();
         let top = MARGIN + extent(&legend).y.ceil() + GAP.y;
-        let natural: Vec<f32> = rows.iter().map(|row| sheet.row_height(row)).collect();
+        let natural: Vec<f32> = rows.iter().map(|row| page.row_height(row)).collect();
         let gaps = GAP.y * rows.len().saturating_sub(1) as f32;
         let needed = top + natural.iter().sum::<f32>() + gaps + MARGIN;
         let height = geometry.aspect.map_or(needed, |aspect| aspect * width);
@@ -99,21 +99,21 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
         let mut y = top;
         for (row, natural) in rows.iter().zip(&natural) {
             let height = natural * if grows(row) { stretch } else { 1.0 };
-            sheet.row(row, y, height, &mut parts);
+            page.row(row, y, height, &mut parts);
             y += height + GAP.y;
         }
         return Figure { parts, size: vec2(width, height), scale };
     }
 }
 
-struct Sheet<'a> {
+struct FigurePage<'a> {
     canvas: &'a Canvas,
     context: &'a ViewContext<'a>,
     width: f32,
     is_alone: bool,
 }
 
-impl Sheet<'_> {
+impl FigurePage<'_> {
     fn legend(&self) -> Vec<ClippedShape> {
         self.canvas.draw(vec2(self.width, AMPLE), |ui| legend_ui(ui, self.context))
     }

@@ -186,9 +186,9 @@ fn running<T: Task<Outcome: Send> + Send + 'static>(
 type Choices = (Mapping, InputKind, Hold);
 
 #[derive(Clone, Debug)]
-struct Shared(Arc<RecordFile>);
+struct SharedFile(Arc<RecordFile>);
 
-impl Borrow<Table> for Shared {
+impl Borrow<Table> for SharedFile {
     fn borrow(&self) -> &Table {
         &self.0.table
     }

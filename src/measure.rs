@@ -2,7 +2,7 @@
 
 macro_rules! of_device {
     () => {
-        fn words(&self) -> &'static Words {
+        fn words(&self) -> &'static SensorWords {
             &WORDS
         }
 
@@ -53,7 +53,7 @@ const AT_LEAST: Duration = Duration::from_millis(100);
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-struct Words {
+struct SensorWords {
     name: &'static str,
     beginning: &'static str,
     ending: &'static str,
@@ -61,7 +61,7 @@ struct Words {
 }
 
 trait Instrument {
-    fn words(&self) -> &'static Words;
+    fn words(&self) -> &'static SensorWords;
 
     fn begin(&mut self, ctx: &Context);
 

@@ -57,7 +57,7 @@ pub(crate) fn track_ui(
     let ground = ui.painter().add(Shape::Noop);
     let slider = named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time");
     probe::remember(ui.ctx(), "Time", slider.rect);
-    let track = Track::new(&slider, start..=start + session.end());
+    let track = TimelineTrack::new(&slider, start..=start + session.end());
     let shapes = events.iter().flat_map(|event| track.shapes(ui, event)).collect();
     ui.painter().set(ground, Shape::Vec(shapes));
     if slider.changed() {
@@ -71,13 +71,13 @@ pub(crate) fn track_ui(
     });
 }
 
-struct Track {
+struct TimelineTrack {
     rect: Rect,
     rail: Rangef,
     times: RangeInclusive<f64>,
 }
 
-impl Track {
+impl TimelineTrack {
     fn new(slider: &Response, times: RangeInclusive<f64>) -> Self {
         // The slider keeps the room of its handle at both ends.
         let rail = slider.rect.x_range().shrink(slider.rect.height() / 2.5);

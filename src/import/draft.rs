@@ -7,7 +7,7 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::{Choices, Shared};
+use super::{Choices, SharedFile};
 use crate::session::{RecordFile, Session};
 use crate::spark::Spark;
 
@@ -114,7 +114,7 @@ impl Draft {
         let Self { file, mapping, input, hold, plant, outcome, making, is_unfolded, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
-        let begin = || Ok(Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
+        let begin = || Ok(Builder::new(SharedFile(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
         let begun = under_way.unwrap_or_else(begin);
         let built = begun.and_then(|mut builder| {
             if builder.advance(while_time)? {

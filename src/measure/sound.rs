@@ -6,7 +6,7 @@ use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::free_decay::Ring;
 use kalmanscope_core::import::wav;
 
-use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
+use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Reading as _, Readings, Sensor, Sound};
 use crate::spark::Spark;
@@ -46,7 +46,7 @@ impl Listener {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "It rings",
     beginning: "Start listening",
     ending: "Stop and identify",

@@ -10,7 +10,7 @@ use kalmanscope_core::{Quantity, Record, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::live::NAME;
-use super::{Instrument, Words, waiting_ui};
+use super::{Instrument, SensorWords, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Readings, Sensor};
 use crate::text::fixed;
@@ -61,7 +61,7 @@ impl Stream {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "Sensors of a scenario",
     beginning: "Start measuring",
     ending: "Stop",

@@ -10,7 +10,7 @@ use kalmanscope_core::{Record, Scenario, Story};
 
 use super::health::Health;
 use super::live::{Band, Live};
-use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
+use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Acceleration, Reading as _, Readings, Sensor};
 use crate::spark::Spark;
@@ -47,7 +47,7 @@ impl Swing {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "It swings",
     // iOS asks for permission at the click on this button.
     beginning: "Start measuring",

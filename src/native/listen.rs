@@ -27,12 +27,12 @@ pub(super) trait Parser: Clone + Send + 'static {
 
 pub(super) struct Listened<P: Parser> {
     name: String,
-    shared: Arc<Shared<P::Reading>>,
+    shared: Arc<SharedListener<P::Reading>>,
     parser: P,
     thread: RefCell<Option<JoinHandle<()>>>,
 }
 
-struct Shared<T>(Mutex<ListenerState<T>>);
+struct SharedListener<T>(Mutex<ListenerState<T>>);
 
 struct ListenerState<T> {
     lines: usize,
@@ -40,7 +40,7 @@ struct ListenerState<T> {
     to: Option<(Context, Readings<T>)>,
 }
 
-impl<T: Reading> Shared<T> {
+impl<T: Reading> SharedListener<T> {
     fn heard(&self) -> MutexGuard<'_, ListenerState<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -77,8 +77,8 @@ impl<T: Reading> Shared<T> {
 
 impl<P: Parser> Listened<P> {
     pub(super) fn new(name: &str, parser: P) -> Self {
-        let heard = ListenerState { lines: 0, left_out: (0, String::new()), to: None };
-        Self { name: name.to_owned(), shared: Arc::new(Shared(Mutex::new(heard))), parser, thread: RefCell::default() }
+        let heard = SharedListener(Mutex::new(ListenerState { lines: 0, left_out: (0, String::new()), to: None }));
+        Self { name: name.to_owned(), shared: Arc::new(heard), parser, thread: RefCell::default() }
     }
 }
 

@@ -39,18 +39,18 @@ const PORTION: usize = 1024;
 
 pub(super) struct Processor {
     software: Software,
-    state: Arc<State>,
+    state: Arc<AdapterState>,
     thread: OnceCell<Option<(Threads, Parts<()>)>>,
 }
 
-struct State {
+struct AdapterState {
     gpu: Mutex<Option<Gpu>>,
     found: Mutex<Finding>,
 }
 
 impl Processor {
     pub(super) fn new(software: Software) -> Self {
-        let state = State { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
+        let state = AdapterState { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
         Self { software, state: Arc::new(state), thread: OnceCell::new() }
     }
 
@@ -108,7 +108,7 @@ impl Graphics for Processor {
     }
 }
 
-impl State {
+impl AdapterState {
     fn search(&self, software: Software) {
         let finding = match pollster::block_on(Gpu::find(software)) {
             Ok(found) => {

@@ -21,12 +21,12 @@ type Of = (u64, usize, ModelTime);
 #[derive(Default)]
 pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
-    made: Vec<Made>,
+    made: Vec<CachedFreeRun>,
     next: Option<Next>,
     lost: Option<Of>,
 }
 
-struct Made {
+struct CachedFreeRun {
     filter: u32,
     of: Of,
     run: FreeRun,
@@ -66,7 +66,7 @@ impl Session {
         *self.made_free_run(place)?.held_out.get(sensor)?
     }
 
-    fn made_free_run(&self, place: usize) -> Option<&Made> {
+    fn made_free_run(&self, place: usize) -> Option<&CachedFreeRun> {
         let run = self.study.run();
         let id = run.estimates().get(place)?.id();
         let made = self.free.made.iter().find(|made| made.filter == id)?;
@@ -110,7 +110,7 @@ impl Session {
                 Ok(None) => return self.free.next = Some(next),
                 Err(Lost) => return self.free.lost = Some(of),
             };
-            let made = Made { filter, of, run, held_out };
+            let made = CachedFreeRun { filter, of, run, held_out };
             self.free.made.retain(|before| before.filter != filter);
             self.free.made.push(made);
             self.drawn += 1;

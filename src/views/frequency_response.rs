@@ -82,10 +82,10 @@ struct Drawn<'a> {
     curves: &'a Curves,
     frequencies: Vec<f64>,
     truth: Option<Vec<f64>>,
-    filters: Vec<Filter>,
+    filters: Vec<FilterResponse>,
 }
 
-struct Filter {
+struct FilterResponse {
     color: Color32,
     mean: Vec<f64>,
     band: Option<[Vec<f64>; 2]>,
@@ -99,7 +99,7 @@ impl<'a> Drawn<'a> {
             let band = band.as_ref().filter(|_| visible.bands);
             let band = band.and_then(|(low, high)| Some([logarithms(low)?, logarithms(high)?]));
             let color = context.color(estimates);
-            Some(Filter { color, mean: logarithms(mean)?, band })
+            Some(FilterResponse { color, mean: logarithms(mean)?, band })
         };
         Self {
             curves,
@@ -134,7 +134,7 @@ impl<'a> Drawn<'a> {
         let Self { curves: _, frequencies, truth, filters } = self;
         let palette = context.palette;
         self.draw_spectrum(plot, context);
-        for Filter { color, mean: _, band } in filters {
+        for FilterResponse { color, mean: _, band } in filters {
             let fill = color.gamma_multiply(0.22);
             if let Some([low, high]) = band {
                 let edge = Stroke::new(0.7, fill.gamma_multiply(0.8));

@@ -20,16 +20,16 @@ const PROCESSOR: &str = "listen";
 
 pub(super) struct Microphone {
     devices: MediaDevices,
-    shared: Rc<Shared>,
+    shared: Rc<SharedMicrophone>,
 }
 
 #[derive(Default)]
-struct Shared {
-    listening: RefCell<Option<Listening>>,
+struct SharedMicrophone {
+    listening: RefCell<Option<AudioCapture>>,
     turn: Cell<u32>,
 }
 
-struct Listening {
+struct AudioCapture {
     stream: MediaStream,
     context: AudioContext,
     node: AudioWorkletNode,
@@ -57,7 +57,7 @@ impl Sensor<Sound> for Microphone {
                 Ok(stream) => stream,
                 Err(error) => return to.refuse(reason(&error), &ctx),
             };
-            match Listening::begin(&stream, &ctx, &to).await {
+            match AudioCapture::begin(&stream, &ctx, &to).await {
                 Ok(listening) if shared.turn.get() == turn => *shared.listening.borrow_mut() = Some(listening),
                 Ok(_) => {}
                 Err(error) => {
@@ -89,7 +89,7 @@ async fn stream(devices: &MediaDevices) -> Result<MediaStream, JsValue> {
     JsFuture::from(devices.get_user_media_with_constraints(&constraints)?).await?.dyn_into()
 }
 
-impl Listening {
+impl AudioCapture {
     async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
         let context = AudioContext::new()?;
         let begun = Self::within(&context, stream, ctx, to).await;
@@ -122,7 +122,7 @@ impl Listening {
     }
 }
 
-impl Drop for Listening {
+impl Drop for AudioCapture {
     fn drop(&mut self) {
         if let Ok(port) = self.node.port() {
             port.set_onmessage(None);

@@ -15,14 +15,14 @@ use super::object::{call, get};
 const BEGIN: &str = "Start measuring";
 
 pub(super) struct Motion {
-    shared: Rc<Shared>,
+    shared: Rc<SharedMotion>,
     _clicks: Closure<dyn FnMut(MouseEvent)>,
 }
 
 type Listener = Closure<dyn FnMut(DeviceMotionEvent)>;
 
 #[derive(Default)]
-struct Shared {
+struct SharedMotion {
     listener: RefCell<Option<Listener>>,
     asked: RefCell<Option<js_sys::Promise>>,
     /// Counts beginnings and ends: a permission that comes after an end begins nothing.
@@ -33,7 +33,7 @@ impl Motion {
     pub(super) fn of_page(ctx: &Context) -> Option<Self> {
         let window = web_sys::window()?;
         get(&window, "DeviceMotionEvent").filter(|kind| !kind.is_undefined())?;
-        let shared: Rc<Shared> = Rc::default();
+        let shared: Rc<SharedMotion> = Rc::default();
         let clicks = {
             let (shared, ctx) = (Rc::clone(&shared), ctx.clone());
             // Safari answers the question only inside the event of a tap, before the frame that sees the tap.
@@ -91,7 +91,7 @@ impl Sensor<Acceleration> for Motion {
     }
 }
 
-fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings<Acceleration>) {
+fn listen(window: &Window, shared: &SharedMotion, ctx: &Context, to: &Readings<Acceleration>) {
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {
         let Some(told) = event.acceleration_including_gravity() else { return };

@@ -23,13 +23,13 @@ use worker::{AT_ONCE, Left, Program, Worker, WorkerTask};
 const MOST: usize = 8;
 
 struct Workers {
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<PoolState>>,
     processor: Rc<graphics::Processor>,
     ctx: Context,
 }
 
 #[derive(Default)]
-struct State {
+struct PoolState {
     workers: Vec<Worker>,
     tasks: Vec<WorkerTask>,
     last: u32,
@@ -86,7 +86,7 @@ impl Workers {
         read: impl Fn(&JsValue, usize) -> Option<T> + 'static,
     ) -> Option<Handle<T>> {
         let number = self.give(left, message)?;
-        let task = Task { state: Rc::clone(&self.state), number };
+        let task = PoolTask { state: Rc::clone(&self.state), number };
         Some(Handle::new(move || {
             let Some((part, workers)) = task.take()? else { return Ok(None) };
             read(&part, workers).map(Some).ok_or(Lost)
@@ -105,7 +105,7 @@ impl Workers {
         if present.broken.is_some() {
             return None;
         }
-        let State { workers, tasks, last, .. } = &mut *present;
+        let PoolState { workers, tasks, last, .. } = &mut *present;
         let load = |worker: &&Worker| {
             (tasks.iter().filter(|task| task.is_of(worker)).count(), tasks.iter().any(|task| task.is_at(worker)))
         };
@@ -122,12 +122,12 @@ fn report<T>(part: &JsValue, outcome: impl FnOnce(&JsValue) -> Option<T>) -> Opt
     part.as_f64().map(Report::Look).or_else(|| outcome(part).map(Report::Done))
 }
 
-struct Task {
-    state: Rc<RefCell<State>>,
+struct PoolTask {
+    state: Rc<RefCell<PoolState>>,
     number: u32,
 }
 
-impl Task {
+impl PoolTask {
     fn take(&self) -> Result<Option<(JsValue, usize)>, Lost> {
         let state = self.state.borrow();
         let task = state.tasks.iter().find(|task| task.number == self.number).ok_or(Lost)?;
@@ -138,13 +138,13 @@ impl Task {
     }
 }
 
-impl Drop for Task {
+impl Drop for PoolTask {
     fn drop(&mut self) {
         self.state.borrow_mut().give_up(self.number);
     }
 }
 
-impl State {
+impl PoolState {
     fn feed(&mut self, place: usize) {
         let Self { workers, tasks, .. } = self;
         let Some(worker) = workers.get(place) else { return };
@@ -197,8 +197,8 @@ impl State {
     }
 }
 
-fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
-    let State { workers, broken, .. } = present;
+fn muster(state: &Rc<RefCell<PoolState>>, present: &mut PoolState, count: usize) {
+    let PoolState { workers, broken, .. } = present;
     if broken.is_some() {
         return;
     }
@@ -216,12 +216,12 @@ fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
     present.sweep();
 }
 
-fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+fn listener(state: &Rc<RefCell<PoolState>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
     let state = Rc::downgrade(state);
     move |event| {
         let Some(state) = state.upgrade() else { return };
         let mut state = state.borrow_mut();
-        let State { workers, tasks, .. } = &mut *state;
+        let PoolState { workers, tasks, .. } = &mut *state;
         let is_it = |worker: &Worker| worker.number == number && !worker.is_over;
         let Some(place) = workers.iter().position(is_it) else { return };
         let worker = &mut workers[place];

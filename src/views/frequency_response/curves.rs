@@ -46,7 +46,7 @@ impl Curves {
             is_shown(estimates.id()).then(|| cached(ui.ctx(), id, of, make))
         };
         let truth = true_transfer_function(&run.scenario().plant.kind, run.record(), k);
-        let spectrum = |force: &mut Force| force.spectrum(session, &frequencies);
+        let spectrum = |force: &mut ForceSpectrum| force.spectrum(session, &frequencies);
         Self {
             truth: truth.map(|truth| truth.magnitude(&frequencies)),
             filters: run.estimates().iter().map(of_filter).collect(),
@@ -57,14 +57,14 @@ impl Curves {
 }
 
 #[derive(Clone, Default)]
-struct Force {
+struct ForceSpectrum {
     taken: Vec<f64>,
     /// Time between samples and longest window \[s\], and the ends of the frequencies \[rad/s\].
     of: [f64; 4],
     spectrum: Option<Spectrum>,
 }
 
-impl Force {
+impl ForceSpectrum {
     fn spectrum(&mut self, session: &Session, frequencies: &[f64]) -> Option<Vec<(f64, f64)>> {
         let Self { taken, of, spectrum } = self;
         let run = session.run();
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_spectrum_is_that_of_the_force_so_far_however_one_came_there() {
-        let (mut session, mut force, frequencies) = (session(), Force::default(), [1.0, 7.0, 50.0]);
+        let (mut session, mut force, frequencies) = (session(), ForceSpectrum::default(), [1.0, 7.0, 50.0]);
         let whole = force.spectrum(&session, &frequencies);
         session.seek(0.0);
         session.set_mode(Mode::Live);

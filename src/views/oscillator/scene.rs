@@ -98,10 +98,10 @@ impl<'a> Scene<'a> {
         self.record().truth(displacement(mass)).filter(|_| self.context.visible.truth)
     }
 
-    fn filters(&self, mass: usize) -> impl Iterator<Item = Filter<'a>> {
+    fn filters(&self, mass: usize) -> impl Iterator<Item = SceneFilter<'a>> {
         self.context.filters().filter_map(move |(_, estimates)| {
             let color = self.context.color(estimates);
-            Some(Filter { estimates, at: estimates.place(displacement(mass))?, color })
+            Some(SceneFilter { estimates, at: estimates.place(displacement(mass))?, color })
         })
     }
 
@@ -153,13 +153,13 @@ impl<'a> Scene<'a> {
     }
 }
 
-struct Filter<'a> {
+struct SceneFilter<'a> {
     estimates: &'a Estimates,
     at: usize,
     color: egui::Color32,
 }
 
-impl Filter<'_> {
+impl SceneFilter<'_> {
     fn belief(&self, k: usize) -> Option<Belief> {
         let Self { estimates, at, color } = *self;
         let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;

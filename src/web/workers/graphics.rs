@@ -22,10 +22,10 @@ const PORTION: usize = 1024;
 /// The graphics processor. The search begins with the first map.
 pub(super) struct Processor {
     software: bool,
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<ProcessorState>>,
 }
 
-struct State {
+struct ProcessorState {
     is_asked: bool,
     finding: Finding,
     worker: Option<Worker>,
@@ -37,7 +37,7 @@ struct State {
 
 impl Processor {
     pub(super) fn new(software: bool) -> Self {
-        let state = State {
+        let state = ProcessorState {
             is_asked: false,
             finding: Finding::Searching,
             worker: None,
@@ -79,7 +79,7 @@ impl Graphics for Processor {
 }
 
 struct Working {
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<ProcessorState>>,
     number: u32,
 }
 
@@ -108,7 +108,7 @@ impl Drop for Working {
     }
 }
 
-impl State {
+impl ProcessorState {
     fn miss(&mut self, reason: String) {
         log::info!("Maps are computed by workers: {reason}");
         self.finding = Finding::Absent(reason);
@@ -140,7 +140,7 @@ async fn ask(software: bool) -> Result<(), String> {
 }
 
 /// Starts the worker, if the browser offers a processor. Without one, this saves most of the work of a start.
-async fn start(state: Rc<RefCell<State>>, software: bool) {
+async fn start(state: Rc<RefCell<ProcessorState>>, software: bool) {
     let offer = ask(software).await;
     let mut present = state.borrow_mut();
     match offer.and_then(|()| Worker::new(0, Program::Graphics, listener(&state, software))) {
@@ -149,8 +149,8 @@ async fn start(state: Rc<RefCell<State>>, software: bool) {
     }
 }
 
-fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
-    let state: Weak<RefCell<State>> = Rc::downgrade(state);
+fn listener(state: &Rc<RefCell<ProcessorState>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+    let state: Weak<RefCell<ProcessorState>> = Rc::downgrade(state);
     move |event| {
         let Some(state) = state.upgrade() else { return };
         let mut state = state.borrow_mut();
@@ -181,7 +181,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
                 }
             }
             "part" if is_present => {
-                if let State { worker: Some(worker), task: Some(task), .. } = &mut *state {
+                if let ProcessorState { worker: Some(worker), task: Some(task), .. } = &mut *state {
                     task.take(&words.get(2), worker);
                     task.feed(worker);
                 }
