@@ -1,7 +1,7 @@
 //! The laboratory: maps of scores over two settings, beside the session that they follow.
 //!
 //! ```text
-//! Session ──scenario, source──▶ Survey ──cells──▶ Team ──rows──▶ Sheet ──▶ views
+//! Session ──scenario, source──▶ Survey ──cells──▶ Team ──rows──▶ EnsembleRows ──▶ views
 //! ```
 //! A change of the scenario begins another survey. The earlier one stays on screen until the new one covers the map. A
 //! change of the axes' own settings only moves the dot.

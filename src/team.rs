@@ -13,7 +13,7 @@ use egui::Context;
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Pass, Record, Scenario, Tape, Task as _};
-use kalmanscope_lab::{CellTask, Parts, Runner, Step, Threads, Wanted};
+use kalmanscope_lab::{CellTask, Runner, Threads, WorkParts, WorkStep, WorkToken};
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
@@ -84,8 +84,8 @@ impl<T> Handle<T> {
     }
 }
 
-impl<T: 'static> From<Parts<T>> for Handle<T> {
-    fn from(parts: Parts<T>) -> Self {
+impl<T: 'static> From<WorkParts<T>> for Handle<T> {
+    fn from(parts: WorkParts<T>) -> Self {
         Self::new(move || parts.take())
     }
 }
@@ -95,17 +95,17 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
     move |is_over| if is_over { ctx.request_repaint() } else { ctx.request_repaint_after(BETWEEN) }
 }
 
-fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
+fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(WorkToken) -> WorkStep<Tape> + Send {
     let mut pass = None;
     move |_| {
         if pass.is_none() {
             pass = Pass::new(&scenario, place, &record).ok();
         }
-        let Some(pass) = &mut pass else { return Step::Failed };
+        let Some(pass) = &mut pass else { return WorkStep::Failed };
         let mut tape = Tape::default();
         pass.follow(&record, pass.done() + PORTION, &mut tape);
         let is_over = pass.done() >= record.len() || pass.stop().is_some();
-        if is_over { Step::Last(tape) } else { Step::Part(tape) }
+        if is_over { WorkStep::Last(tape) } else { WorkStep::Part(tape) }
     }
 }
 

@@ -9,7 +9,7 @@ use kalmanscope_core::{
     Estimates, FirstCause, Measure, Observed, Pass, Record, Scenario, Simulator, Source, Task, Times, Value, Whole,
     simulate,
 };
-use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with, serves};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
 
@@ -196,7 +196,7 @@ pub(crate) fn numbers(
 pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let possible: Vec<_> =
         runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
-    if let Ok(outcomes) = outcomes_with(Level::best(), &possible, samples) {
+    if let Ok(outcomes) = outcomes_with(InstructionSet::best(), &possible, samples) {
         let mut outcomes = outcomes.into_iter();
         return runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect();
     }

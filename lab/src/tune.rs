@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::EnsembleError;
 use crate::runner::numbers;
 
-pub use information::Remark;
+pub use information::TuneRemark;
 
 use information::Information;
 
@@ -73,7 +73,7 @@ pub struct Tuned {
     /// The verdict on the tuned filter, if there are enough measurements for one.
     pub verdict: Option<VerdictKind>,
     /// Warnings about the result.
-    pub remarks: Vec<Remark>,
+    pub remarks: Vec<TuneRemark>,
     /// The number of runs that it took.
     pub runs: u64,
 }

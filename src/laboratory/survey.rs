@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::Context;
 use kalmanscope_core::setting::{Address, Change, TableInfo};
 use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
 use super::settings;
@@ -19,7 +19,7 @@ pub struct Survey {
     source: Source,
     pub filters: Vec<u32>,
     order: Vec<usize>,
-    pub sheet: Sheet,
+    pub sheet: EnsembleRows,
     pub(super) work: Option<Relay>,
     precision: Precision,
     pub computers: Vec<Computer>,
@@ -47,7 +47,7 @@ impl Survey {
         }
         let plan = Plan { filters: (0..filters.len()).collect(), measures, axes: choice.axes.to_vec(), times: 0 };
         let ensemble = Ensemble::new(part, plan).map_err(|error| error.to_string())?;
-        let (order, sheet) = (ensemble.coarse_to_fine(), Sheet::new(&ensemble));
+        let (order, sheet) = (ensemble.coarse_to_fine(), EnsembleRows::new(&ensemble));
         let (work, computers, precision) = (None, Vec::new(), choice.precision);
         Ok(Self { ensemble, source, filters, order, sheet, work, precision, computers })
     }

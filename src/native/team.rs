@@ -9,7 +9,7 @@ use std::thread;
 use egui::Context;
 use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Rows, Team};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::{Parts, Step, Threads, Wanted};
+use kalmanscope_lab::{Threads, WorkParts, WorkStep, WorkToken};
 
 struct Desktop {
     threads: Option<Threads>,
@@ -40,7 +40,7 @@ const PORTION: usize = 1024;
 pub(super) struct Processor {
     software: Software,
     state: Arc<AdapterState>,
-    thread: OnceCell<Option<(Threads, Parts<()>)>>,
+    thread: OnceCell<Option<(Threads, WorkParts<()>)>>,
 }
 
 struct AdapterState {
@@ -60,7 +60,7 @@ impl Processor {
             let (software, state, ctx) = (self.software, Arc::clone(&self.state), ctx.clone());
             let search = move |_| {
                 state.search(software);
-                Step::End
+                WorkStep::End
             };
             let team = Threads::new(1, 0);
             let team = team.map_err(|error| *lock(&self.state.found) = Finding::Absent(error.to_string())).ok()?;
@@ -97,11 +97,11 @@ impl Graphics for Processor {
     fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
         let (cells, state) = (cells.clone(), Arc::clone(&self.state));
         let mut next = 0;
-        let step = move |wanted: Wanted| {
+        let step = move |wanted: WorkToken| {
             let some = next..(next + PORTION).min(cells.order.len());
             next = some.end;
             // The team does the cells that are not served, which are missing in the rows.
-            state.rows(&cells, &cells.order[some], &wanted).map_or(Step::Failed, Step::Part)
+            state.rows(&cells, &cells.order[some], &wanted).map_or(WorkStep::Failed, WorkStep::Part)
         };
         let ctx = ctx.clone();
         Some(self.thread(&ctx.clone())?.begin(Priority::Map, [step], move |_| ctx.request_repaint()).into())
@@ -123,7 +123,7 @@ impl AdapterState {
         *lock(&self.found) = finding;
     }
 
-    fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted) -> Option<Rows> {
+    fn rows(&self, all: &Cells, some: &[usize], wanted: &WorkToken) -> Option<Rows> {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
         match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {

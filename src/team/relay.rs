@@ -72,7 +72,7 @@ mod tests {
     use std::sync::Arc;
 
     use kalmanscope_core::{Axis, Measure, Scenario, Source};
-    use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
+    use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Priority, Runner};
 
     use super::*;
     use crate::team::Budget;
@@ -149,7 +149,7 @@ mod tests {
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
         let cells = Cells { runner: Arc::clone(&runner), order: (0..10).collect(), precision, priority: Priority::Map };
         let mut work = Relay::new(team, cells, &ctx);
-        let (mut sheet, mut by) = (Sheet::new(&ensemble), Vec::new());
+        let (mut sheet, mut by) = (EnsembleRows::new(&ensemble), Vec::new());
         for _ in 0..40 {
             for rows in work.take() {
                 sheet.fill(&rows.cells, &rows.numbers);

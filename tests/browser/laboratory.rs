@@ -9,7 +9,7 @@ use kalmanscope::layout::Layout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{Channel, FilterKind, Hold, Measure, PlantKind, Robust, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Runner};
 use serde_json::Value;
 
 use crate::files::downloaded;
@@ -73,7 +73,7 @@ async fn has_the_bits_of_this_machine(page: &Page) {
     assert_eq!(map["cells"], Value::from(ensemble.cells()));
     assert!(ensemble.cells() >= 32 * 32);
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
-    let mut sheet = Sheet::new(&ensemble);
+    let mut sheet = EnsembleRows::new(&ensemble);
     let runner = Runner::new(ensemble, Source::Simulated).unwrap();
     sheet.fill(&cells, &runner.rows(&cells));
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));

@@ -11,7 +11,7 @@ use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document}
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
-use crate::scope::{Portioned, Whole, Words, answer, count, fail, hear, numbers};
+use crate::scope::{Portioned, WholeTask, Words, answer, count, fail, hear, numbers};
 
 /// The message that gives a worker an ensemble, of which it is to run cells.
 pub fn cells_message(number: u32, runner: &Runner) -> Array {
@@ -250,8 +250,8 @@ fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
     Ok(match kind {
         "cells" => Box::new(CellWork(runner(words)?)),
         "filter" => Box::new(FilterWork::new(words)?),
-        "file" => Box::new(Whole::new(file(words), loaded_message)),
-        "suggest" => Box::new(Whole::new(suggest(words)?, suggestion_message)),
+        "file" => Box::new(WholeTask::new(file(words), loaded_message)),
+        "suggest" => Box::new(WholeTask::new(suggest(words)?, suggestion_message)),
         _ => return Err(format!("`{kind}` is no task")),
     })
 }
