@@ -4,7 +4,7 @@ use kalmanscope_core::document::{self, Document};
 use kalmanscope_core::import::{self, Dimension, turn};
 use kalmanscope_core::{InputKind, Scenario};
 
-use crate::line::{BadLine, Line, number, number_of};
+use crate::line::{BadLine, StreamLine, number, number_of};
 
 /// The time, the input and the readings of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ enum LineColumn {
 
 /// Reads the lines of a stream: columns under a header, or JSON objects.
 #[derive(Clone, Debug)]
-pub struct Lines {
+pub struct LineReader {
     /// The names of input and sensors.
     input: &'static str,
     sensors: Vec<&'static str>,
@@ -84,7 +84,7 @@ impl LineClock {
     }
 }
 
-impl Lines {
+impl LineReader {
     /// The lines for the input and the sensors of a scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let input = match scenario.input {
@@ -101,10 +101,10 @@ impl Lines {
     /// # Errors
     /// [`BadLine`]; later lines can still be read.
     pub fn read(&mut self, bytes: &[u8]) -> Result<Option<StreamRow>, BadLine> {
-        match Line::of(bytes, self.columns.as_ref().map(|(_, mark)| *mark))? {
-            Line::Nothing => Ok(None),
-            Line::Object(entries) => self.of_object(&entries).map(Some),
-            Line::Cells(cells, mark) => self.of_cells(&cells, mark),
+        match StreamLine::of(bytes, self.columns.as_ref().map(|(_, mark)| *mark))? {
+            StreamLine::Nothing => Ok(None),
+            StreamLine::Object(entries) => self.of_object(&entries).map(Some),
+            StreamLine::Cells(cells, mark) => self.of_cells(&cells, mark),
         }
     }
 
@@ -217,8 +217,8 @@ impl StreamRow {
 mod tests {
     use super::*;
 
-    fn lines() -> Lines {
-        Lines::new(&Scenario::default())
+    fn lines() -> LineReader {
+        LineReader::new(&Scenario::default())
     }
 
     fn numbers(row: Result<Option<StreamRow>, BadLine>) -> Vec<Option<f64>> {

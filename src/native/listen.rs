@@ -9,7 +9,7 @@ use std::time::Instant;
 use egui::Context;
 use kalmanscope::sensor::{Acceleration, Reading, Readings, Sensor};
 use kalmanscope_core::Scenario;
-use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
+use kalmanscope_sources::{Accelerations, LineReader, StreamRow, open, read_line};
 
 pub(super) struct Listening {
     pub(super) source: String,
@@ -130,14 +130,14 @@ impl Parser for Accelerations {
 
 #[derive(Clone)]
 pub(super) struct OfScenario {
-    lines: Lines,
+    lines: LineReader,
     left_out: usize,
     why: String,
 }
 
 impl OfScenario {
     pub(super) fn new(scenario: &Scenario) -> Self {
-        Self { lines: Lines::new(scenario), left_out: 0, why: String::new() }
+        Self { lines: LineReader::new(scenario), left_out: 0, why: String::new() }
     }
 }
 
