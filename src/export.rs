@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use egui::{Context, Id, Popup, Ui};
-use kalmanscope_cli::{Parts, Results, report, write_estimates};
+use kalmanscope_cli::{ReportParts, Results, report, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::DocumentError;
@@ -150,7 +150,7 @@ fn results_of(session: &Session) -> Results<'_> {
 
 fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     let title = record_name(session).unwrap_or_else(|| "A simulated oscillator".to_owned());
-    let parts = Parts { title: &title, reasons: &session.library().reasons, figures };
+    let parts = ReportParts { title: &title, reasons: &session.library().reasons, figures };
     report(&results_of(session), &parts).map_err(reason)
 }
 

@@ -3,7 +3,7 @@
 use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 use kalmanscope_figures::{Anchor, Axes, Color, Style, Svg, Text};
 
-use crate::estimates_csv::Reading;
+use crate::estimates_csv::SensorEstimate;
 use crate::number::plain;
 use crate::series::{bands, line, padded, thinned, union, without_tails};
 use crate::table::heading;
@@ -243,7 +243,7 @@ impl PlotPanel {
             Self::Sensor(sensor) => {
                 estimates.sensors().contains(&sensor).then_some(())?;
                 Box::new(move |k| {
-                    let Reading { std, predicted, .. } = Reading::of(estimates, record, sensor, k);
+                    let SensorEstimate { std, predicted, .. } = SensorEstimate::of(estimates, record, sensor, k);
                     (predicted, std)
                 })
             }

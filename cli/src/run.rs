@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{Parts, Results, causes, pages, report, svg, write_estimates};
+use kalmanscope_cli::{ReportParts, Results, causes, pages, report, svg, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
@@ -14,7 +14,7 @@ use crate::args::{InputArgs, RunArgs, SourceArgs};
 use crate::files::{InputError, Places, places, print_beside, report_error, say, write, write_text};
 use crate::import::path_from;
 use crate::prepared::{Prepared, READY, named};
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// The reason why a result could not be written.
 #[derive(Debug, Error)]
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     let with_history = forms.iter().any(|(_, form)| *form != OutputForm::Scenario);
     let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
     let records = prepared.for_free_runs(&run);
-    let progress = Progress::wait(*quiet, "diagnostics, causes and bounds");
+    let progress = ProgressDisplay::wait(*quiet, "diagnostics, causes and bounds");
     let results = if with_history {
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
         Results::of_run(&run, &analysis, causes(&run, &analysis)).with_free_runs(&run, &records)
@@ -155,7 +155,7 @@ fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<()
 
 fn page(prepared: &Prepared, run: &Run, results: &Results<'_>) -> Result<String, ScenarioError> {
     let title = prepared.file.file_stem().map_or_else(|| "Kalmanscope".into(), |stem| stem.to_string_lossy());
-    report(results, &Parts { title: &title, reasons: &[], figures: &pages(run) })
+    report(results, &ReportParts { title: &title, reasons: &[], figures: &pages(run) })
 }
 
 /// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.

@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 const MOST_THREADS: usize = 256;
 
@@ -66,14 +66,14 @@ fn run_cells(
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
     run_in_order(runner, cells, args.threads, (false, "runs"), append).map_err(|error| match error {
-        RunError::Append(error) => InputError::unwritten(&args.out, &error),
+        SweepError::Append(error) => InputError::unwritten(&args.out, &error),
         error => InputError::bad(&args.input.scenario, &error),
     })
 }
 
 /// The reason why cells could not be run.
 #[derive(Debug, Error)]
-pub(crate) enum RunError {
+pub(crate) enum SweepError {
     #[error(transparent)]
     Append(#[from] io::Error),
     #[error(transparent)]
@@ -89,10 +89,10 @@ pub(crate) fn run_in_order(
     threads: usize,
     (quiet, what): (bool, &str),
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
-) -> Result<(), RunError> {
+) -> Result<(), SweepError> {
     let threads = threads.min(MOST_THREADS).min(cells.len().max(1));
-    let team = Threads::new(threads, 0).map_err(RunError::Threads)?;
-    let progress = Progress::new(cells.len(), quiet);
+    let team = Threads::new(threads, 0).map_err(SweepError::Threads)?;
+    let progress = ProgressDisplay::new(cells.len(), quiet);
     let work = team.rows(Priority::Map, runner, cells.clone().collect(), |_| {});
     let (mut waiting, mut next, mut finished) = (BTreeMap::new(), cells.start, 0);
     while let Some(slice) = work.wait() {
@@ -104,7 +104,7 @@ pub(crate) fn run_in_order(
             append(&slice)?;
         }
     }
-    if next == cells.end { Ok(()) } else { Err(RunError::Lost) }
+    if next == cells.end { Ok(()) } else { Err(SweepError::Lost) }
 }
 
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
