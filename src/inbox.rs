@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use egui::Context;
-use kalmanscope_lessons::File as Contents;
+use kalmanscope_lessons::LibraryFile;
 
 use crate::import;
 use crate::request::{RawFile, Request};
@@ -91,9 +91,9 @@ pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
 fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
     let scenario = match Picture::of_file(bytes) {
         Some(session) => session.ok()?.scenario,
-        None if is_toml(&file_name(path)) => match Contents::from_toml(std::str::from_utf8(bytes).ok()?).ok()? {
-            Contents::Scenario(scenario) => *scenario,
-            Contents::Lesson(_) => return None,
+        None if is_toml(&file_name(path)) => match LibraryFile::from_toml(std::str::from_utf8(bytes).ok()?).ok()? {
+            LibraryFile::Scenario(scenario) => *scenario,
+            LibraryFile::Lesson(_) => return None,
         },
         None => return None,
     };
@@ -113,10 +113,10 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
         }
         bytes => bytes,
     };
-    let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
+    let opened = bytes.and_then(text).and_then(|text| LibraryFile::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
-        Ok(Contents::Lesson(lesson)) => Request::StudyLesson(lesson),
-        Ok(Contents::Scenario(scenario)) => Request::OpenScenario(scenario),
+        Ok(LibraryFile::Lesson(lesson)) => Request::StudyLesson(lesson),
+        Ok(LibraryFile::Scenario(scenario)) => Request::OpenScenario(scenario),
         Err(reason) => refused(name, &reason),
     }
 }

@@ -6,7 +6,7 @@ use egui::{Color32, Context, Id};
 use kalmanscope_core::{Axis, Channel, Estimates, Evidence, ModelClasses, Record, Run, Scenario};
 use kalmanscope_lab::{Ensemble, Plan, Runner};
 use kalmanscope_lessons::records::source;
-use kalmanscope_lessons::{self as lessons, BuiltIn, Course, Lesson};
+use kalmanscope_lessons::{self as lessons, BuiltIn, Lesson, PictureCourse};
 
 use crate::session::Budget;
 use crate::spark::{Ink, Mark, Picture, Spark, range};
@@ -34,7 +34,7 @@ enum Thumbnail {
 
 struct Making {
     work: Work,
-    picture: Option<lessons::Picture>,
+    picture: Option<lessons::LessonPicture>,
 }
 
 enum Work {
@@ -93,7 +93,7 @@ impl Making {
         let picture = lesson.picture.clone()?;
         let number = picture.step.checked_sub(1)?;
         let mut scenario = lesson.scenario_at(number).ok()?;
-        let work = if picture.show == Course::Map {
+        let work = if picture.show == PictureCourse::Map {
             let map = lesson.steps.get(number)?.map.as_ref()?;
             scenario.filters.retain(|filter| filter.name == map.filter);
             let axis = |text: &str, count: usize| Some(Axis { count, ..Axis::parse(text).ok()? });
@@ -160,7 +160,7 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
 
 type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
 
-fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
+fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
     let (record, show) = (run.record(), picture.show);
     let first = || run.channels().into_iter().find(|channel| channel.is_parameter());
     let channel = picture.channel.or_else(first).unwrap_or(Channel::DISPLACEMENT);
@@ -170,15 +170,15 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
     let evidence: &[Evidence] = &run.estimates().iter().map(Evidence::new).collect::<Vec<_>>();
     let mut drawn: Vec<(Mark, Ink, Values<'_>)> = Vec::new();
     match show {
-        Course::Measured => drawn.push((Mark::Line, Ink::Text, reading(sensor))),
-        Course::Estimate => {
+        PictureCourse::Measured => drawn.push((Mark::Line, Ink::Text, reading(sensor))),
+        PictureCourse::Estimate => {
             let reads = record.sensors().iter().position(|sensor| sensor.channel() == Some(channel));
             drawn.extend(reads.map(|place| (Mark::Dots, Ink::Truth, reading(place))));
             if let Some(truth) = record.truth(channel) {
                 drawn.push((Mark::Line, Ink::Truth, Box::new(|k| [truth[k]; 2])));
             }
         }
-        Course::LearntNoise => {
+        PictureCourse::LearntNoise => {
             let std = run.scenario().sensors.get(sensor).map_or(f64::NAN, |sensor| sensor.noise_std);
             drawn.push((Mark::Line, Ink::Truth, Box::new(move |_| [std; 2])));
         }
@@ -190,17 +190,17 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
     };
     for (place, estimates) in run.estimates().iter().chain(&smoothed).enumerate() {
         let ink = Ink::Filter(estimates.color());
-        if show == Course::Probability {
+        if show == PictureCourse::Probability {
             drawn.push((Mark::Band, ink, Box::new(move |k| probability(place, k))));
             continue;
         }
         let belief = move |k: usize| belief(estimates, record, (show, channel, sensor), k).unwrap_or([f64::NAN; 2]);
-        let is_centred = matches!(show, Course::Error | Course::Innovation);
+        let is_centred = matches!(show, PictureCourse::Error | PictureCourse::Innovation);
         let band = move |k: usize| {
             let [mean, std] = belief(k);
             [-2.0, 2.0].map(|sigmas| sigmas * std + if is_centred { 0.0 } else { mean })
         };
-        let mark = if show == Course::Innovation { Mark::Dots } else { Mark::Line };
+        let mark = if show == PictureCourse::Innovation { Mark::Dots } else { Mark::Line };
         drawn.push((Mark::Band, ink, Box::new(band)));
         drawn.push((mark, ink, Box::new(move |k| [belief(k)[0]; 2])));
     }
@@ -208,11 +208,11 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
     let (begin, end) = (picture.from.map_or(0, sample), picture.to.map_or(run.len(), sample));
     let len = end.saturating_sub(begin);
     // A band may begin far wider than it ends.
-    let is_narrow = |mark: Mark| mark != Mark::Band || show == Course::Probability;
+    let is_narrow = |mark: Mark| mark != Mark::Band || show == PictureCourse::Probability;
     let narrow = drawn.iter().filter(|(mark, ..)| is_narrow(*mark));
     let late = narrow.flat_map(|(_, _, of)| (begin + len / BEGINNING..end).flat_map(of)).collect::<Vec<f64>>();
     let (low, high) = picture.range.map_or_else(|| range(&late), |[low, high]| (low, high));
-    let margin = if show == Course::Probability { 0.0 } else { MARGIN * (high - low) };
+    let margin = if show == PictureCourse::Probability { 0.0 } else { MARGIN * (high - low) };
     let bounds = if low < high { (low - margin, high + margin) } else { (low - 1.0, low + 1.0) };
     let spark = |of: &Values<'_>| Spark::over(bounds, len, |k| of(begin + k));
     let courses = drawn.iter().map(|(mark, ink, of)| (*mark, *ink, spark(of))).collect();
@@ -222,7 +222,7 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
 fn belief(
     estimates: &Estimates,
     record: &Record,
-    (show, channel, sensor): (Course, Channel, usize),
+    (show, channel, sensor): (PictureCourse, Channel, usize),
     k: usize,
 ) -> Option<[f64; 2]> {
     if k >= estimates.len() {
@@ -233,16 +233,16 @@ fn belief(
         Some([estimates.canonical_mean(k, place), estimates.std(k, place)])
     };
     match show {
-        Course::Estimate => of_channel(),
-        Course::Error => of_channel().and_then(|[mean, std]| Some([mean - record.truth(channel)?.get(k)?, std])),
-        Course::Innovation => {
+        PictureCourse::Estimate => of_channel(),
+        PictureCourse::Error => of_channel().and_then(|[mean, std]| Some([mean - record.truth(channel)?.get(k)?, std])),
+        PictureCourse::Innovation => {
             let sensors = estimates.sensors().len();
             let variance = estimates.innovation_cov(k).get(sensor * (sensors + 1))?;
             Some([*estimates.innovation(k).get(sensor)?, variance.sqrt()])
         }
-        Course::LearntNoise => estimates.sensor_noise(k, sensor),
-        Course::ProcessScale => estimates.process_scale(k),
-        Course::Measured | Course::Probability | Course::Map => None,
+        PictureCourse::LearntNoise => estimates.sensor_noise(k, sensor),
+        PictureCourse::ProcessScale => estimates.process_scale(k),
+        PictureCourse::Measured | PictureCourse::Probability | PictureCourse::Map => None,
     }
 }
 

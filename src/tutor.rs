@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use kalmanscope_core::{Axis, Scenario};
-use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
+use kalmanscope_lessons::{Lesson, LessonError, LessonStep, Map, Presentation, Question, ViewName};
 use serde::{Deserialize, Serialize};
 
 use crate::laboratory::Choice;
@@ -48,7 +48,7 @@ impl Tutor {
         &self.lesson.title
     }
 
-    fn current(&self) -> Option<&Step> {
+    fn current(&self) -> Option<&LessonStep> {
         self.lesson.steps.get(self.step)
     }
 
