@@ -7,11 +7,11 @@ mod canvas;
 mod dialog;
 mod svg;
 
-use canvas::{Canvas, Geometry, Part, Pen, TYPE, extent};
+use canvas::{Canvas, FigurePart, Geometry, Pen, TYPE, extent};
 use egui::epaint::ClippedShape;
 use egui::{Color32, Label, Pos2, RichText, Sense, Ui, Vec2, pos2, vec2};
 
-use crate::legend::{Mark, paint_mark};
+use crate::legend::{LegendMark, paint_mark};
 use crate::plot::medium::Medium;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{FigureFormat, Proportions, ViewKind};
@@ -22,7 +22,7 @@ use crate::views::view;
 pub(crate) use dialog::FigureDialog;
 
 pub struct Figure {
-    parts: Vec<Part>,
+    parts: Vec<FigurePart>,
     /// Width and height \[points of the canvas\].
     size: Vec2,
     scale: f32,
@@ -95,7 +95,7 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
         let grows = |row: &[ViewKind]| row.iter().any(|kind| can_grow(*kind));
         let growing: f32 = rows.iter().zip(&natural).filter(|(row, _)| grows(row)).map(|(_, height)| height).sum();
         let stretch = if growing > 0.0 { 1.0 + (height - needed).max(0.0) / growing } else { 1.0 };
-        let mut parts = vec![Part::at(pos2(MARGIN, MARGIN), 1.0, legend)];
+        let mut parts = vec![FigurePart::at(pos2(MARGIN, MARGIN), 1.0, legend)];
         let mut y = top;
         for (row, natural) in rows.iter().zip(&natural) {
             let height = natural * if grows(row) { stretch } else { 1.0 };
@@ -166,7 +166,7 @@ impl FigurePage<'_> {
         view(kind).ui(ui, self.context, &mut Vec::new());
     }
 
-    fn row(&self, row: &[ViewKind], top: f32, height: f32, parts: &mut Vec<Part>) {
+    fn row(&self, row: &[ViewKind], top: f32, height: f32, parts: &mut Vec<FigurePart>) {
         let width = self.share(row);
         let mut left = MARGIN;
         for &kind in row {
@@ -174,7 +174,7 @@ impl FigurePage<'_> {
             left += width + GAP.x;
             let mut room = height;
             if !self.is_alone {
-                parts.push(Part::at(corner, 1.0, self.name(kind, width)));
+                parts.push(FigurePart::at(corner, 1.0, self.name(kind, width)));
                 corner.y += NAME;
                 room -= NAME;
             }
@@ -189,7 +189,7 @@ impl FigurePage<'_> {
         })
     }
 
-    fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> Part {
+    fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> FigurePart {
         let natural = self.text_size(kind, room.x);
         let scaling = natural.map_or(1.0, |natural| (room / natural).min_elem().min(1.0));
         let mut size = room / scaling;
@@ -197,7 +197,7 @@ impl FigurePage<'_> {
             // Beside a higher view there would be room for trails, which are for a moving picture.
             size.y = size.y.min(0.3 * size.x);
         }
-        Part::at(corner, scaling, self.canvas.draw(size, |ui| self.view_ui(ui, kind)))
+        FigurePart::at(corner, scaling, self.canvas.draw(size, |ui| self.view_ui(ui, kind)))
     }
 }
 
@@ -216,26 +216,26 @@ pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(12.0, 2.0);
         if visible.truth && knows_truth {
-            entry_ui(ui, "truth", Mark::Line, palette.truth);
+            entry_ui(ui, "truth", LegendMark::Line, palette.truth);
         }
         if visible.measured && !record.sensors().is_empty() {
-            entry_ui(ui, "measured", Mark::Dots, palette.weak);
+            entry_ui(ui, "measured", LegendMark::Dots, palette.weak);
         }
         for (_, estimates) in context.filters() {
-            let mark = if visible.bands { Mark::Band } else { Mark::Line };
+            let mark = if visible.bands { LegendMark::Band } else { LegendMark::Line };
             let end = if visible.bands { " ±2σ" } else { "" };
             entry_ui(ui, &format!("{}{end}", estimates.name()), mark, context.color(estimates));
         }
         if visible.hindsight && !session.smoothed().is_empty() {
-            entry_ui(ui, "hindsight", Mark::Dashes, palette.weak);
+            entry_ui(ui, "hindsight", LegendMark::Dashes, palette.weak);
         }
         if let Some(words) = session.before().map(|before| before.words.as_str()) {
-            entry_ui(ui, &format!("before: {words}"), Mark::Line, palette.weak);
+            entry_ui(ui, &format!("before: {words}"), LegendMark::Line, palette.weak);
         }
     });
 }
 
-fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32) {
+fn entry_ui(ui: &mut Ui, name: &str, mark: LegendMark, color: Color32) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     let text = ui.painter().layout_no_wrap(name.to_owned(), font, ui.visuals().text_color());
     let size = text.size() + vec2(SAMPLE.x + 5.0, 0.0);

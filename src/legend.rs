@@ -14,7 +14,7 @@ use crate::visibility::Visibility;
 use crate::widgets::named;
 
 #[derive(Clone, Copy)]
-pub(crate) enum Mark {
+pub(crate) enum LegendMark {
     Line,
     Dots,
     Band,
@@ -81,16 +81,16 @@ impl Legend<'_> {
         let Self { session, visible, palette } = self;
         let run = session.run();
         if run.channels().iter().any(|channel| run.record().truth(*channel).is_some()) {
-            entry_ui(ui, LegendEntry::Truth, "truth", (Mark::Line, palette.truth, visible.truth), requests);
+            entry_ui(ui, LegendEntry::Truth, "truth", (LegendMark::Line, palette.truth, visible.truth), requests);
         }
-        entry_ui(ui, LegendEntry::Measured, "measured", (Mark::Dots, palette.weak, visible.measured), requests);
+        entry_ui(ui, LegendEntry::Measured, "measured", (LegendMark::Dots, palette.weak, visible.measured), requests);
     }
 
     fn filter_ui(&self, ui: &mut Ui, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
         let entry = LegendEntry::Filter(estimates.id());
-        entry_ui(ui, entry, estimates.name(), (Mark::Band, color, on), requests);
+        entry_ui(ui, entry, estimates.name(), (LegendMark::Band, color, on), requests);
         let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
         if let Some(verdict) = verdict.filter(|_| visible.verdicts)
             && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
@@ -102,11 +102,11 @@ impl Legend<'_> {
     fn switches_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         if session.scenario().filters.iter().any(|filter| filter.smoother) {
-            let shown = (Mark::Dashes, palette.weak, visible.hindsight);
+            let shown = (LegendMark::Dashes, palette.weak, visible.hindsight);
             entry_ui(ui, LegendEntry::Hindsight, "hindsight", shown, requests);
         }
-        entry_ui(ui, LegendEntry::Bands, "±2σ", (Mark::Band, palette.weak, visible.bands), requests);
-        entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
+        entry_ui(ui, LegendEntry::Bands, "±2σ", (LegendMark::Band, palette.weak, visible.bands), requests);
+        entry_ui(ui, LegendEntry::Verdicts, "verdicts", (LegendMark::Chip, palette.weak, visible.verdicts), requests);
     }
 
     fn before_ui(&self, ui: &mut Ui, before: &Before, requests: &mut Vec<Request>) {
@@ -161,7 +161,7 @@ fn entry_ui(
     ui: &mut Ui,
     entry: LegendEntry,
     name: &str,
-    (mark, color, on): (Mark, Color32, bool),
+    (mark, color, on): (LegendMark, Color32, bool),
     requests: &mut Vec<Request>,
 ) {
     let font = TextStyle::Body.resolve(ui.style());
@@ -183,26 +183,26 @@ fn entry_ui(
     }
 }
 
-pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: Mark, color: Color32) {
+pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: LegendMark, color: Color32) {
     match mark {
-        Mark::Line => {
+        LegendMark::Line => {
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
         }
-        Mark::Dashes => {
+        LegendMark::Dashes => {
             for part in [[0.0, 0.4], [0.6, 1.0]] {
                 let [from, to] = part.map(|x| sample.lerp_inside(egui::vec2(x, 0.5)).x);
                 painter.hline(from..=to, sample.center().y, Stroke::new(1.4, color));
             }
         }
-        Mark::Dots => {
+        LegendMark::Dots => {
             for (x, y) in [(0.2, 0.7), (0.5, 0.25), (0.8, 0.6)] {
                 painter.circle_filled(sample.lerp_inside(egui::vec2(x, y)), 1.6, color);
             }
         }
-        Mark::Chip => {
+        LegendMark::Chip => {
             painter.rect_stroke(sample, 5.0, Stroke::new(1.0, color), StrokeKind::Inside);
         }
-        Mark::Band => {
+        LegendMark::Band => {
             painter.rect_filled(sample, 2.0, color.gamma_multiply(0.25));
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
         }

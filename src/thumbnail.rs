@@ -9,7 +9,7 @@ use kalmanscope_lessons::records::source;
 use kalmanscope_lessons::{self as lessons, BuiltIn, Lesson, PictureCourse};
 
 use crate::session::Budget;
-use crate::spark::{Ink, Mark, Picture, Spark, range};
+use crate::spark::{Spark, SparkInk, SparkMark, SparkPicture, range};
 use crate::theme;
 
 /// The room above and below the courses, as a share of their range.
@@ -29,7 +29,7 @@ const CELLS: [usize; 2] = [24, 12];
 #[derive(Clone)]
 enum Thumbnail {
     Making(Arc<Mutex<Making>>),
-    Made(Option<Arc<Picture>>),
+    Made(Option<Arc<SparkPicture>>),
 }
 
 struct Making {
@@ -42,15 +42,15 @@ enum Work {
     Map(Box<Runner>, Vec<f64>),
 }
 
-pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Picture>> {
+pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<SparkPicture>> {
     in_turn(ctx, entry.file, || Making::motion(&entry.scenario().ok()?))
 }
 
-pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> {
+pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<SparkPicture>> {
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
 }
 
-fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) -> Option<Arc<Picture>> {
+fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) -> Option<Arc<SparkPicture>> {
     let id = Id::unique(("thumbnail", name));
     let kept = ctx.data(|data| data.get_temp::<Thumbnail>(id));
     if let Some(Thumbnail::Made(made)) = kept {
@@ -129,16 +129,18 @@ impl Making {
         }
     }
 
-    fn picture(&self) -> Option<Picture> {
+    fn picture(&self) -> Option<SparkPicture> {
         match (&self.work, &self.picture) {
-            (Work::Map(_, scores), _) => Some(Picture { cells: (CELLS[1], colors(scores)), ..Picture::default() }),
+            (Work::Map(_, scores), _) => {
+                Some(SparkPicture { cells: (CELLS[1], colors(scores)), ..SparkPicture::default() })
+            }
             (Work::Run(run), Some(picture)) => Some(sketch(run, picture)),
             (Work::Run(run), None) => {
                 let record = run.record();
                 let sensor = || (!record.sensors().is_empty()).then(|| record.measured(0));
                 let motion = record.truth(Channel::DISPLACEMENT).or_else(sensor)?;
-                let courses = vec![(Mark::Line, Ink::Text, Spark::new(motion))];
-                Some(Picture { courses, ..Picture::default() })
+                let courses = vec![(SparkMark::Line, SparkInk::Text, Spark::new(motion))];
+                Some(SparkPicture { courses, ..SparkPicture::default() })
             }
         }
     }
@@ -160,7 +162,7 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
 
 type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
 
-fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
+fn sketch(run: &Run, picture: &lessons::LessonPicture) -> SparkPicture {
     let (record, show) = (run.record(), picture.show);
     let first = || run.channels().into_iter().find(|channel| channel.is_parameter());
     let channel = picture.channel.or_else(first).unwrap_or(Channel::DISPLACEMENT);
@@ -168,19 +170,19 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
     let reading = |place: usize| -> Values<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
     let smoothed = run.smoothed();
     let evidence: &[Evidence] = &run.estimates().iter().map(Evidence::new).collect::<Vec<_>>();
-    let mut drawn: Vec<(Mark, Ink, Values<'_>)> = Vec::new();
+    let mut drawn: Vec<(SparkMark, SparkInk, Values<'_>)> = Vec::new();
     match show {
-        PictureCourse::Measured => drawn.push((Mark::Line, Ink::Text, reading(sensor))),
+        PictureCourse::Measured => drawn.push((SparkMark::Line, SparkInk::Text, reading(sensor))),
         PictureCourse::Estimate => {
             let reads = record.sensors().iter().position(|sensor| sensor.channel() == Some(channel));
-            drawn.extend(reads.map(|place| (Mark::Dots, Ink::Truth, reading(place))));
+            drawn.extend(reads.map(|place| (SparkMark::Dots, SparkInk::Truth, reading(place))));
             if let Some(truth) = record.truth(channel) {
-                drawn.push((Mark::Line, Ink::Truth, Box::new(|k| [truth[k]; 2])));
+                drawn.push((SparkMark::Line, SparkInk::Truth, Box::new(|k| [truth[k]; 2])));
             }
         }
         PictureCourse::LearntNoise => {
             let std = run.scenario().sensors.get(sensor).map_or(f64::NAN, |sensor| sensor.noise_std);
-            drawn.push((Mark::Line, Ink::Truth, Box::new(move |_| [std; 2])));
+            drawn.push((SparkMark::Line, SparkInk::Truth, Box::new(move |_| [std; 2])));
         }
         _ => {}
     }
@@ -189,9 +191,9 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
         [place, place + 1].map(|count| all.probabilities().iter().take(count).sum())
     };
     for (place, estimates) in run.estimates().iter().chain(&smoothed).enumerate() {
-        let ink = Ink::Filter(estimates.color());
+        let ink = SparkInk::Filter(estimates.color());
         if show == PictureCourse::Probability {
-            drawn.push((Mark::Band, ink, Box::new(move |k| probability(place, k))));
+            drawn.push((SparkMark::Band, ink, Box::new(move |k| probability(place, k))));
             continue;
         }
         let belief = move |k: usize| belief(estimates, record, (show, channel, sensor), k).unwrap_or([f64::NAN; 2]);
@@ -200,15 +202,15 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
             let [mean, std] = belief(k);
             [-2.0, 2.0].map(|sigmas| sigmas * std + if is_centred { 0.0 } else { mean })
         };
-        let mark = if show == PictureCourse::Innovation { Mark::Dots } else { Mark::Line };
-        drawn.push((Mark::Band, ink, Box::new(band)));
+        let mark = if show == PictureCourse::Innovation { SparkMark::Dots } else { SparkMark::Line };
+        drawn.push((SparkMark::Band, ink, Box::new(band)));
         drawn.push((mark, ink, Box::new(move |k| [belief(k)[0]; 2])));
     }
     let sample = |time: f64| ((time / record.dt()).round() as usize).min(run.len());
     let (begin, end) = (picture.from.map_or(0, sample), picture.to.map_or(run.len(), sample));
     let len = end.saturating_sub(begin);
     // A band may begin far wider than it ends.
-    let is_narrow = |mark: Mark| mark != Mark::Band || show == PictureCourse::Probability;
+    let is_narrow = |mark: SparkMark| mark != SparkMark::Band || show == PictureCourse::Probability;
     let narrow = drawn.iter().filter(|(mark, ..)| is_narrow(*mark));
     let late = narrow.flat_map(|(_, _, of)| (begin + len / BEGINNING..end).flat_map(of)).collect::<Vec<f64>>();
     let (low, high) = picture.range.map_or_else(|| range(&late), |[low, high]| (low, high));
@@ -216,7 +218,7 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> Picture {
     let bounds = if low < high { (low - margin, high + margin) } else { (low - 1.0, low + 1.0) };
     let spark = |of: &Values<'_>| Spark::over(bounds, len, |k| of(begin + k));
     let courses = drawn.iter().map(|(mark, ink, of)| (*mark, *ink, spark(of))).collect();
-    Picture { courses, ..Picture::default() }
+    SparkPicture { courses, ..SparkPicture::default() }
 }
 
 fn belief(
@@ -271,7 +273,7 @@ mod tests {
                 assert!((before + 1..=before + piece).contains(&now), "{title}");
                 before = now;
             }
-            let Picture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
+            let SparkPicture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
             // Of a scenario nothing may move.
             let is_flat = courses.iter().all(|(_, _, spark)| spark.is_flat()) && cells.1.is_empty();
             assert!(!is_flat || making.picture.is_none(), "{title}");

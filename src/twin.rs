@@ -7,7 +7,7 @@ use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
-use crate::sheet::{Column, Sheet};
+use crate::sheet::{Sheet, SheetColumn};
 use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
@@ -122,7 +122,7 @@ fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
     let ViewContext { session, axis, .. } = *context;
     let record = session.run().record();
     let row = |name: &str, k: usize| {
-        let text = |column: &Column<'_>| {
+        let text = |column: &SheetColumn<'_>| {
             let text = column.text(k)?;
             Some(column.aside(k).map_or_else(|| text.clone(), |aside| format!("{text} ({aside})")))
         };

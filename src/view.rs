@@ -14,7 +14,7 @@ use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
 use crate::share::Picture;
-use crate::sheet::{Column, Sheet};
+use crate::sheet::{Sheet, SheetColumn};
 use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -98,7 +98,7 @@ impl<'a> ViewContext<'a> {
         let band = band.filter(|_| self.visible.bands);
         chart.bands.extend(band.map(|series| Layer::Band { series, color, filter }));
         chart.layers.push(Layer::Line { series: line, color, width, dashed: false, bounds: false, filter });
-        chart.columns.push(Column::new(of.name(), color, move |k| (k < of.len()).then(|| words(k))?));
+        chart.columns.push(SheetColumn::new(of.name(), color, move |k| (k < of.len()).then(|| words(k))?));
     }
 
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {

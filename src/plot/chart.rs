@@ -9,16 +9,16 @@ use egui_plot::PlotTransform;
 use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
 use super::decoration::{gap_shapes, strip_shapes};
-use super::handles::{Handle, handles_ui};
+use super::handles::{PlotHandle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::layers::{Drawing, Layer, Window};
 use super::medium::{Medium, cells_ui};
 use super::notes::{Note, note_shapes};
 use super::plane::{Plane, frame_ui, is_turned};
-use super::series::Series;
+use super::series::PlotSeries;
 use super::time_axis::PlotInput;
 use crate::request::Request;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::{Sheet, SheetColumn, readouts};
 use crate::trouble::Gap;
 
 #[derive(Default)]
@@ -28,11 +28,11 @@ pub(crate) struct Chart<'a> {
     pub(crate) symbol: String,
     pub(crate) name: String,
     pub(crate) unit: &'static str,
-    pub(crate) columns: Vec<Column<'a>>,
+    pub(crate) columns: Vec<SheetColumn<'a>>,
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
     pub(crate) bands: Vec<Layer<'a>>,
-    pub(crate) handles: Vec<Handle<'a>>,
+    pub(crate) handles: Vec<PlotHandle<'a>>,
     pub(crate) least: Option<(f64, f64)>,
     pub(crate) notes: Vec<Note>,
     /// Whether the axis fits the later part of a run, so that the wide band of a guess does not scale it.
@@ -42,8 +42,8 @@ pub(crate) struct Chart<'a> {
 }
 
 pub(crate) struct Curve<'a> {
-    pub(crate) line: Series<'a>,
-    pub(crate) band: Option<Series<'a>>,
+    pub(crate) line: PlotSeries<'a>,
+    pub(crate) band: Option<PlotSeries<'a>>,
     /// \[points\]
     pub(crate) width: f32,
 }
