@@ -31,7 +31,7 @@ use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
-use crate::ruler::{End, Ruler};
+use crate::ruler::{Ruler, RulerEnd};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Version, Wanted};
 use crate::shelf::{Candidate, Shelf};
@@ -218,7 +218,7 @@ impl App {
 
     fn model_time(&self) -> Option<ModelTime> {
         let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs);
-        wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
+        wanted.then(|| match (self.ruler.time(RulerEnd::A), self.ruler.time(RulerEnd::B)) {
             (Some(a), Some(b)) => ModelTime::Over(a, b),
             (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
             (None, None) => ModelTime::Last,

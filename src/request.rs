@@ -10,7 +10,7 @@ use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
 use crate::laboratory::{Choice, SeedChoice, TuneChoice};
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
 
@@ -79,8 +79,8 @@ pub enum Request {
     /// Mark a time \[s\]: A, then B, then the nearer of both moves.
     MarkTime(f64),
     /// Move a mark to a time \[s\].
-    PlaceMark(End, f64),
-    ToggleMark(End),
+    PlaceMark(RulerEnd, f64),
+    ToggleMark(RulerEnd),
     ClearMarks,
     Export(Export),
     ShowFigure,

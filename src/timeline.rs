@@ -7,7 +7,7 @@ use kalmanscope_core::{Scenario, Signal};
 
 use crate::probe;
 use crate::request::Request;
-use crate::ruler::{End, Ruler};
+use crate::ruler::{Ruler, RulerEnd};
 use crate::session::Session;
 use crate::text::significant;
 use crate::theme::Palette;
@@ -38,7 +38,7 @@ enum EventShape {
     Bad(usize),
     Gap,
     Change,
-    Mark(End),
+    Mark(RulerEnd),
 }
 
 pub(crate) fn track_ui(
@@ -141,7 +141,7 @@ fn events(session: &Session, ruler: &Ruler, palette: &Palette) -> Vec<Event> {
             events.push(Event { times, shape: EventShape::Bad(place), color: palette.shade(estimates.color()), words });
         }
     }
-    for end in End::BOTH {
+    for end in RulerEnd::BOTH {
         if let Some(time) = ruler.time(end) {
             let words = format!("{} at {} s", end.name(), significant(time, 4));
             events.push(Event { times: (time, time), shape: EventShape::Mark(end), color: palette.text, words });

@@ -7,7 +7,7 @@ use crate::bar::Bar;
 use crate::legend::{self, Legend};
 use crate::notice;
 use crate::panes::{PaneArrangement, panes_ui};
-use crate::reading::{self, Reading};
+use crate::reading::{self, RulerReading};
 use crate::request::Request;
 use crate::story;
 use crate::theme::{self, Palette};
@@ -196,7 +196,7 @@ impl App {
                 }
             }
         });
-        if let Some(reading) = Reading::of(ruler, session, visible, palette) {
+        if let Some(reading) = RulerReading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }
     }

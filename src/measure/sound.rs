@@ -8,7 +8,7 @@ use kalmanscope_core::import::wav;
 
 use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Reading as _, Readings, Sensor, Sound};
+use crate::sensor::{ReadingQueue, SensorDevice, SensorReading as _, Sound};
 use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
@@ -24,15 +24,15 @@ const POINTS: usize = 600;
 const FILE: &str = "heard-here.wav";
 
 pub(super) struct Listener {
-    device: Rc<dyn Sensor<Sound>>,
-    readings: Readings<Sound>,
+    device: Rc<dyn SensorDevice<Sound>>,
+    readings: ReadingQueue<Sound>,
     looked: usize,
     ring: Option<Ring>,
 }
 
 impl Listener {
-    pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
-        Self { device, readings: Readings::default(), looked: 0, ring: None }
+    pub(super) fn new(device: Rc<dyn SensorDevice<Sound>>) -> Self {
+        Self { device, readings: ReadingQueue::default(), looked: 0, ring: None }
     }
 
     fn sound(&self) -> Result<RawFile, String> {

@@ -12,7 +12,7 @@ use super::health::Health;
 use super::live::{Band, Live};
 use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Acceleration, Reading as _, Readings, Sensor};
+use crate::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading as _};
 use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
@@ -25,15 +25,15 @@ const APART: f32 = 18.0;
 const FILE: &str = "measured-here.csv";
 
 pub(super) struct Swing {
-    device: Rc<dyn Sensor<Acceleration>>,
-    readings: Readings<Acceleration>,
+    device: Rc<dyn SensorDevice<Acceleration>>,
+    readings: ReadingQueue<Acceleration>,
     live: Live,
     health: Health,
 }
 
 impl Swing {
-    pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
-        let (readings, live, health) = (Readings::default(), Live::default(), Health::default());
+    pub(super) fn new(device: Rc<dyn SensorDevice<Acceleration>>) -> Self {
+        let (readings, live, health) = (ReadingQueue::default(), Live::default(), Health::default());
         Self { device, readings, live, health }
     }
 

@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use egui::Context;
-use kalmanscope::sensor::{Acceleration, Reading, Readings, Sensor};
+use kalmanscope::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading};
 use kalmanscope_core::Scenario;
 use kalmanscope_sources::{Accelerations, LineReader, StreamRow, open, read_line};
 
@@ -17,7 +17,7 @@ pub(super) struct Listening {
 }
 
 pub(super) trait Parser: Clone + Send + 'static {
-    type Reading: Reading + Send;
+    type Reading: SensorReading + Send;
 
     /// The readings of a line that arrived at some time \[s\]; or the reason why no later line can have any.
     fn take(&mut self, line: &[u8], arrival: f64) -> Result<Vec<Self::Reading>, String>;
@@ -37,10 +37,10 @@ struct SharedListener<T>(Mutex<ListenerState<T>>);
 struct ListenerState<T> {
     lines: usize,
     left_out: (usize, String),
-    to: Option<(Context, Readings<T>)>,
+    to: Option<(Context, ReadingQueue<T>)>,
 }
 
-impl<T: Reading> SharedListener<T> {
+impl<T: SensorReading> SharedListener<T> {
     fn heard(&self) -> MutexGuard<'_, ListenerState<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -82,8 +82,8 @@ impl<P: Parser> Listened<P> {
     }
 }
 
-impl<P: Parser> Sensor<P::Reading> for Listened<P> {
-    fn begin(&self, ctx: &Context, to: &Readings<P::Reading>) {
+impl<P: Parser> SensorDevice<P::Reading> for Listened<P> {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<P::Reading>) {
         self.shared.heard().to = Some((ctx.clone(), to.clone()));
         let mut thread = self.thread.borrow_mut();
         if thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
@@ -180,7 +180,7 @@ mod tests {
         let server = TcpListener::bind("127.0.0.1:0").expect("a port");
         let name = format!("tcp://{}", server.local_addr().expect("an address"));
         let listened = Listened::new(&name, Accelerations::default());
-        let (ctx, first) = (Context::default(), Readings::default());
+        let (ctx, first) = (Context::default(), ReadingQueue::default());
         listened.begin(&ctx, &first);
         let (mut to, _) = server.accept().expect("it connects");
         writeln!(to, "t,ax,ay,az").expect("sent");
@@ -194,7 +194,7 @@ mod tests {
         listened.end();
         tell(50, 60);
         wait_until(|| listened.hint().starts_with("61 lines"), "lines that nobody wants");
-        let second = Readings::default();
+        let second = ReadingQueue::default();
         listened.begin(&ctx, &second);
         tell(60, 80);
         wait_until(|| second.count() == 20, "the second readings");
@@ -206,7 +206,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("kalmanscope-listen-{}.txt", std::process::id()));
         for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no readings")] {
             std::fs::write(&folder, text).expect("written");
-            let (ctx, to) = (Context::default(), Readings::default());
+            let (ctx, to) = (Context::default(), ReadingQueue::default());
             let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default());
             listened.begin(&ctx, &to);
             wait_until(|| to.refusal().is_some(), words);
@@ -214,7 +214,7 @@ mod tests {
             assert!(refusal.contains(words), "{refusal}");
         }
         std::fs::remove_file(folder).expect("it is there");
-        let (ctx, to) = (Context::default(), Readings::default());
+        let (ctx, to) = (Context::default(), ReadingQueue::default());
         Listened::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
         wait_until(|| to.refusal().is_some_and(|refusal| refusal.contains("refused")), "nobody is there");
     }

@@ -16,7 +16,7 @@ use desktop::Desktop;
 use eframe::NativeOptions;
 use egui::{Context, ViewportBuilder};
 use kalmanscope::App;
-use kalmanscope::sensor::{Sensor, Sensors};
+use kalmanscope::sensor::{SensorDevice, Sensors};
 use kalmanscope::share::address;
 use kalmanscope_core::Scenario;
 use kalmanscope_gpu::Software;
@@ -122,12 +122,12 @@ fn open(LaunchPlan { target, source }: LaunchPlan) -> eframe::Result {
 
 fn listening(app: App, Listening { source, scenario }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
+        let accelerometer: Rc<dyn SensorDevice<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
+    let stream: Rc<dyn SensorDevice<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope::sensor::{Readings, Sensor, Sound};
+use kalmanscope::sensor::{ReadingQueue, SensorDevice, Sound};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -47,8 +47,8 @@ impl Microphone {
     }
 }
 
-impl Sensor<Sound> for Microphone {
-    fn begin(&self, ctx: &Context, to: &Readings<Sound>) {
+impl SensorDevice<Sound> for Microphone {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<Sound>) {
         self.end();
         let turn = self.shared.turn.get();
         let (devices, shared, ctx, to) = (self.devices.clone(), Rc::clone(&self.shared), ctx.clone(), to.clone());
@@ -90,7 +90,7 @@ async fn stream(devices: &MediaDevices) -> Result<MediaStream, JsValue> {
 }
 
 impl AudioCapture {
-    async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
+    async fn begin(stream: &MediaStream, ctx: &Context, to: &ReadingQueue<Sound>) -> Result<Self, JsValue> {
         let context = AudioContext::new()?;
         let begun = Self::within(&context, stream, ctx, to).await;
         if begun.is_err() {
@@ -103,7 +103,7 @@ impl AudioCapture {
         context: &AudioContext,
         stream: &MediaStream,
         ctx: &Context,
-        to: &Readings<Sound>,
+        to: &ReadingQueue<Sound>,
     ) -> Result<Self, JsValue> {
         JsFuture::from(context.audio_worklet()?.add_module(&format!("{WORKLET}{}", version()))?).await?;
         let node = AudioWorkletNode::new(context, PROCESSOR)?;

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::{Context, pos2};
-use kalmanscope::sensor::{Acceleration, Readings, Sensor};
+use kalmanscope::sensor::{Acceleration, ReadingQueue, SensorDevice};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -54,8 +54,8 @@ fn ask() -> Option<js_sys::Promise> {
     call(&kind, "requestPermission", &[]).ok()?.dyn_into().ok()
 }
 
-impl Sensor<Acceleration> for Motion {
-    fn begin(&self, ctx: &Context, to: &Readings<Acceleration>) {
+impl SensorDevice<Acceleration> for Motion {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<Acceleration>) {
         self.end();
         let Some(window) = web_sys::window() else { return };
         if !window.is_secure_context() {
@@ -91,7 +91,7 @@ impl Sensor<Acceleration> for Motion {
     }
 }
 
-fn listen(window: &Window, shared: &SharedMotion, ctx: &Context, to: &Readings<Acceleration>) {
+fn listen(window: &Window, shared: &SharedMotion, ctx: &Context, to: &ReadingQueue<Acceleration>) {
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {
         let Some(told) = event.acceleration_including_gravity() else { return };

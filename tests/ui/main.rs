@@ -45,7 +45,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
-use kalmanscope::ruler::End;
+use kalmanscope::ruler::RulerEnd;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal, VerdictKind};

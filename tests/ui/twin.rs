@@ -1,7 +1,7 @@
 //! The screen in words and tables: the numbers of the plots, verdicts and news.
 
 use kalmanscope::text::significant;
-use kalmanscope::twin::{Part, Table, Twin};
+use kalmanscope::twin::{Twin, TwinPart, TwinTable};
 use kalmanscope_core::ModelClasses;
 
 use super::records::drop_record;
@@ -17,11 +17,11 @@ fn at_rest() -> Screen {
     screen
 }
 
-fn part<'a>(twin: &'a Twin, name: &str) -> &'a Part {
+fn part<'a>(twin: &'a Twin, name: &str) -> &'a TwinPart {
     twin.parts.iter().find(|part| part.name == name).unwrap_or_else(|| panic!("there is no {name} in {twin:?}"))
 }
 
-fn cell<'a>(table: &'a Table, row: &str, column: &str) -> &'a str {
+fn cell<'a>(table: &'a TwinTable, row: &str, column: &str) -> &'a str {
     let column = table.columns.iter().position(|name| name == column).expect("the column exists");
     &table.rows.iter().find(|cells| cells[0] == row).expect("the row exists")[column]
 }

@@ -5,13 +5,13 @@ use serde_json::{Value, json};
 use super::*;
 use crate::laboratory::SeedChoice;
 use crate::request::Arrangement;
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 
 fn picture() -> Picture {
     let mut scenario = Scenario { seed: 5, ..Scenario::default() };
     scenario.number_filters();
     let mut picture = Picture::new(scenario, &Layout::of(Arrangement::Compare), Mode::Whole, 7.25);
-    picture.ruler.place(End::A, 1.5);
+    picture.ruler.place(RulerEnd::A, 1.5);
     picture.hidden = vec![LegendEntry::Truth, LegendEntry::Filter(picture.scenario.filters[1].id)];
     picture.enlarged = Some(ViewKind::Scores);
     picture.laboratory.seeds = Some(SeedChoice::default());
