@@ -34,7 +34,7 @@ use crate::request::{Request, ViewKind};
 use crate::ruler::{Ruler, RulerEnd};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Version, Wanted};
-use crate::shelf::{Candidate, Shelf};
+use crate::shelf::{Shelf, ShelfFile};
 use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -83,7 +83,7 @@ pub struct App {
     shelf: Option<Box<dyn Shelf>>,
     sensors: Sensors,
     measure: Option<Measure>,
-    candidate: Option<Candidate>,
+    candidate: Option<ShelfFile>,
     standstill: standstill::Standstill,
     pub inbox: Inbox,
     page: String,

@@ -16,7 +16,7 @@ use crate::layout::Layout;
 use crate::menu::Closing;
 use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
-use crate::team::{Lost, Priority, Running};
+use crate::team::{Lost, Priority, RunningTask};
 use crate::view::ViewContext;
 use crate::widgets::named;
 use crate::{menu, probe};
@@ -28,13 +28,13 @@ const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Fil
 const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct File {
+pub struct ExportFile {
     pub name: String,
     pub kind: &'static str,
     pub contents: Vec<u8>,
 }
 
-pub type Deliver = Box<dyn Fn(File, Done)>;
+pub type Deliver = Box<dyn Fn(ExportFile, Done)>;
 
 const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
@@ -49,7 +49,7 @@ pub(crate) struct Exporting {
     export: Export,
     figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
     drawn: Vec<String>,
-    written: Option<Running<Everything>>,
+    written: Option<RunningTask<Everything>>,
 }
 
 impl Exporting {
@@ -78,7 +78,7 @@ impl Exporting {
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
 
-    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
+    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<ExportFile, String>> {
         let session = context.session;
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
@@ -90,7 +90,7 @@ impl Exporting {
         self.file(context, layout).transpose()
     }
 
-    fn file(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Result<Option<File>, String> {
+    fn file(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Result<Option<ExportFile>, String> {
         let (session, figures) = (context.session, &self.drawn);
         Ok(Some(match self.export {
             Export::Figure(format) => {
@@ -116,11 +116,11 @@ impl Exporting {
         }))
     }
 
-    fn everything(&mut self, session: &Session) -> Result<Option<File>, String> {
+    fn everything(&mut self, session: &Session) -> Result<Option<ExportFile>, String> {
         let begin = || {
             let series = session.run().estimates().to_vec();
             let task = Everything { results: results_of(session).into_owned(), series };
-            Running::begin(&**session.team(), Priority::Hand, task, Everything::progress)
+            RunningTask::begin(&**session.team(), Priority::Hand, task, Everything::progress)
         };
         match self.written.get_or_insert_with(begin).advance(&mut || true) {
             Ok(written) => Ok(written.transpose().map_err(reason)?.map(|json| text("kalmanscope.json", JSON, json))),
@@ -154,14 +154,14 @@ fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     report(&results_of(session), &parts).map_err(reason)
 }
 
-fn text(name: &str, kind: &'static str, text: String) -> File {
-    File { name: name.to_owned(), kind, contents: text.into_bytes() }
+fn text(name: &str, kind: &'static str, text: String) -> ExportFile {
+    ExportFile { name: name.to_owned(), kind, contents: text.into_bytes() }
 }
 
-fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>) -> Result<File, String> {
+fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>) -> Result<ExportFile, String> {
     let mut contents = Vec::new();
     write(&mut contents).map_err(reason)?;
-    Ok(File { name: name.to_owned(), kind: "text/csv", contents })
+    Ok(ExportFile { name: name.to_owned(), kind: "text/csv", contents })
 }
 
 fn reason(error: impl Display) -> String {

@@ -19,7 +19,7 @@ use web_time::Instant;
 
 pub use kalmanscope_lab::{Lost, Priority, Report};
 pub use relay::Relay;
-pub use running::Running;
+pub use running::RunningTask;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
@@ -48,14 +48,14 @@ pub trait Team {
         None
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let (threads, _) = self.threads()?;
         let (by, ctx) = (Computer::Threads(threads.count()), ctx.clone());
-        let Cells { runner, order, priority, .. } = cells.clone();
+        let CellBatch { runner, order, priority, .. } = cells.clone();
         let parts = threads.rows(priority, &runner, order, move |_| ctx.request_repaint());
         Some(Handle::new(move || {
             let slice = parts.take()?;
-            Ok(slice.map(|slice| Rows { cells: slice.cells, numbers: slice.rows, by: by.clone() }))
+            Ok(slice.map(|slice| CellRows { cells: slice.cells, numbers: slice.rows, by: by.clone() }))
         }))
     }
 
@@ -110,7 +110,7 @@ fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(
 }
 
 #[derive(Clone)]
-pub struct Cells {
+pub struct CellBatch {
     pub runner: Arc<Runner>,
     pub order: Vec<usize>,
     pub precision: Precision,
@@ -132,7 +132,7 @@ impl Precision {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rows {
+pub struct CellRows {
     pub cells: Vec<usize>,
     pub numbers: Vec<f64>,
     pub by: Computer,
@@ -163,7 +163,7 @@ pub trait Graphics {
 
     fn found(&self) -> Finding;
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>>;
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>>;
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -215,9 +215,9 @@ impl Frames {
 }
 
 impl Team for Frames {
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let Self(budget) = *self;
-        let (Cells { runner, order, .. }, ctx) = (cells.clone(), ctx.clone());
+        let (CellBatch { runner, order, .. }, ctx) = (cells.clone(), ctx.clone());
         // The place of the next cell in the order, and that cell if it is under way.
         let (mut next, mut under_way) = (0, None);
         let mut is_over = false;
@@ -245,7 +245,7 @@ impl Team for Frames {
                 ctx.request_repaint();
             }
             is_over = next > begin;
-            Ok(is_over.then(|| Rows { cells: order[begin..next].to_vec(), numbers, by: Computer::Frames }))
+            Ok(is_over.then(|| CellRows { cells: order[begin..next].to_vec(), numbers, by: Computer::Frames }))
         }))
     }
 }

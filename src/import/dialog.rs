@@ -6,7 +6,7 @@ use kalmanscope_core::free_decay::{Decay, NoDecay};
 use kalmanscope_core::import::{Imported, Table, ThreeAxes};
 
 use super::columns::{columns_ui, conditioning_ui, meaning_ui};
-use super::{Draft, Import, Opened, Stage};
+use super::{Draft, Import, ImportStage, Opened};
 use crate::probe;
 use crate::request::{RawFile, Request};
 use crate::text::{grouped, sentence};
@@ -36,7 +36,7 @@ impl Import {
     ) -> Option<Opened> {
         let size = ctx.content_rect().size();
         let window = Window::new("Open a measured record").collapsible(false).resizable(false);
-        let is_unfolded = matches!(&self.stage, Stage::Asking(draft) if draft.is_unfolded);
+        let is_unfolded = matches!(&self.stage, ImportStage::Asking(draft) if draft.is_unfolded);
         let width = (size.x - 40.0).min(WIDTHS[usize::from(is_unfolded)]);
         let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO);
         let choice = window.show(ctx, |ui| {
@@ -51,7 +51,7 @@ impl Import {
                 let file = RawFile { name, bytes: csv.into_bytes(), is_measured: false };
                 requests.push(Request::ImportFile(Box::new(file)));
             }
-            DialogChoice::Decay(Err(reason)) => self.stage = Stage::Failed(reason.to_string()),
+            DialogChoice::Decay(Err(reason)) => self.stage = ImportStage::Failed(reason.to_string()),
             DialogChoice::HoldOut => requests.push(Request::HoldOut),
             DialogChoice::Open => return self.open(),
         }
@@ -74,23 +74,23 @@ impl Import {
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<DialogChoice> {
         let Self { name, stage, at_once, is_still, .. } = self;
         match stage {
-            Stage::Reading(reading) => {
+            ImportStage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
                 progress_ui(ui, palette, reading.seen, *is_still)
             }
-            Stage::Suggesting(_, suggest) => {
+            ImportStage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
                 progress_ui(ui, palette, suggest.seen, *is_still)
             }
-            Stage::Failed(reason) => {
+            ImportStage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
                 button(ui, Button::new("Close"), "Close", true).then_some(DialogChoice::Cancel)
             }
-            Stage::Asking(_) if *at_once => {
+            ImportStage::Asking(_) if *at_once => {
                 ui.label(format!("Reading “{name}”"));
                 None
             }
-            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out, height),
+            ImportStage::Asking(draft) => draft.ui(ui, palette, can_hold_out, height),
         }
     }
 }

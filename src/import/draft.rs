@@ -28,7 +28,7 @@ pub struct Draft {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ColumnRole {
     Unused,
     Time,
     Input,
@@ -65,19 +65,19 @@ impl Draft {
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), is_unfolded: true, ..draft }
     }
 
-    pub fn role(&self, place: usize) -> Role {
+    pub fn role(&self, place: usize) -> ColumnRole {
         let name = &self.file.table.columns[place].name;
         if self.mapping.time.column.as_ref() == Some(name) {
-            return Role::Time;
+            return ColumnRole::Time;
         }
         if self.mapping.input.as_ref().is_some_and(|input| input.column == *name) {
-            return Role::Input;
+            return ColumnRole::Input;
         }
         let sensor = self.mapping.sensors.iter().find(|(_, column)| column.column == *name);
-        sensor.map_or(Role::Unused, |(quantity, _)| Role::Sensor(*quantity))
+        sensor.map_or(ColumnRole::Unused, |(quantity, _)| ColumnRole::Sensor(*quantity))
     }
 
-    pub fn set_role(&mut self, place: usize, role: Role) {
+    pub fn set_role(&mut self, place: usize, role: ColumnRole) {
         let column = &self.file.table.columns[place];
         let unit = column.unit.clone().unwrap_or_default();
         let mapping = &mut self.mapping;
@@ -90,10 +90,10 @@ impl Draft {
         mapping.sensors.retain(|_, sensor| sensor.column != column.name);
         let mapped = MappedColumn::of(&self.file.table, column.name.clone());
         match role {
-            Role::Unused => {}
-            Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
-            Role::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
-            Role::Sensor(quantity) => {
+            ColumnRole::Unused => {}
+            ColumnRole::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
+            ColumnRole::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
+            ColumnRole::Sensor(quantity) => {
                 mapping.sensors.insert(quantity, mapped);
             }
         }

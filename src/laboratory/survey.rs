@@ -12,7 +12,7 @@ use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 use super::choice::{Choice, is_same_but_for_names, part_of};
 use super::settings;
 use crate::session::is_same;
-use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
+use crate::team::{CellBatch, Computer, Precision, Priority, Relay, Team};
 
 pub struct Survey {
     pub ensemble: Ensemble,
@@ -159,7 +159,8 @@ impl Survey {
         if self.work.is_none() {
             let runner = Runner::new(self.ensemble.clone(), self.source.clone()).map_err(|error| error.to_string())?;
             let order = self.sheet.missing(&self.order).collect();
-            let cells = Cells { runner: Arc::new(runner), order, precision: self.precision, priority: Priority::Map };
+            let cells =
+                CellBatch { runner: Arc::new(runner), order, precision: self.precision, priority: Priority::Map };
             self.work = Some(Relay::new(team, cells, ctx));
         }
         let Some(work) = &mut self.work else { return Ok(false) };

@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use egui::Context;
-use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Rows, Team};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Graphics, Handle, Priority, Team};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::{Threads, WorkParts, WorkStep, WorkToken};
 
-struct Desktop {
+struct DesktopTeam {
     threads: Option<Threads>,
     processor: Rc<Processor>,
     ctx: Context,
@@ -21,10 +21,10 @@ pub(super) fn team(software: Software, ctx: &Context) -> Rc<dyn Team> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let count = if processors > 2 { processors - 1 } else { processors };
     let threads = Threads::new(count, 1).map_err(|error| log::warn!("Long work stays in the frames: {error}"));
-    Rc::new(Desktop { threads: threads.ok(), processor: Rc::new(Processor::new(software)), ctx: ctx.clone() })
+    Rc::new(DesktopTeam { threads: threads.ok(), processor: Rc::new(Processor::new(software)), ctx: ctx.clone() })
 }
 
-impl Team for Desktop {
+impl Team for DesktopTeam {
     fn threads(&self) -> Option<(&Threads, &Context)> {
         self.threads.as_ref().map(|threads| (threads, &self.ctx))
     }
@@ -94,7 +94,7 @@ impl Graphics for Processor {
         lock(&self.state.found).clone()
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let (cells, state) = (cells.clone(), Arc::clone(&self.state));
         let mut next = 0;
         let step = move |wanted: WorkToken| {
@@ -123,11 +123,11 @@ impl AdapterState {
         *lock(&self.found) = finding;
     }
 
-    fn rows(&self, all: &Cells, some: &[usize], wanted: &WorkToken) -> Option<Rows> {
+    fn rows(&self, all: &CellBatch, some: &[usize], wanted: &WorkToken) -> Option<CellRows> {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
         match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {
-            Ok((cells, numbers)) => Some(Rows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
+            Ok((cells, numbers)) => Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
             Err(GpuError::Unwanted) => None,
             Err(error) => {
                 log::warn!("The graphics processor has failed: {error}");

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
 
 use super::Session;
-use crate::team::{Lost, Priority, Running};
+use crate::team::{Lost, Priority, RunningTask};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ModelTime {
@@ -36,7 +36,7 @@ struct CachedFreeRun {
 struct Next {
     filter: u32,
     of: Of,
-    runs: Running<Runs>,
+    runs: RunningTask<Runs>,
 }
 
 type Under = (Arc<Record>, kalmanscope_core::Running);
@@ -139,7 +139,7 @@ impl Session {
         };
         let held_out = self.library.held_out().map(|(_, record)| under(Arc::clone(record)));
         let runs = Runs { on_screen: under(record), held_out };
-        let runs = Running::begin(&*self.team, Priority::Hand, runs, Runs::progress);
+        let runs = RunningTask::begin(&*self.team, Priority::Hand, runs, Runs::progress);
         Some(Next { filter: estimates.id(), of, runs })
     }
 }

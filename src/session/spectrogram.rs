@@ -3,7 +3,7 @@
 use kalmanscope_core::{Spectrogram, Task as _, Windows};
 
 use super::Session;
-use crate::team::{Priority, Running};
+use crate::team::{Priority, RunningTask};
 
 const EVERY: usize = 200;
 
@@ -14,7 +14,7 @@ pub(super) struct Spectrograms {
     is_wanted: bool,
     /// `None` in it if there were too few samples.
     made: Option<(Of, Option<Spectrogram>)>,
-    next: Option<(Of, Running<Windows>)>,
+    next: Option<(Of, RunningTask<Windows>)>,
 }
 
 impl Session {
@@ -51,7 +51,7 @@ impl Session {
             let has_sensor = !run.record().sensors().is_empty();
             match has_sensor.then(|| Spectrogram::windows(run.record(), 0, run.len())).flatten() {
                 Some(windows) => {
-                    *next = Some((of, Running::begin(&*self.team, Priority::Hand, windows, Windows::progress)));
+                    *next = Some((of, RunningTask::begin(&*self.team, Priority::Hand, windows, Windows::progress)));
                 }
                 None => *made = Some((of, None)),
             }

@@ -4,7 +4,7 @@ use kalmanscope_core::diagnosis::{Remedy, Search};
 use kalmanscope_core::{Task as _, Verdict};
 
 use super::Session;
-use crate::team::{Priority, Running};
+use crate::team::{Priority, RunningTask};
 
 #[derive(Default)]
 pub(super) struct Trying {
@@ -16,7 +16,7 @@ pub(super) struct Trying {
 pub struct Attempt {
     filter: u32,
     of: (u64, usize),
-    search: Option<Running<Search, Seen>>,
+    search: Option<RunningTask<Search, Seen>>,
     pub progress: f64,
     pub before: Option<Verdict>,
     /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
@@ -33,7 +33,7 @@ impl Attempt {
     }
 
     fn is_beside(&self) -> bool {
-        self.search.as_ref().is_some_and(Running::is_beside)
+        self.search.as_ref().is_some_and(RunningTask::is_beside)
     }
 
     pub(crate) fn picture(&self) -> u64 {
@@ -128,7 +128,7 @@ impl Session {
         let search = self.diagnosis(place)?.search(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
         let of = (self.generation, run.done());
         let look = |search: &Search| (search.progress(), search.before().cloned(), search.remedies());
-        let search = Running::begin(&*self.team, Priority::Causes, search, look);
+        let search = RunningTask::begin(&*self.team, Priority::Causes, search, look);
         let (remedies, verdict, is_complete) =
             before.map_or((Vec::new(), None, false), |attempt| (attempt.remedies, attempt.before, attempt.is_complete));
         Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, remedies, is_complete })

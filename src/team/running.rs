@@ -4,7 +4,7 @@ use kalmanscope_core::Task;
 
 use super::{Handle, Lost, Priority, Report, Team, waking};
 
-pub struct Running<T: Task, L = f64> {
+pub struct RunningTask<T: Task, L = f64> {
     place: Place<T, L>,
     look: fn(&T) -> L,
     pub seen: L,
@@ -18,7 +18,7 @@ enum Place<T: Task, L> {
     Over,
 }
 
-impl<T: Task, L> Running<T, L> {
+impl<T: Task, L> RunningTask<T, L> {
     pub fn here(task: T, look: fn(&T) -> L) -> Self {
         Self { seen: look(&task), place: Place::Here(task), look }
     }
@@ -94,8 +94,8 @@ mod tests {
             Handle::new(move || reports.next().ok_or(Lost))
         });
         let mut task = match there {
-            Some(there) => Running::in_worker(there, file(), Task::progress),
-            None => Running::here(file(), Task::progress),
+            Some(there) => RunningTask::in_worker(there, file(), Task::progress),
+            None => RunningTask::here(file(), Task::progress),
         };
         let mut shares = vec![task.seen];
         loop {

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::Array;
-use kalmanscope::team::{Cells, Computer, Graphics, Handle, Lost, Report, Rows, Team};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Graphics, Handle, Lost, Report, Team};
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Record, Scenario, Tape};
@@ -24,7 +24,7 @@ const MOST: usize = 8;
 
 struct Workers {
     state: Rc<RefCell<PoolState>>,
-    processor: Rc<graphics::Processor>,
+    processor: Rc<graphics::WorkerProcessor>,
     ctx: Context,
 }
 
@@ -37,7 +37,7 @@ struct PoolState {
 }
 
 pub(super) fn team(software: bool, ctx: &Context) -> Rc<dyn Team> {
-    let processor = Rc::new(graphics::Processor::new(software));
+    let processor = Rc::new(graphics::WorkerProcessor::new(software));
     Rc::new(Workers { state: Rc::default(), processor, ctx: ctx.clone() })
 }
 
@@ -60,15 +60,15 @@ impl Team for Workers {
         self.begin(Left::Outcome, &message, |part, _| report(part, suggestion))
     }
 
-    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
         let message = |number| cells_message(number, &cells.runner);
         self.begin(Left::cells(cells.clone(), full()), &message, |part, workers| {
-            rows(part).map(|(cells, numbers)| Rows { cells, numbers, by: Computer::Workers(workers) })
+            rows(part).map(|(cells, numbers)| CellRows { cells, numbers, by: Computer::Workers(workers) })
         })
     }
 
     fn graphics(&self) -> Option<Rc<dyn Graphics>> {
-        Some(Rc::<graphics::Processor>::clone(&self.processor))
+        Some(Rc::<graphics::WorkerProcessor>::clone(&self.processor))
     }
 
     fn usual_count(&self) -> usize {

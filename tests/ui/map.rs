@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::{Context, Pos2};
 use kalmanscope::laboratory::Choice;
-use kalmanscope::team::{Cells, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Team};
 use kalmanscope_core::{Axis, Measure, Source};
 use kalmanscope_lab::{Ensemble, Plan, Runner};
 
@@ -194,16 +194,16 @@ impl Graphics for Card {
         if self.is_lost.get() { Finding::Lost("it was pulled out".to_owned()) } else { Finding::Ready }
     }
 
-    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
-        let Cells { runner, order, .. } = cells.clone();
+    fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
+        let CellBatch { runner, order, .. } = cells.clone();
         let numbers = runner.rows(&order);
-        let mut rows = Some(Rows { cells: order, numbers, by: Computer::Graphics(Arc::from("the card")) });
+        let mut rows = Some(CellRows { cells: order, numbers, by: Computer::Graphics(Arc::from("the card")) });
         Some(Handle::new(move || rows.take().map(Some).ok_or(Lost)))
     }
 }
 
 impl Team for Card {
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         Frames(Budget::Unlimited).cells(cells, ctx)
     }
 

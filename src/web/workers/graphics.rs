@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use js_sys::Array;
-use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Lost, Rows};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Graphics, Handle, Lost};
 use kalmanscope_worker::{cells_message, rows};
 use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::spawn_local;
@@ -20,7 +20,7 @@ use super::worker::{Left, Program, Worker, WorkerTask};
 const PORTION: usize = 1024;
 
 /// The graphics processor. The search begins with the first map.
-pub(super) struct Processor {
+pub(super) struct WorkerProcessor {
     software: bool,
     state: Rc<RefCell<ProcessorState>>,
 }
@@ -35,7 +35,7 @@ struct ProcessorState {
     ctx: Context,
 }
 
-impl Processor {
+impl WorkerProcessor {
     pub(super) fn new(software: bool) -> Self {
         let state = ProcessorState {
             is_asked: false,
@@ -50,7 +50,7 @@ impl Processor {
     }
 }
 
-impl Graphics for Processor {
+impl Graphics for WorkerProcessor {
     fn find(&self, ctx: &Context) -> Finding {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
@@ -64,7 +64,7 @@ impl Graphics for Processor {
         self.state.borrow().finding.clone()
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
         state.number += 1;
@@ -84,13 +84,13 @@ struct Working {
 }
 
 impl Working {
-    fn take(&self) -> Result<Option<Rows>, Lost> {
+    fn take(&self) -> Result<Option<CellRows>, Lost> {
         let state = self.state.borrow();
         let task = state.task.as_ref().filter(|task| task.number == self.number).ok_or(Lost)?;
         match task.next() {
             Some(part) => {
                 let (cells, numbers) = rows(&part).ok_or(Lost)?;
-                Ok(Some(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(&state.name)) }))
+                Ok(Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::clone(&state.name)) }))
             }
             // The team does the cells that were not served.
             None if task.rests() => Err(Lost),

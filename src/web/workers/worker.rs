@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::{Array, Reflect};
-use kalmanscope::team::{BETWEEN, Cells};
+use kalmanscope::team::{BETWEEN, CellBatch};
 use kalmanscope_worker::portion_of;
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
@@ -111,14 +111,14 @@ pub(super) enum Left {
     Outcome,
     /// Cells from a place in their order on, in portions of a size.
     Cells {
-        cells: Box<Cells>,
+        cells: Box<CellBatch>,
         next: usize,
         size: usize,
     },
 }
 
 impl Left {
-    pub(super) fn cells(cells: Cells, workers: usize) -> Self {
+    pub(super) fn cells(cells: CellBatch, workers: usize) -> Self {
         let soon = (PORTION / cells.runner.time_of_cell()) as usize;
         let size = soon.min(cells.order.len() / (AT_ONCE * workers)).clamp(1, MOST);
         Self::Cells { cells: Box::new(cells), next: 0, size }
