@@ -26,7 +26,7 @@ use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{self, Choose, Inbox};
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
@@ -49,7 +49,7 @@ pub struct App {
     axis: TimeAxis,
     ruler: Ruler,
     visible: Visibility,
-    layout: Layout,
+    layout: ViewLayout,
     pub laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
@@ -107,7 +107,7 @@ impl App {
             axis: TimeAxis::default(),
             ruler: Ruler::default(),
             visible: Visibility::default(),
-            layout: Layout::default(),
+            layout: ViewLayout::default(),
             laboratory: Laboratory::new(Rc::new(Frames::FRAME)),
             catalogue: Catalogue::default(),
             tutor: None,
@@ -175,7 +175,7 @@ impl App {
         &mut self.session
     }
 
-    pub fn layout_mut(&mut self) -> &mut Layout {
+    pub fn layout_mut(&mut self) -> &mut ViewLayout {
         &mut self.layout
     }
 

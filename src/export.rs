@@ -12,7 +12,7 @@ use kalmanscope_core::{Analysis, Estimates, Task};
 use crate::figure::Figure;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::menu::Closing;
 use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
@@ -53,7 +53,7 @@ pub(crate) struct Exporting {
 }
 
 impl Exporting {
-    pub(crate) fn new(export: Export, layout: &Layout) -> Self {
+    pub(crate) fn new(export: Export, layout: &ViewLayout) -> Self {
         let figures = match export {
             Export::Figure(format) => vec![(layout.rows(), format)],
             Export::Report => {
@@ -78,7 +78,11 @@ impl Exporting {
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
 
-    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<ExportFile, String>> {
+    pub(crate) fn advance(
+        &mut self,
+        context: &ViewContext<'_>,
+        layout: &ViewLayout,
+    ) -> Option<Result<ExportFile, String>> {
         let session = context.session;
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
@@ -90,7 +94,7 @@ impl Exporting {
         self.file(context, layout).transpose()
     }
 
-    fn file(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Result<Option<ExportFile>, String> {
+    fn file(&mut self, context: &ViewContext<'_>, layout: &ViewLayout) -> Result<Option<ExportFile>, String> {
         let (session, figures) = (context.session, &self.drawn);
         Ok(Some(match self.export {
             Export::Figure(format) => {
@@ -206,7 +210,7 @@ pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static
     std::iter::once((Request::ShowFigure, FIGURE.0, FIGURE.1)).chain(all)
 }
 
-pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &Layout, requests: &mut Vec<Request>) {
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &ViewLayout, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         let mut entry = |ui: &mut Ui, (request, name, hint): (Request, &str, &str)| {
             let button = ui.button(name).on_hover_text(hint);

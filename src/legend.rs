@@ -8,7 +8,7 @@ use kalmanscope_core::Estimates;
 use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
-use crate::trouble::{Trouble, troubles};
+use crate::trouble::{FilterTrouble, troubles};
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 use crate::widgets::named;
@@ -23,7 +23,7 @@ pub(crate) enum LegendMark {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
+pub(crate) enum LegendExtent {
     Full,
     OneRow,
 }
@@ -38,22 +38,22 @@ pub(crate) struct Legend<'a> {
 }
 
 impl Legend<'_> {
-    pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
+    pub(crate) fn ui(&self, ui: &mut Ui, extent: LegendExtent, requests: &mut Vec<Request>) {
         match extent {
-            Extent::OneRow => {
+            LegendExtent::OneRow => {
                 let hidden = ScrollBarVisibility::AlwaysHidden;
                 ScrollArea::horizontal().id_salt("legend").scroll_bar_visibility(hidden).show(ui, |ui| {
                     ui.horizontal(|ui| self.entries_ui(ui, extent, requests));
                 });
             }
-            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.entries_ui(ui, extent, requests)),
+            LegendExtent::Full => _ = ui.horizontal_wrapped(|ui| self.entries_ui(ui, extent, requests)),
         }
         self.troubles_ui(ui);
     }
 
-    fn entries_ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
+    fn entries_ui(&self, ui: &mut Ui, extent: LegendExtent, requests: &mut Vec<Request>) {
         ui.spacing_mut().item_spacing.x = 12.0;
-        let is_one_row = extent == Extent::OneRow;
+        let is_one_row = extent == LegendExtent::OneRow;
         let before = self.session.before();
         if let Some(before) = before.filter(|_| is_one_row) {
             self.before_ui(ui, before, requests);
@@ -136,7 +136,7 @@ impl Legend<'_> {
     }
 
     fn troubles_ui(&self, ui: &mut Ui) {
-        for Trouble { sentence, is_failure } in troubles(self.session) {
+        for FilterTrouble { sentence, is_failure } in troubles(self.session) {
             if is_failure {
                 ui.colored_label(self.palette.warning, sentence);
             } else {

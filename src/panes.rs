@@ -5,7 +5,7 @@ use egui::{
 };
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
-use crate::layout::{Layout, simplification};
+use crate::layout::{ViewLayout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::theme;
 use crate::view::ViewContext;
@@ -46,7 +46,7 @@ pub(crate) enum PaneArrangement {
 
 pub(crate) fn panes_ui(
     ui: &mut Ui,
-    layout: &Layout,
+    layout: &ViewLayout,
     context: &ViewContext<'_>,
     requests: &mut Vec<Request>,
     way: PaneArrangement,

@@ -9,7 +9,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
-use crate::laboratory::{Choice, SeedChoice, TuneChoice};
+use crate::laboratory::{MapChoice, SeedChoice, TuneChoice};
 use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
@@ -85,7 +85,7 @@ pub enum Request {
     Export(Export),
     ShowFigure,
     ToggleExports,
-    ChooseMap(Box<Choice>),
+    ChooseMap(Box<MapChoice>),
     ComputeMap(bool),
     ChooseSeeds(SeedChoice),
     RunSeeds(bool),

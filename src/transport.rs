@@ -13,7 +13,7 @@ use crate::timeline::track_ui;
 use crate::widgets::{hover_text, named};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
+pub(crate) enum TransportExtent {
     Full,
     Short,
     Nothing,
@@ -24,7 +24,7 @@ pub(crate) struct Transport<'a> {
     pub(crate) ruler: &'a Ruler,
     pub(crate) palette: &'a Palette,
     pub(crate) narrow: bool,
-    pub(crate) extent: Extent,
+    pub(crate) extent: TransportExtent,
     pub(crate) embedded: bool,
     pub(crate) history: (bool, bool),
 }
@@ -32,7 +32,7 @@ pub(crate) struct Transport<'a> {
 impl Transport<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, ruler, palette, narrow, extent, embedded, history } = *self;
-        let is_full = extent == Extent::Full;
+        let is_full = extent == TransportExtent::Full;
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.horizontal(|ui| {
             playback_ui(ui, session, requests);

@@ -3,7 +3,7 @@
 use egui::Theme;
 use kalmanscope_core::VerdictKind;
 
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
@@ -11,7 +11,7 @@ use crate::sheet::{Sheet, SheetColumn};
 use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
-use crate::trouble::{Gap, Trouble, troubles};
+use crate::trouble::{FilterTrouble, Gap, troubles};
 use crate::view::ViewContext;
 use crate::views::view;
 use crate::visibility::Visibility;
@@ -50,7 +50,7 @@ impl Twin {
         session: &Session,
         visible: &Visibility,
         axis: &TimeAxis,
-        layout: &Layout,
+        layout: &ViewLayout,
         notice: Option<&str>,
     ) -> Self {
         // Words have no colours.
@@ -69,7 +69,7 @@ impl Twin {
             TwinPart { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
         });
         let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
-        let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);
+        let troubles = troubles(session).into_iter().map(|FilterTrouble { sentence, .. }| sentence);
         // Marks on the axis of time.
         let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over && !is_missing);
         let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));

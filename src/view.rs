@@ -6,7 +6,7 @@ use egui::{Color32, Ui};
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
 use crate::plot::time_axis::{PlotInput, TimeAxis};
@@ -51,7 +51,7 @@ impl<'a> ViewContext<'a> {
         Self { laboratory, ..self }
     }
 
-    pub(crate) fn picture(&self, layout: &Layout) -> Picture {
+    pub(crate) fn picture(&self, layout: &ViewLayout) -> Picture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
         Picture {

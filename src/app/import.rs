@@ -10,7 +10,7 @@ use super::App;
 use super::window::NARROW;
 use crate::import::{Import, Opened};
 use crate::inbox::Arrival;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::measure::{Measure, News};
 use crate::notice::Notice;
 use crate::request::{RawFile, Request, ViewKind};
@@ -61,7 +61,7 @@ impl App {
             Some(News::Longer(record)) => self.session.lengthen(record),
             Some(News::Another(scenario, record)) => {
                 self.tutor = None;
-                self.layout = Layout::column(&VIEWS);
+                self.layout = ViewLayout::column(&VIEWS);
                 self.session.follow_live(*scenario, record);
                 self.begin_anew(ctx);
             }
@@ -169,7 +169,7 @@ impl App {
         let is_new = self.session.scenario().record.as_ref().map(|mapping| &mapping.hash)
             != scenario.record.as_ref().map(|mapping| &mapping.hash);
         if is_new {
-            self.layout = Layout::column(&VIEWS);
+            self.layout = ViewLayout::column(&VIEWS);
             self.session.set_mode(Mode::Whole);
             self.session.set_scenario(scenario);
             self.session.pause();

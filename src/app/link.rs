@@ -10,7 +10,7 @@ use crate::laboratory::Choices;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
-use crate::share::address::{self, Target};
+use crate::share::address::{self, LinkTarget};
 use crate::share::{LinkError, Picture};
 use crate::theme::Palette;
 use crate::views::view;
@@ -35,9 +35,9 @@ impl App {
     pub(super) fn go_to_address(&mut self, address: &str, ctx: &Context) {
         match address::target(address) {
             Ok(None) => {}
-            Ok(Some(Target::Picture(picture))) => self.show_picture(*picture, ctx),
-            Ok(Some(Target::Scenario(built_in))) => self.open_built_in(built_in, ctx),
-            Ok(Some(Target::Lesson(place, step))) => {
+            Ok(Some(LinkTarget::Picture(picture))) => self.show_picture(*picture, ctx),
+            Ok(Some(LinkTarget::Scenario(built_in))) => self.open_built_in(built_in, ctx),
+            Ok(Some(LinkTarget::Lesson(place, step))) => {
                 self.start_lesson(place, ctx);
                 self.go_to_step(step);
             }

@@ -32,7 +32,7 @@ impl<'a> From<&'a str> for Named<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Number<'a> {
+pub struct NumberField<'a> {
     pub label: &'a str,
     pub name: Named<'a>,
     pub unit: &'a str,
@@ -42,7 +42,7 @@ pub struct Number<'a> {
     pub hint: &'a str,
 }
 
-impl<'a> Number<'a> {
+impl<'a> NumberField<'a> {
     pub(super) fn of<T>(info: &'a SettingInfo<T>, label: &'a str, name: Named<'a>) -> Self {
         let SettingInfo { unit, allowed, slider, is_logarithmic, hint, .. } = *info;
         Self { label, name, unit, range: slider, least: allowed.least(), logarithmic: is_logarithmic, hint }

@@ -6,7 +6,7 @@ use kalmanscope_core::{FilterSettings, Scenario};
 
 use super::Edits;
 use super::lit::lit;
-use super::number::{Named, Number};
+use super::number::{Named, NumberField};
 use crate::text::sentence;
 use crate::widgets::named;
 
@@ -42,7 +42,7 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: 
 pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &Scenario, least: f64) -> f64 {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
-    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
+    let number = NumberField { least, ..NumberField::of(info, label, name.as_str().into()) };
     lit(ui, info.key, |ui| number.show(ui, &mut value));
     value
 }
@@ -108,7 +108,7 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
             *value = whole as f64;
             row.inner
         }
-        _ => return Number::of(info, label, name).show(ui, value),
+        _ => return NumberField::of(info, label, name).show(ui, value),
     };
     named(control, name.text).on_hover_text(info.hint);
 }

@@ -6,7 +6,7 @@ use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::Edits;
 use super::lit::lit;
-use super::number::Number;
+use super::number::NumberField;
 use crate::text::sentence;
 use crate::widgets::named;
 
@@ -52,7 +52,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
         let quantity = sensor.measures;
         let label = format!("{} noise ± σ", quantity.symbol());
         let name = format!("Noise of the {} sensor", quantity.key());
-        let number = Number {
+        let number = NumberField {
             label: &label,
             name: name.as_str().into(),
             unit: quantity.unit(),
@@ -133,7 +133,7 @@ fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumbe
     let path = fault.address(quantity, info);
     let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
     let size = info.scale.size(quantity);
-    let number = Number {
+    let number = NumberField {
         label: info.key,
         name: super::number::Named { text: &name, key: &path },
         unit: info.scale.unit(quantity),

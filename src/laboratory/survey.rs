@@ -9,7 +9,7 @@ use kalmanscope_core::setting::{Address, Change, TableInfo};
 use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
 use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 
-use super::choice::{Choice, is_same_but_for_names, part_of};
+use super::choice::{MapChoice, is_same_but_for_names, part_of};
 use super::settings;
 use crate::session::is_same;
 use crate::team::{CellBatch, Computer, Precision, Priority, Relay, Team};
@@ -31,7 +31,7 @@ impl Survey {
     pub(super) fn new(
         scenario: &Scenario,
         source: Source,
-        choice: &Choice,
+        choice: &MapChoice,
         before: Option<&Self>,
     ) -> Result<Self, String> {
         let filters = choice.filters();
@@ -98,7 +98,7 @@ impl Survey {
         Some(change)
     }
 
-    pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &Choice) -> bool {
+    pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &MapChoice) -> bool {
         let same_plan = self.filters == choice.filters()
             && self.ensemble.plan().axes == choice.axes
             && self.has(choice.measure)
@@ -158,9 +158,8 @@ impl Survey {
         }
         if self.work.is_none() {
             let runner = Runner::new(self.ensemble.clone(), self.source.clone()).map_err(|error| error.to_string())?;
-            let order = self.sheet.missing(&self.order).collect();
-            let cells =
-                CellBatch { runner: Arc::new(runner), order, precision: self.precision, priority: Priority::Map };
+            let (runner, order) = (Arc::new(runner), self.sheet.missing(&self.order).collect());
+            let cells = CellBatch { runner, order, precision: self.precision, priority: Priority::Map };
             self.work = Some(Relay::new(team, cells, ctx));
         }
         let Some(work) = &mut self.work else { return Ok(false) };

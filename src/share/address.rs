@@ -11,7 +11,7 @@ use thiserror::Error;
 use super::{LinkError, MARK, Picture};
 
 #[derive(Clone, Debug, PartialEq)]
-pub enum Target {
+pub enum LinkTarget {
     Picture(Box<Picture>),
     Scenario(BuiltIn),
     Lesson(usize, usize),
@@ -29,16 +29,16 @@ pub enum AddressError {
     Step { step: String, lesson: String, steps: usize },
 }
 
-pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
+pub fn target(address: &str) -> Result<Option<LinkTarget>, AddressError> {
     if let Some((_, link)) = address.split_once(MARK) {
-        return Ok(Some(Target::Picture(Box::new(Picture::read(link.trim_end())?))));
+        return Ok(Some(LinkTarget::Picture(Box::new(Picture::read(link.trim_end())?))));
     }
     if let Some(name) = value(address, "lesson") {
         let (place, step) = lesson(name, value(address, "step"))?;
-        return Ok(Some(Target::Lesson(place, step)));
+        return Ok(Some(LinkTarget::Lesson(place, step)));
     }
     let built_in = value(address, "scenario").map(scenario).transpose()?;
-    Ok(built_in.map(Target::Scenario))
+    Ok(built_in.map(LinkTarget::Scenario))
 }
 
 pub fn is_embedded(address: &str) -> bool {

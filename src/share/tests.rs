@@ -3,13 +3,13 @@
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use super::*;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::request::{Arrangement, ViewKind};
 use crate::session::Mode;
 
 fn picture() -> Picture {
     let scenario = BUILT_IN[0].scenario().expect("it is valid");
-    Picture::new(scenario, &Layout::of(Arrangement::Compare), Mode::Whole, 12.34)
+    Picture::new(scenario, &ViewLayout::of(Arrangement::Compare), Mode::Whole, 12.34)
 }
 
 fn text() -> String {

@@ -9,7 +9,7 @@ mod scale;
 use egui::{Label, Rect, Sense, Stroke, TextStyle, Ui, Vec2, pos2, vec2};
 use kalmanscope_core::ValueKind;
 
-use crate::laboratory::{Choice, Laboratory, Survey};
+use crate::laboratory::{Laboratory, MapChoice, Survey};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::view::{View, ViewContext};
@@ -77,7 +77,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
+fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a MapChoice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state.problem.as_deref() {
         ui.weak(problem);

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use kalmanscope::App;
-use kalmanscope::laboratory::Choice;
-use kalmanscope::layout::Layout;
+use kalmanscope::laboratory::MapChoice;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{Channel, FilterKind, Hold, Measure, PlantKind, Robust, Scenario, Source};
@@ -82,9 +82,9 @@ async fn has_the_bits_of_this_machine(page: &Page) {
 /// A link that opens the usual map of a scenario's first filter. The map has `cells` rows and as many columns.
 fn map_of(scenario: Scenario, cells: usize) -> String {
     let mut app = App::with_scenario(scenario).unwrap();
-    *app.layout_mut() = Layout::column(&[ViewKind::Map]);
+    *app.layout_mut() = ViewLayout::column(&[ViewKind::Map]);
     let run = app.session().run();
-    let choice = Choice::usual(run.scenario(), run.record(), false, cells).unwrap();
+    let choice = MapChoice::usual(run.scenario(), run.record(), false, cells).unwrap();
     app.laboratory.choose(Some(choice));
     // A picture that moves takes time from the workers where there is no graphics processor.
     app.session_mut().set_mode(Mode::Whole);

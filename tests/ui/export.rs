@@ -22,7 +22,7 @@ pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
         kept.borrow_mut().push(file);
     };
     let mut screen = started(size, Theme::Light, |app, _| app.delivering(Box::new(deliver)));
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    *screen.state_mut().layout_mut() = ViewLayout::of(Arrangement::Teach);
     show_whole(&mut screen, Scenario::from_toml("duration = 20.0").expect("it is valid"));
     screen.state_mut().session_mut().seek(10.0);
     screen.run_steps(4);

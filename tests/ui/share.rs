@@ -44,7 +44,7 @@ fn unusual(mode: Mode) -> Screen {
     let mut scenario = Scenario::default();
     (scenario.seed, scenario.duration, scenario.filters[1].fading) = (77, 20.0, 1.02);
     state.session_mut().set_scenario(scenario);
-    *state.layout_mut() = Layout::column(&[ViewKind::States, ViewKind::Phase, ViewKind::Innovations]);
+    *state.layout_mut() = ViewLayout::column(&[ViewKind::States, ViewKind::Phase, ViewKind::Innovations]);
     state.session_mut().set_mode(mode);
     state.session_mut().pause();
     state.session_mut().seek(13.37);

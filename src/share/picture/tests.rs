@@ -10,7 +10,7 @@ use crate::ruler::RulerEnd;
 fn picture() -> Picture {
     let mut scenario = Scenario { seed: 5, ..Scenario::default() };
     scenario.number_filters();
-    let mut picture = Picture::new(scenario, &Layout::of(Arrangement::Compare), Mode::Whole, 7.25);
+    let mut picture = Picture::new(scenario, &ViewLayout::of(Arrangement::Compare), Mode::Whole, 7.25);
     picture.ruler.place(RulerEnd::A, 1.5);
     picture.hidden = vec![LegendEntry::Truth, LegendEntry::Filter(picture.scenario.filters[1].id)];
     picture.enlarged = Some(ViewKind::Scores);

@@ -5,7 +5,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Measure, Scenario, Spacing};
 
 use crate::controls::number::field;
-use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};
+use crate::laboratory::{Laboratory, MOST, MapChoice, Survey, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
@@ -23,7 +23,7 @@ pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     laboratory: &Laboratory,
-    choice: &Choice,
+    choice: &MapChoice,
     requests: &mut Vec<Request>,
 ) {
     let run = context.session.run();
@@ -52,7 +52,7 @@ fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&m
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(label));
 }
 
-fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &[String]) {
+fn axis_ui(ui: &mut Ui, choice: &mut MapChoice, at: usize, part: &Scenario, keys: &[String]) {
     let present = choice.axes[at].key.clone();
     let other = choice.axes[1 - at].key.clone();
     combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
@@ -69,7 +69,7 @@ fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &
     });
 }
 
-fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[Measure]) {
+fn measure_ui(ui: &mut Ui, choice: &mut MapChoice, offered: &[Measure]) {
     combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
             ui.selectable_value(&mut choice.measure, *measure, measure.name());
@@ -77,12 +77,12 @@ fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[Measure]) {
     });
 }
 
-fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
+fn filters_ui(ui: &mut Ui, choice: &mut MapChoice, scenario: &Scenario) {
     let name = |id: u32| {
         let filter = scenario.filters.iter().find(|filter| filter.id == id);
         filter.map_or(String::new(), |filter| filter.name.clone())
     };
-    let Choice { filter: first, second, .. } = choice;
+    let MapChoice { filter: first, second, .. } = choice;
     combo(ui, "Filter of the map", name(*first), 58.0, |ui| {
         for filter in &scenario.filters {
             if ui.selectable_label(*first == filter.id, &filter.name).clicked() {
@@ -105,7 +105,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
     });
 }
 
-fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
+fn ranges_ui(ui: &mut Ui, choice: &mut MapChoice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let button = menu_ui(ui, format!("{x} × {y}"), Closing::Beside, |ui| {
         // Fields and buttons of a menu have no ground.
