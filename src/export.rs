@@ -26,6 +26,8 @@ const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
 
 const JSON: &str = "application/json";
+const SVG: &str = "image/svg+xml";
+const TOML: &str = "application/toml";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExportFile {
@@ -97,9 +99,7 @@ impl Exporting {
     fn file(&mut self, context: &ViewContext<'_>, layout: &ViewLayout) -> Result<Option<ExportFile>, String> {
         let (session, figures) = (context.session, &self.drawn);
         Ok(Some(match self.export {
-            Export::Figure(format) => {
-                text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat())
-            }
+            Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), SVG, figures.concat()),
             Export::Report => text("report.html", "text/html", report_on(session, figures)?),
             Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
             Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
@@ -112,9 +112,7 @@ impl Exporting {
                 let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
                 text("monte-carlo.csv", "text/csv", runs.to_csv())
             }
-            Export::Scenario => {
-                text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?)
-            }
+            Export::Scenario => text("scenario.toml", TOML, session.scenario().to_toml().map_err(reason)?),
             Export::All => return self.everything(session),
             Export::Session => text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?),
         }))

@@ -131,9 +131,7 @@ impl Making {
 
     fn picture(&self) -> Option<SparkPicture> {
         match (&self.work, &self.picture) {
-            (Work::Map(_, scores), _) => {
-                Some(SparkPicture { cells: (CELLS[1], colors(scores)), ..SparkPicture::default() })
-            }
+            (Work::Map(_, scores), _) => Some(SparkPicture { cells: (CELLS[1], colors(scores)), ..Default::default() }),
             (Work::Run(run), Some(picture)) => Some(sketch(run, picture)),
             (Work::Run(run), None) => {
                 let record = run.record();

@@ -77,12 +77,8 @@ fn roles(draft: &Draft) -> Vec<(ColumnRole, String)> {
         InputKind::GroundAcceleration => "the ground's acceleration",
     };
     let quantities = draft.plant.quantities().map(|quantity: Quantity| (ColumnRole::Sensor(quantity), quantity.name()));
-    let first = [
-        (ColumnRole::Unused, "left out".to_owned()),
-        (ColumnRole::Time, "the time".to_owned()),
-        (ColumnRole::Input, input.to_owned()),
-    ];
-    first.into_iter().chain(quantities).collect()
+    let first = [(ColumnRole::Unused, "left out"), (ColumnRole::Time, "the time"), (ColumnRole::Input, input)];
+    first.map(|(role, words)| (role, words.to_owned())).into_iter().chain(quantities).collect()
 }
 
 fn unit_ui(ui: &mut Ui, name: &str, unit: &mut String) {

@@ -12,9 +12,7 @@ impl Draft {
     pub(super) fn meaning(&self, place: usize) -> Option<String> {
         match self.role(place) {
             ColumnRole::Input => self.mapping.input.as_ref().map(|mapped| self.input_words(mapped)),
-            ColumnRole::Sensor(quantity) => {
-                self.mapping.sensors.get(&quantity).map(|mapped| sensor_words(quantity, mapped))
-            }
+            ColumnRole::Sensor(quantity) => self.mapping.sensors.get(&quantity).map(|one| sensor_words(quantity, one)),
             ColumnRole::Time | ColumnRole::Unused => None,
         }
     }

@@ -9,7 +9,7 @@ use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::{Record, Scenario, Story};
 
 use super::health::Health;
-use super::live::{Band, Live};
+use super::live::{Band, LiveFilter};
 use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading as _};
@@ -27,13 +27,13 @@ const FILE: &str = "measured-here.csv";
 pub(super) struct Swing {
     device: Rc<dyn SensorDevice<Acceleration>>,
     readings: ReadingQueue<Acceleration>,
-    live: Live,
+    live: LiveFilter,
     health: Health,
 }
 
 impl Swing {
     pub(super) fn new(device: Rc<dyn SensorDevice<Acceleration>>) -> Self {
-        let (readings, live, health) = (ReadingQueue::default(), Live::default(), Health::default());
+        let (readings, live, health) = (ReadingQueue::default(), LiveFilter::default(), Health::default());
         Self { device, readings, live, health }
     }
 

@@ -145,10 +145,9 @@ mod tests {
     }
 
     fn run(team: &Rc<dyn Team>, precision: Precision) -> Vec<(Computer, usize)> {
-        let (ensemble, ctx) = (ensemble(), Context::default());
+        let (ensemble, ctx, order) = (ensemble(), Context::default(), (0..10).collect());
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
-        let cells =
-            CellBatch { runner: Arc::clone(&runner), order: (0..10).collect(), precision, priority: Priority::Map };
+        let cells = CellBatch { runner: Arc::clone(&runner), order, precision, priority: Priority::Map };
         let mut work = Relay::new(team, cells, &ctx);
         let (mut sheet, mut by) = (EnsembleRows::new(&ensemble), Vec::new());
         for _ in 0..40 {

@@ -14,7 +14,7 @@ use super::object::{call, get};
 
 const BEGIN: &str = "Start measuring";
 
-pub(super) struct Motion {
+pub(super) struct MotionSensor {
     shared: Rc<SharedMotion>,
     _clicks: Closure<dyn FnMut(MouseEvent)>,
 }
@@ -29,7 +29,7 @@ struct SharedMotion {
     turn: Cell<u32>,
 }
 
-impl Motion {
+impl MotionSensor {
     pub(super) fn of_page(ctx: &Context) -> Option<Self> {
         let window = web_sys::window()?;
         get(&window, "DeviceMotionEvent").filter(|kind| !kind.is_undefined())?;
@@ -54,7 +54,7 @@ fn ask() -> Option<js_sys::Promise> {
     call(&kind, "requestPermission", &[]).ok()?.dyn_into().ok()
 }
 
-impl SensorDevice<Acceleration> for Motion {
+impl SensorDevice<Acceleration> for MotionSensor {
     fn begin(&self, ctx: &Context, to: &ReadingQueue<Acceleration>) {
         self.end();
         let Some(window) = web_sys::window() else { return };

@@ -130,9 +130,8 @@ fn ensemble(side: usize) -> Ensemble {
 
 fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (EnsembleRows, HashMap<String, usize>) {
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it can be run");
-    let (runner, order) = (Arc::new(runner), ensemble.coarse_to_fine());
-    let mut work =
-        Relay::new(team, CellBatch { runner, order, precision, priority: Priority::Map }, &Context::default());
+    let (runner, order, priority) = (Arc::new(runner), ensemble.coarse_to_fine(), Priority::Map);
+    let mut work = Relay::new(team, CellBatch { runner, order, precision, priority }, &Context::default());
     let (mut sheet, mut by, begin) = (EnsembleRows::new(ensemble), HashMap::new(), Instant::now());
     while !sheet.is_complete() {
         for rows in work.take() {

@@ -21,7 +21,7 @@ const ROOM: f64 = 1.15;
 const LONGEST: f64 = 2.0 / 3.0;
 
 /// The curves over `frequencies` \[rad/s\].
-pub(super) struct Curves {
+pub(super) struct ResponseCurves {
     pub(super) frequencies: Vec<f64>,
     /// |H| of the truth \[s²\], if it is known.
     pub(super) truth: Option<Vec<f64>>,
@@ -31,7 +31,7 @@ pub(super) struct Curves {
     pub(super) spectrum: Option<Vec<(f64, f64)>>,
 }
 
-impl Curves {
+impl ResponseCurves {
     pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let (run, (low, high)) = (session.run(), range(session));
         let ratio = |i: usize| (high / low).powf(i as f64 / (POINTS - 1) as f64);
