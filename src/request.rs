@@ -12,7 +12,7 @@ use kalmanscope_lessons::{BuiltIn, Lesson};
 use crate::laboratory::{MapChoice, SeedChoice, TuneChoice};
 use crate::ruler::RulerEnd;
 use crate::session::Mode;
-use crate::share::Picture as SavedPicture;
+use crate::share::SavedPicture;
 
 pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
 

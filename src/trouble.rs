@@ -30,15 +30,13 @@ pub(crate) fn troubles(session: &Session) -> Vec<FilterTrouble> {
             say(false, format!("{name} let its parameters move at {times} s, where its innovations grew at once."));
         }
         // It is so from the beginning to the end.
-        if let Some(remark) =
-            estimates.remarks().iter().find(|remark| matches!(remark.what, Trouble::Moved(_) | Trouble::Rounded(_)))
-        {
+        let is_lasting = |remark: &&Remark| matches!(remark.what, Trouble::Moved(_) | Trouble::Rounded(_));
+        if let Some(remark) = estimates.remarks().iter().find(is_lasting) {
             say(false, format!("{name}: {}.", remark.what));
         }
         // Gaps have their own sentence.
-        let is_other = |remark: &&Remark| {
-            !matches!(remark.what, Trouble::Widened | Trouble::Missing(_) | Trouble::Moved(_) | Trouble::Rounded(_))
-        };
+        let is_other =
+            |remark: &&Remark| !is_lasting(remark) && !matches!(remark.what, Trouble::Widened | Trouble::Missing(_));
         if let Some(remark) = estimates.remarks().iter().rfind(is_other) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));

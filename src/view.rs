@@ -13,7 +13,7 @@ use crate::plot::time_axis::{PlotInput, TimeAxis};
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
-use crate::share::Picture;
+use crate::share::SavedPicture;
 use crate::sheet::{Sheet, SheetColumn};
 use crate::text::unit_in;
 use crate::theme::Palette;
@@ -51,15 +51,15 @@ impl<'a> ViewContext<'a> {
         Self { laboratory, ..self }
     }
 
-    pub(crate) fn picture(&self, layout: &ViewLayout) -> Picture {
+    pub(crate) fn picture(&self, layout: &ViewLayout) -> SavedPicture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
-        Picture {
+        SavedPicture {
             laboratory: laboratory.map(Laboratory::choices).unwrap_or_default().possible_with(session.scenario()),
             speed: session.speed(),
             ruler: ruler.in_nanoseconds(),
             hidden: visible.hidden(),
-            ..Picture::new(session.scenario().clone(), layout, session.mode(), time)
+            ..SavedPicture::new(session.scenario().clone(), layout, session.mode(), time)
         }
     }
 

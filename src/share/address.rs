@@ -8,11 +8,11 @@
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, LESSONS};
 use thiserror::Error;
 
-use super::{LinkError, MARK, Picture};
+use super::{LinkError, MARK, SavedPicture};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinkTarget {
-    Picture(Box<Picture>),
+    Picture(Box<SavedPicture>),
     Scenario(BuiltIn),
     Lesson(usize, usize),
 }
@@ -31,7 +31,7 @@ pub enum AddressError {
 
 pub fn target(address: &str) -> Result<Option<LinkTarget>, AddressError> {
     if let Some((_, link)) = address.split_once(MARK) {
-        return Ok(Some(LinkTarget::Picture(Box::new(Picture::read(link.trim_end())?))));
+        return Ok(Some(LinkTarget::Picture(Box::new(SavedPicture::read(link.trim_end())?))));
     }
     if let Some(name) = value(address, "lesson") {
         let (place, step) = lesson(name, value(address, "step"))?;

@@ -23,7 +23,7 @@ const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
-pub struct Picture {
+pub struct SavedPicture {
     #[serde(with = "toml")]
     pub scenario: Scenario,
     pub views: Option<Outline>,
@@ -58,13 +58,13 @@ pub enum PictureError {
     Impossible(String),
 }
 
-impl Default for Picture {
+impl Default for SavedPicture {
     fn default() -> Self {
         Self::new(BuiltIn::FIRST.scenario().unwrap_or_default(), &ViewLayout::default(), Mode::default(), 0.0)
     }
 }
 
-impl Picture {
+impl SavedPicture {
     pub(crate) fn new(scenario: Scenario, layout: &ViewLayout, mode: Mode, time: f64) -> Self {
         Self {
             scenario,
