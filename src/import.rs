@@ -183,7 +183,7 @@ fn running<T: Task<Outcome: Send> + Send + 'static>(
     }
 }
 
-type Choices = (Mapping, InputKind, Hold);
+type ImportSettings = (Mapping, InputKind, Hold);
 
 #[derive(Clone, Debug)]
 struct SharedFile(Arc<RecordFile>);

@@ -16,7 +16,7 @@ pub struct ViewLayout {
 
 impl Default for ViewLayout {
     fn default() -> Self {
-        let rows: Rows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
+        let rows: LayoutRows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
         Self { tree: tree(rows), enlarged: None }
     }
 }
@@ -185,9 +185,9 @@ impl ViewLayout {
     }
 }
 
-type Rows<'a> = &'a [(f32, &'a [ViewKind])];
+type LayoutRows<'a> = &'a [(f32, &'a [ViewKind])];
 
-const fn rows(arrangement: Arrangement) -> Rows<'static> {
+const fn rows(arrangement: Arrangement) -> LayoutRows<'static> {
     use ViewKind::{
         Autocorrelation, Consistency, Errors, Filters, Innovations, Map, Oscillator, ParameterPlane, Parameters,
         Scores, States,
@@ -200,7 +200,7 @@ const fn rows(arrangement: Arrangement) -> Rows<'static> {
     }
 }
 
-fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
+fn tree(rows: LayoutRows<'_>) -> Tree<ViewKind> {
     let mut tiles = Tiles::default();
     let mut column = egui_tiles::Linear::new(LinearDir::Vertical, Vec::new());
     for (share, views) in rows {

@@ -158,17 +158,17 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
     decades.iter().map(|score| theme::sequential(share(score) as f32)).collect()
 }
 
-type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
+type SparkValues<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
 
 fn sketch(run: &Run, picture: &lessons::LessonPicture) -> SparkPicture {
     let (record, show) = (run.record(), picture.show);
     let first = || run.channels().into_iter().find(|channel| channel.is_parameter());
     let channel = picture.channel.or_else(first).unwrap_or(Channel::DISPLACEMENT);
     let sensor = picture.sensor.and_then(|sensor| sensor.place_in(record.sensors())).unwrap_or(0);
-    let reading = |place: usize| -> Values<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
+    let reading = |place: usize| -> SparkValues<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
     let smoothed = run.smoothed();
     let evidence: &[Evidence] = &run.estimates().iter().map(Evidence::new).collect::<Vec<_>>();
-    let mut drawn: Vec<(SparkMark, SparkInk, Values<'_>)> = Vec::new();
+    let mut drawn: Vec<(SparkMark, SparkInk, SparkValues<'_>)> = Vec::new();
     match show {
         PictureCourse::Measured => drawn.push((SparkMark::Line, SparkInk::Text, reading(sensor))),
         PictureCourse::Estimate => {
@@ -214,7 +214,7 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> SparkPicture {
     let (low, high) = picture.range.map_or_else(|| range(&late), |[low, high]| (low, high));
     let margin = if show == PictureCourse::Probability { 0.0 } else { MARGIN * (high - low) };
     let bounds = if low < high { (low - margin, high + margin) } else { (low - 1.0, low + 1.0) };
-    let spark = |of: &Values<'_>| Spark::over(bounds, len, |k| of(begin + k));
+    let spark = |of: &SparkValues<'_>| Spark::over(bounds, len, |k| of(begin + k));
     let courses = drawn.iter().map(|(mark, ink, of)| (*mark, *ink, spark(of))).collect();
     SparkPicture { courses, ..SparkPicture::default() }
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::{Choices, SharedFile};
+use super::{ImportSettings, SharedFile};
 use crate::session::{RecordFile, Session};
 use crate::spark::Spark;
 
@@ -23,8 +23,8 @@ pub struct Draft {
     pub(super) sparks: Vec<Spark>,
     pub(super) guesses: Vec<ColumnGuess>,
     pub(super) is_unfolded: bool,
-    outcome: Option<(Choices, Result<Imported, String>)>,
-    making: Option<(Choices, Builder<'static>)>,
+    outcome: Option<(ImportSettings, Result<Imported, String>)>,
+    making: Option<(ImportSettings, Builder<'static>)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

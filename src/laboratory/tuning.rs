@@ -45,10 +45,10 @@ impl TuneResult {
 struct Search {
     choice: TuneChoice,
     of: Scenario,
-    tuner: RunningTask<Tuner, Seen>,
+    tuner: RunningTask<Tuner, TuneProgress>,
 }
 
-type Seen = (f64, Vec<Try>);
+type TuneProgress = (f64, Vec<Try>);
 
 #[derive(Default)]
 pub struct Tuning {

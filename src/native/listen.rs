@@ -25,7 +25,7 @@ pub(super) trait Parser: Clone + Send + 'static {
     fn left_out(&self) -> (usize, &str);
 }
 
-pub(super) struct Listened<P: Parser> {
+pub(super) struct SensorListener<P: Parser> {
     name: String,
     shared: Arc<SharedListener<P::Reading>>,
     parser: P,
@@ -75,14 +75,14 @@ impl<T: SensorReading> SharedListener<T> {
     }
 }
 
-impl<P: Parser> Listened<P> {
+impl<P: Parser> SensorListener<P> {
     pub(super) fn new(name: &str, parser: P) -> Self {
         let heard = SharedListener(Mutex::new(ListenerState { lines: 0, left_out: (0, String::new()), to: None }));
         Self { name: name.to_owned(), shared: Arc::new(heard), parser, thread: RefCell::default() }
     }
 }
 
-impl<P: Parser> SensorDevice<P::Reading> for Listened<P> {
+impl<P: Parser> SensorDevice<P::Reading> for SensorListener<P> {
     fn begin(&self, ctx: &Context, to: &ReadingQueue<P::Reading>) {
         self.shared.heard().to = Some((ctx.clone(), to.clone()));
         let mut thread = self.thread.borrow_mut();
@@ -129,19 +129,19 @@ impl Parser for Accelerations {
 }
 
 #[derive(Clone)]
-pub(super) struct OfScenario {
+pub(super) struct ScenarioParser {
     lines: LineReader,
     left_out: usize,
     why: String,
 }
 
-impl OfScenario {
+impl ScenarioParser {
     pub(super) fn new(scenario: &Scenario) -> Self {
         Self { lines: LineReader::new(scenario), left_out: 0, why: String::new() }
     }
 }
 
-impl Parser for OfScenario {
+impl Parser for ScenarioParser {
     type Reading = StreamRow;
 
     fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<StreamRow>, String> {
@@ -179,7 +179,7 @@ mod tests {
     fn readings_go_to_whom_wants_them_and_the_source_stays_open() {
         let server = TcpListener::bind("127.0.0.1:0").expect("a port");
         let name = format!("tcp://{}", server.local_addr().expect("an address"));
-        let listened = Listened::new(&name, Accelerations::default());
+        let listened = SensorListener::new(&name, Accelerations::default());
         let (ctx, first) = (Context::default(), ReadingQueue::default());
         listened.begin(&ctx, &first);
         let (mut to, _) = server.accept().expect("it connects");
@@ -207,7 +207,7 @@ mod tests {
         for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no readings")] {
             std::fs::write(&folder, text).expect("written");
             let (ctx, to) = (Context::default(), ReadingQueue::default());
-            let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default());
+            let listened = SensorListener::new(&folder.to_string_lossy(), Accelerations::default());
             listened.begin(&ctx, &to);
             wait_until(|| to.refusal().is_some(), words);
             let refusal = to.refusal().expect("it is refused");
@@ -215,7 +215,7 @@ mod tests {
         }
         std::fs::remove_file(folder).expect("it is there");
         let (ctx, to) = (Context::default(), ReadingQueue::default());
-        Listened::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
+        SensorListener::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
         wait_until(|| to.refusal().is_some_and(|refusal| refusal.contains("refused")), "nobody is there");
     }
 }

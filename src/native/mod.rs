@@ -21,7 +21,7 @@ use kalmanscope::share::address;
 use kalmanscope_core::Scenario;
 use kalmanscope_gpu::Software;
 use kalmanscope_sources::Accelerations;
-use listen::{Listened, Listening, OfScenario};
+use listen::{Listening, ScenarioParser, SensorListener};
 
 const INVALID: u8 = 2;
 
@@ -122,12 +122,12 @@ fn open(LaunchPlan { target, source }: LaunchPlan) -> eframe::Result {
 
 fn listening(app: App, Listening { source, scenario }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn SensorDevice<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
+        let accelerometer: Rc<dyn SensorDevice<_>> = Rc::new(SensorListener::new(&source, Accelerations::default()));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn SensorDevice<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
+    let stream: Rc<dyn SensorDevice<_>> = Rc::new(SensorListener::new(&source, ScenarioParser::new(&scenario)));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app

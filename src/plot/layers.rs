@@ -126,7 +126,7 @@ const ALIKE: f64 = 0.2;
 pub(crate) struct Drawing {
     pub(super) marks: Vec<Mark>,
     pub(super) range: Option<(f64, f64)>,
-    painted: Mutex<Option<(Place, Vec<Shape>)>>,
+    painted: Mutex<Option<(PaintedFrame, Vec<Shape>)>>,
 }
 
 impl Drawing {
@@ -223,7 +223,7 @@ fn mesh(ui: &Ui, shapes: Vec<Shape>) -> Mesh {
     mesh
 }
 
-type Place = (Rect, [f64; 2], [f64; 2], f32);
+type PaintedFrame = (Rect, [f64; 2], [f64; 2], f32);
 
 /// Radius of a dot, of a dot among few, and the number of few dots \[points\].
 const DOT: f32 = 1.3;

@@ -7,14 +7,14 @@ use crate::team::{Priority, RunningTask};
 
 const EVERY: usize = 200;
 
-type Of = (u64, usize);
+type SpectrogramKey = (u64, usize);
 
 #[derive(Default)]
 pub(super) struct Spectrograms {
     is_wanted: bool,
     /// `None` in it if there were too few samples.
-    made: Option<(Of, Option<Spectrogram>)>,
-    next: Option<(Of, RunningTask<Windows>)>,
+    made: Option<(SpectrogramKey, Option<Spectrogram>)>,
+    next: Option<(SpectrogramKey, RunningTask<Windows>)>,
 }
 
 impl Session {
@@ -22,7 +22,7 @@ impl Session {
         self.spectrograms.is_wanted = is_wanted;
     }
 
-    pub fn spectrogram(&self) -> Option<(Of, &Spectrogram)> {
+    pub fn spectrogram(&self) -> Option<(SpectrogramKey, &Spectrogram)> {
         let (of, spectrogram) = self.spectrograms.made.as_ref()?;
         Some((*of, spectrogram.as_ref()?))
     }

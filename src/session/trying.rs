@@ -16,7 +16,7 @@ pub(super) struct Trying {
 pub struct Attempt {
     filter: u32,
     of: (u64, usize),
-    search: Option<RunningTask<Search, Seen>>,
+    search: Option<RunningTask<Search, SearchProgress>>,
     pub progress: f64,
     pub before: Option<Verdict>,
     /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
@@ -25,7 +25,7 @@ pub struct Attempt {
     is_complete: bool,
 }
 
-type Seen = (f64, Option<Verdict>, Vec<Remedy>);
+type SearchProgress = (f64, Option<Verdict>, Vec<Remedy>);
 
 impl Attempt {
     pub fn is_under_way(&self) -> bool {

@@ -18,7 +18,7 @@ use kalmanscope_worker::{
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use worker::{AT_ONCE, Left, Program, Worker, WorkerTask};
+use worker::{AT_ONCE, Program, RemainingWork, Worker, WorkerTask};
 
 const MOST: usize = 8;
 
@@ -48,21 +48,21 @@ impl Team for Workers {
 
     fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Handle<Tape>> {
         let message = |number| filter_message(number, scenario, place, record);
-        self.begin(Left::Samples(record.len()), &message, |part, _| tape(part))
+        self.begin(RemainingWork::Samples(record.len()), &message, |part, _| tape(part))
     }
 
     fn load(&self, bytes: &[u8]) -> Option<Handle<Report<f64, Result<Loaded, String>>>> {
-        self.begin(Left::Outcome, &|number| file_message(number, bytes), |part, _| report(part, loaded))
+        self.begin(RemainingWork::Outcome, &|number| file_message(number, bytes), |part, _| report(part, loaded))
     }
 
     fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
         let message = |number| suggest_message(number, scenario, record);
-        self.begin(Left::Outcome, &message, |part, _| report(part, suggestion))
+        self.begin(RemainingWork::Outcome, &message, |part, _| report(part, suggestion))
     }
 
     fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
         let message = |number| cells_message(number, &cells.runner);
-        self.begin(Left::cells(cells.clone(), full()), &message, |part, workers| {
+        self.begin(RemainingWork::cells(cells.clone(), full()), &message, |part, workers| {
             rows(part).map(|(cells, numbers)| CellRows { cells, numbers, by: Computer::Workers(workers) })
         })
     }
@@ -81,7 +81,7 @@ impl Workers {
     /// `read` reads a part, given the number of workers. `None` if there can be no workers.
     fn begin<T: 'static>(
         &self,
-        left: Left,
+        left: RemainingWork,
         message: &dyn Fn(u32) -> Array,
         read: impl Fn(&JsValue, usize) -> Option<T> + 'static,
     ) -> Option<Handle<T>> {
@@ -93,9 +93,9 @@ impl Workers {
         }))
     }
 
-    fn give(&self, left: Left, message: &dyn Fn(u32) -> Array) -> Option<u32> {
+    fn give(&self, left: RemainingWork, message: &dyn Fn(u32) -> Array) -> Option<u32> {
         let mut present = self.state.borrow_mut();
-        let is_for_all = matches!(left, Left::Cells { .. });
+        let is_for_all = matches!(left, RemainingWork::Cells { .. });
         if is_for_all {
             // The workers have one map at a time.
             present.end(WorkerTask::is_for_all);

@@ -14,7 +14,7 @@ use web_sys::MessageEvent;
 
 use super::super::object::{awaited, call, get};
 
-use super::worker::{Left, Program, Worker, WorkerTask};
+use super::worker::{Program, RemainingWork, Worker, WorkerTask};
 
 /// The worker computes this many cells at once.
 const PORTION: usize = 1024;
@@ -69,7 +69,7 @@ impl Graphics for WorkerProcessor {
         state.ctx = ctx.clone();
         state.number += 1;
         let number = state.number;
-        let left = Left::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
+        let left = RemainingWork::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
         let mut task = WorkerTask::new(number, cells_message(number, &cells.runner), left, (None, 1), ctx);
         task.feed(state.worker.as_ref()?);
         state.task = Some(task);
