@@ -183,9 +183,8 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
 }
 
 pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
-    for (icon, name, key, possible, request) in
-        [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]
-    {
+    let undo = ("↶", "Undo", "Ctrl+Z", undo, Request::Undo);
+    for (icon, name, key, possible, request) in [undo, ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)] {
         let button = ui.add_enabled(possible, Button::new(RichText::new(icon).size(15.0)));
         let button = named(button.on_hover_text(format!("{name} the last change of a setting ({key})")), name);
         if button.clicked() {

@@ -65,13 +65,13 @@ impl Transport<'_> {
 
 fn playback_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
-    if button(ui, icon, name, "Space") {
+    if button_ui(ui, icon, name, "Space") {
         requests.push(Request::TogglePlay);
     }
-    if button(ui, "⏭", "Step", "→") {
+    if button_ui(ui, "⏭", "Step", "→") {
         requests.push(Request::Step);
     }
-    if button(ui, "↺", "Restart", "R") {
+    if button_ui(ui, "↺", "Restart", "R") {
         requests.push(Request::Restart);
     }
 }
@@ -92,7 +92,7 @@ fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     }
 }
 
-fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
+fn button_ui(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
     let response = named(hover_text(ui.add(button), &|| format!("{name} ({key})")), name);
     probe::remember(ui.ctx(), name, response.rect);

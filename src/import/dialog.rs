@@ -84,7 +84,7 @@ impl Import {
             }
             ImportStage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
-                button(ui, Button::new("Close"), "Close", true).then_some(DialogChoice::Cancel)
+                button_ui(ui, Button::new("Close"), "Close", true).then_some(DialogChoice::Cancel)
             }
             ImportStage::Asking(_) if *at_once => {
                 ui.label(format!("Reading “{name}”"));
@@ -100,10 +100,10 @@ fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Op
     if is_still {
         ui.colored_label(palette.warning, "It has made no progress for 10 s. Esc stops it.");
     }
-    button(ui, Button::new("Cancel"), "Cancel the import", true).then_some(DialogChoice::Cancel)
+    button_ui(ui, Button::new("Cancel"), "Cancel the import", true).then_some(DialogChoice::Cancel)
 }
 
-fn button(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
+fn button_ui(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
     let button = named(ui.add_enabled(enabled, button), name);
     probe::remember(ui.ctx(), name, button.rect);
     button.clicked()
@@ -112,7 +112,7 @@ fn button(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
 fn decay_ui(ui: &mut Ui, table: &Table) -> Option<DialogChoice> {
     const NAME: &str = "Take its free decay";
     let axes = ThreeAxes::of(table)?;
-    let is_taken = button(ui, Button::new(NAME), NAME, true);
+    let is_taken = button_ui(ui, Button::new(NAME), NAME, true);
     ui.weak("Along the axis that moves most, without gravity, from when the hand is gone until it rests.");
     is_taken.then(|| DialogChoice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))))
 }
@@ -123,11 +123,11 @@ impl Draft {
         let decay = scroll.show(ui, |ui| self.contents_ui(ui, palette)).inner;
         ui.separator();
         let buttons = ui.horizontal_wrapped(|ui| {
-            let open = button(ui, primary("Open the record", palette), "Open the record", self.is_possible());
+            let open = button_ui(ui, primary("Open the record", palette), "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
             let tests =
                 can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
-            let cancel = button(ui, Button::new("Cancel"), "Cancel the import", true);
+            let cancel = button_ui(ui, Button::new("Cancel"), "Cancel the import", true);
             match (open, tests, cancel) {
                 (true, ..) => Some(DialogChoice::Open),
                 (_, true, _) => Some(DialogChoice::HoldOut),

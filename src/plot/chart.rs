@@ -63,7 +63,7 @@ impl<'a> Chart<'a> {
         Sheet { title: self.title, unit: self.unit, columns: self.columns }
     }
 
-    fn show(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
+    fn ui(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
             Medium::Screen => {
@@ -178,7 +178,7 @@ pub(crate) fn charts_ui(
     let mut charts = charts.into_iter().skip(first);
     cells_ui(ui, shown, &mut |ui, i, last_row| {
         let Some(chart) = charts.next() else { return };
-        let response = chart.show(ui, input, last_row, requests);
+        let response = chart.ui(ui, input, last_row, requests);
         pointed = response.pointed.or(pointed);
         if response.alone {
             alone = if alone.is_none() { Some(first + i) } else { None };

@@ -9,7 +9,7 @@ use kalmanscope_lab::channels;
 
 use crate::controls::Edits;
 use crate::controls::filter::color_of;
-use crate::controls::number::{Named, field};
+use crate::controls::number::{Named, field_ui};
 use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::{View, ViewContext};
@@ -131,7 +131,7 @@ fn row_ui(ui: &mut Ui, row: &ParameterRow, edits: &mut Edits<'_>, palette: &Pale
                     ui.visuals_mut().widgets.inactive.bg_fill = tint;
                 }
                 let key = format!("filters#{id}: {}", row.name);
-                field(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
+                field_ui(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
             });
             if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
             {

@@ -35,7 +35,7 @@ pub(super) static VIEW: View = View {
 };
 
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-    let (laboratory, choice, survey) = contents(ui, context)?;
+    let (laboratory, choice, survey) = contents_ui(ui, context)?;
     let medium = Medium::of(ui.ctx());
     if medium == Medium::Screen {
         head_ui(ui, context, laboratory, choice, requests);
@@ -77,7 +77,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a MapChoice, &'a Survey)> {
+fn contents_ui<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a MapChoice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state.problem.as_deref() {
         ui.weak(problem);

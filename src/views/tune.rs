@@ -6,7 +6,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::{Goal, TuneRemark};
 
-use crate::controls::number::field;
+use crate::controls::number::field_ui;
 use crate::laboratory::{TuneChoice, TuneResult, Tuning, of_filters, part_of, setting_label, setting_name};
 use crate::plot::medium::Medium;
 use crate::plot::plane::Plane;
@@ -265,7 +265,7 @@ fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) 
     for (value, end) in [(&mut axis.from, "least"), (&mut axis.to, "largest")] {
         let name = format!("{end} {}", setting_name(key, part));
         let scale = value.abs().max(1e-9);
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &name));
+        ui.allocate_ui(size, |ui| field_ui(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &name));
     }
     // Ignores half-typed, impossible ranges.
     if axis.check().is_err() || axis.from >= axis.to {

@@ -4,7 +4,7 @@ use egui::{ComboBox, Grid, Ui, vec2};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Measure, Scenario, Spacing};
 
-use crate::controls::number::field;
+use crate::controls::number::field_ui;
 use crate::laboratory::{Laboratory, MOST, MapChoice, Survey, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
@@ -47,7 +47,7 @@ pub(super) fn head_ui(
     }
 }
 
-fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
+fn combo_ui(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
     let combo = ComboBox::from_id_salt(label).selected_text(text).width(width).height(420.0).show_ui(ui, add);
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(label));
 }
@@ -55,7 +55,7 @@ fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&m
 fn axis_ui(ui: &mut Ui, choice: &mut MapChoice, at: usize, part: &Scenario, keys: &[String]) {
     let present = choice.axes[at].key.clone();
     let other = choice.axes[1 - at].key.clone();
-    combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
+    combo_ui(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
         for key in keys.iter().filter(|key| **key == other || !collide(key, &other, part)) {
             if !ui.selectable_label(*key == present, setting_name(key, part)).clicked() || *key == present {
                 continue;
@@ -70,7 +70,7 @@ fn axis_ui(ui: &mut Ui, choice: &mut MapChoice, at: usize, part: &Scenario, keys
 }
 
 fn measure_ui(ui: &mut Ui, choice: &mut MapChoice, offered: &[Measure]) {
-    combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
+    combo_ui(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
             ui.selectable_value(&mut choice.measure, *measure, measure.name());
         }
@@ -83,7 +83,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut MapChoice, scenario: &Scenario) {
         filter.map_or(String::new(), |filter| filter.name.clone())
     };
     let MapChoice { filter: first, second, .. } = choice;
-    combo(ui, "Filter of the map", name(*first), 58.0, |ui| {
+    combo_ui(ui, "Filter of the map", name(*first), 58.0, |ui| {
         for filter in &scenario.filters {
             if ui.selectable_label(*first == filter.id, &filter.name).clicked() {
                 if *second == Some(filter.id) {
@@ -97,7 +97,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut MapChoice, scenario: &Scenario) {
         return;
     }
     let text = second.map_or_else(|| "alone".to_owned(), |id| format!("and {}", name(id)));
-    combo(ui, "Second filter", text, 66.0, |ui| {
+    combo_ui(ui, "Second filter", text, 66.0, |ui| {
         ui.selectable_value(second, None, "alone");
         for filter in scenario.filters.iter().filter(|filter| filter.id != *first) {
             ui.selectable_value(second, Some(filter.id), format!("and {}", filter.name));
@@ -152,7 +152,8 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);
         let name = format!("{end} value {way}");
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &format!("{name} {unit}")));
+        let hint = format!("{name} {unit}");
+        ui.allocate_ui(size, |ui| field_ui(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &hint));
     }
     let count = ui.add(egui::DragValue::new(&mut axis.count).range(2..=MOST));
     ui.ctx().accesskit_node_builder(count.id, |node| node.set_label(format!("Values {way}")));
