@@ -27,15 +27,15 @@ use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{self, Choose, Inbox};
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
-use crate::ruler::{End, Ruler};
+use crate::ruler::{Ruler, RulerEnd};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Version, Wanted};
-use crate::shelf::{Candidate, Shelf};
+use crate::shelf::{Shelf, ShelfFile};
 use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -50,7 +50,7 @@ pub struct App {
     axis: TimeAxis,
     ruler: Ruler,
     visible: Visibility,
-    layout: Layout,
+    layout: ViewLayout,
     pub laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
@@ -84,7 +84,7 @@ pub struct App {
     shelf: Option<Box<dyn Shelf>>,
     sensors: Sensors,
     measure: Option<Measure>,
-    candidate: Option<Candidate>,
+    candidate: Option<ShelfFile>,
     standstill: standstill::Standstill,
     pub inbox: Inbox,
     page: String,
@@ -108,7 +108,7 @@ impl App {
             axis: TimeAxis::default(),
             ruler: Ruler::default(),
             visible: Visibility::default(),
-            layout: Layout::default(),
+            layout: ViewLayout::default(),
             laboratory: Laboratory::new(Rc::new(Frames::FRAME)),
             catalogue: Catalogue::default(),
             tutor: None,
@@ -176,7 +176,7 @@ impl App {
         &mut self.session
     }
 
-    pub fn layout_mut(&mut self) -> &mut Layout {
+    pub fn layout_mut(&mut self) -> &mut ViewLayout {
         &mut self.layout
     }
 
@@ -219,7 +219,7 @@ impl App {
 
     fn model_time(&self) -> Option<ModelTime> {
         let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs);
-        wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
+        wanted.then(|| match (self.ruler.time(RulerEnd::A), self.ruler.time(RulerEnd::B)) {
             (Some(a), Some(b)) => ModelTime::Over(a, b),
             (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
             (None, None) => ModelTime::Last,

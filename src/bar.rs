@@ -4,7 +4,7 @@ use egui::{Button, Color32, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
 use crate::request::{Arrangement, Request, Tabs, VIEWS, ViewKind};
@@ -25,7 +25,7 @@ const FORGET: &str = "Remove the record’s file from this device: it will not b
 
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
-    pub(crate) layout: &'a Layout,
+    pub(crate) layout: &'a ViewLayout,
     pub(crate) catalogue: &'a Catalogue,
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
@@ -126,7 +126,7 @@ fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
     }
 }
 
-fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
+fn views_menu_ui(ui: &mut Ui, layout: &ViewLayout, requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "Views", Closing::Beside, |ui| {
         for arrangement in Arrangement::ALL {
             if ui.button(arrangement.name()).clicked() {
@@ -183,9 +183,8 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
 }
 
 pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
-    for (icon, name, key, possible, request) in
-        [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]
-    {
+    let undo = ("↶", "Undo", "Ctrl+Z", undo, Request::Undo);
+    for (icon, name, key, possible, request) in [undo, ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)] {
         let button = ui.add_enabled(possible, Button::new(RichText::new(icon).size(15.0)));
         let button = named(button.on_hover_text(format!("{name} the last change of a setting ({key})")), name);
         if button.clicked() {

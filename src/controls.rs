@@ -98,25 +98,25 @@ pub fn controls_ui(
         } = &**scenario;
         // The filters come first: users tune these.
         for place in 0..filters.len() {
-            filter::filter_section(ui, edits, place, palette);
+            filter::filter_section_ui(ui, edits, place, palette);
         }
         filter::add_filter_ui(ui, edits);
         ui.add_space(6.0);
         if record.is_some() {
-            section(ui, "Measured record", true, |ui| record::record_ui(ui, edits, library, &mut asked));
+            section_ui(ui, "Measured record", true, |ui| record::record_ui(ui, edits, library, &mut asked));
             ui.add_space(12.0);
             return;
         }
-        section(ui, "Truth", true, |ui| plant::plant_ui(ui, edits, &mut asked));
-        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| record::force_ui(ui, edits)));
-        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, edits));
-        section(ui, "Record", false, |ui| record::general_ui(ui, edits));
+        section_ui(ui, "Truth", true, |ui| plant::plant_ui(ui, edits, &mut asked));
+        section_ui(ui, "Force", true, |ui| lit::lit_ui(ui, "force", |ui| record::force_ui(ui, edits)));
+        section_ui(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, edits));
+        section_ui(ui, "Record", false, |ui| record::general_ui(ui, edits));
         ui.add_space(12.0);
     });
     asked
 }
 
-fn section(ui: &mut Ui, title: &str, open: bool, add_contents: impl FnOnce(&mut Ui)) {
+fn section_ui(ui: &mut Ui, title: &str, open: bool, add_contents: impl FnOnce(&mut Ui)) {
     let heading = RichText::new(title).family(theme::strong()).size(14.5);
     egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {
         add_contents(ui);

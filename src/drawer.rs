@@ -32,7 +32,7 @@ impl Drawer {
         [(LOW * window).max(LEAST).min(high), high]
     }
 
-    pub(crate) fn show(
+    pub(crate) fn ui(
         &mut self,
         ui: &mut Ui,
         name: &str,

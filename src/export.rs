@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use egui::{Context, Id, Popup, Ui};
-use kalmanscope_cli::{Parts, Results, report, write_estimates};
+use kalmanscope_cli::{ReportParts, Results, report, write_estimates};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::{Estimates, Task};
@@ -13,11 +13,11 @@ use kalmanscope_diagnosis::Remedy;
 use crate::figure::Figure;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::menu::Closing;
 use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
-use crate::team::{Lost, Priority, Running};
+use crate::team::{Lost, Priority, RunningTask};
 use crate::view::ViewContext;
 use crate::widgets::named;
 use crate::{menu, probe};
@@ -27,15 +27,17 @@ const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
 
 const JSON: &str = "application/json";
+const SVG: &str = "image/svg+xml";
+const TOML: &str = "application/toml";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct File {
+pub struct ExportFile {
     pub name: String,
     pub kind: &'static str,
     pub contents: Vec<u8>,
 }
 
-pub type Deliver = Box<dyn Fn(File, Done)>;
+pub type Deliver = Box<dyn Fn(ExportFile, Done)>;
 
 const DATA: [(Export, &str, &str); 6] = [
     (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
@@ -50,11 +52,11 @@ pub(crate) struct Exporting {
     export: Export,
     figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
     drawn: Vec<String>,
-    written: Option<Running<Everything>>,
+    written: Option<RunningTask<Everything>>,
 }
 
 impl Exporting {
-    pub(crate) fn new(export: Export, layout: &Layout) -> Self {
+    pub(crate) fn new(export: Export, layout: &ViewLayout) -> Self {
         let figures = match export {
             Export::Figure(format) => vec![(layout.rows(), format)],
             Export::Report => {
@@ -79,7 +81,11 @@ impl Exporting {
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
 
-    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
+    pub(crate) fn advance(
+        &mut self,
+        context: &ViewContext<'_>,
+        layout: &ViewLayout,
+    ) -> Option<Result<ExportFile, String>> {
         let session = context.session;
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
@@ -91,12 +97,10 @@ impl Exporting {
         self.file(context, layout).transpose()
     }
 
-    fn file(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Result<Option<File>, String> {
+    fn file(&mut self, context: &ViewContext<'_>, layout: &ViewLayout) -> Result<Option<ExportFile>, String> {
         let (session, figures) = (context.session, &self.drawn);
         Ok(Some(match self.export {
-            Export::Figure(format) => {
-                text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat())
-            }
+            Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), SVG, figures.concat()),
             Export::Report => text("report.html", "text/html", report_on(session, figures)?),
             Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
             Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
@@ -109,19 +113,17 @@ impl Exporting {
                 let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
                 text("monte-carlo.csv", "text/csv", runs.to_csv())
             }
-            Export::Scenario => {
-                text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?)
-            }
+            Export::Scenario => text("scenario.toml", TOML, session.scenario().to_toml().map_err(reason)?),
             Export::All => return self.everything(session),
             Export::Session => text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?),
         }))
     }
 
-    fn everything(&mut self, session: &Session) -> Result<Option<File>, String> {
+    fn everything(&mut self, session: &Session) -> Result<Option<ExportFile>, String> {
         let begin = || {
             let series = session.run().estimates().to_vec();
             let task = Everything { results: results_of(session).into_owned(), series };
-            Running::begin(&**session.team(), Priority::Hand, task, Everything::progress)
+            RunningTask::begin(&**session.team(), Priority::Hand, task, Everything::progress)
         };
         match self.written.get_or_insert_with(begin).advance(&mut || true) {
             Ok(written) => Ok(written.transpose().map_err(reason)?.map(|json| text("kalmanscope.json", JSON, json))),
@@ -151,18 +153,18 @@ fn results_of(session: &Session) -> Results<'_> {
 
 fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     let title = record_name(session).unwrap_or_else(|| "A simulated oscillator".to_owned());
-    let parts = Parts { title: &title, reasons: &session.library().reasons, figures };
+    let parts = ReportParts { title: &title, reasons: &session.library().reasons, figures };
     report(&results_of(session), &parts).map_err(reason)
 }
 
-fn text(name: &str, kind: &'static str, text: String) -> File {
-    File { name: name.to_owned(), kind, contents: text.into_bytes() }
+fn text(name: &str, kind: &'static str, text: String) -> ExportFile {
+    ExportFile { name: name.to_owned(), kind, contents: text.into_bytes() }
 }
 
-fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>) -> Result<File, String> {
+fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>) -> Result<ExportFile, String> {
     let mut contents = Vec::new();
     write(&mut contents).map_err(reason)?;
-    Ok(File { name: name.to_owned(), kind: "text/csv", contents })
+    Ok(ExportFile { name: name.to_owned(), kind: "text/csv", contents })
 }
 
 fn reason(error: impl Display) -> String {
@@ -207,7 +209,7 @@ pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static
     std::iter::once((Request::ShowFigure, FIGURE.0, FIGURE.1)).chain(all)
 }
 
-pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &Layout, requests: &mut Vec<Request>) {
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &ViewLayout, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         let mut entry = |ui: &mut Ui, (request, name, hint): (Request, &str, &str)| {
             let button = ui.button(name).on_hover_text(hint);

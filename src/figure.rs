@@ -7,11 +7,11 @@ mod canvas;
 mod dialog;
 mod svg;
 
-use canvas::{Canvas, Geometry, Part, Pen, TYPE, extent};
+use canvas::{Canvas, FigurePart, Geometry, Pen, TYPE, extent};
 use egui::epaint::ClippedShape;
 use egui::{Color32, Label, Pos2, RichText, Sense, Ui, Vec2, pos2, vec2};
 
-use crate::legend::{Mark, paint_mark};
+use crate::legend::{LegendMark, paint_mark};
 use crate::plot::medium::Medium;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{FigureFormat, Proportions, ViewKind};
@@ -22,7 +22,7 @@ use crate::views::view;
 pub(crate) use dialog::FigureDialog;
 
 pub struct Figure {
-    parts: Vec<Part>,
+    parts: Vec<FigurePart>,
     /// Width and height \[points of the canvas\].
     size: Vec2,
     scale: f32,
@@ -78,12 +78,12 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
     let mut growth = 1.0;
     loop {
         let scale = geometry.type_size / TYPE / growth;
-        let canvas = Canvas::new(Pen::new(geometry.curves.map(|width| width / scale)));
+        let canvas = &Canvas::new(Pen::new(geometry.curves.map(|width| width / scale)));
         let width = geometry.width / scale;
-        let sheet = Sheet { canvas: &canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
-        let legend = sheet.legend();
+        let page = FigurePage { canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
+        let legend = page.legend();
         let top = MARGIN + extent(&legend).y.ceil() + GAP.y;
-        let natural: Vec<f32> = rows.iter().map(|row| sheet.row_height(row)).collect();
+        let natural: Vec<f32> = rows.iter().map(|row| page.row_height(row)).collect();
         let gaps = GAP.y * rows.len().saturating_sub(1) as f32;
         let needed = top + natural.iter().sum::<f32>() + gaps + MARGIN;
         let height = geometry.aspect.map_or(needed, |aspect| aspect * width);
@@ -95,25 +95,25 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
         let grows = |row: &[ViewKind]| row.iter().any(|kind| can_grow(*kind));
         let growing: f32 = rows.iter().zip(&natural).filter(|(row, _)| grows(row)).map(|(_, height)| height).sum();
         let stretch = if growing > 0.0 { 1.0 + (height - needed).max(0.0) / growing } else { 1.0 };
-        let mut parts = vec![Part::at(pos2(MARGIN, MARGIN), 1.0, legend)];
+        let mut parts = vec![FigurePart::at(pos2(MARGIN, MARGIN), 1.0, legend)];
         let mut y = top;
         for (row, natural) in rows.iter().zip(&natural) {
             let height = natural * if grows(row) { stretch } else { 1.0 };
-            sheet.row(row, y, height, &mut parts);
+            page.row(row, y, height, &mut parts);
             y += height + GAP.y;
         }
         return Figure { parts, size: vec2(width, height), scale };
     }
 }
 
-struct Sheet<'a> {
+struct FigurePage<'a> {
     canvas: &'a Canvas,
     context: &'a ViewContext<'a>,
     width: f32,
     is_alone: bool,
 }
 
-impl Sheet<'_> {
+impl FigurePage<'_> {
     fn legend(&self) -> Vec<ClippedShape> {
         self.canvas.draw(vec2(self.width, AMPLE), |ui| legend_ui(ui, self.context))
     }
@@ -166,7 +166,7 @@ impl Sheet<'_> {
         view(kind).ui(ui, self.context, &mut Vec::new());
     }
 
-    fn row(&self, row: &[ViewKind], top: f32, height: f32, parts: &mut Vec<Part>) {
+    fn row(&self, row: &[ViewKind], top: f32, height: f32, parts: &mut Vec<FigurePart>) {
         let width = self.share(row);
         let mut left = MARGIN;
         for &kind in row {
@@ -174,7 +174,7 @@ impl Sheet<'_> {
             left += width + GAP.x;
             let mut room = height;
             if !self.is_alone {
-                parts.push(Part::at(corner, 1.0, self.name(kind, width)));
+                parts.push(FigurePart::at(corner, 1.0, self.name(kind, width)));
                 corner.y += NAME;
                 room -= NAME;
             }
@@ -189,7 +189,7 @@ impl Sheet<'_> {
         })
     }
 
-    fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> Part {
+    fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> FigurePart {
         let natural = self.text_size(kind, room.x);
         let scaling = natural.map_or(1.0, |natural| (room / natural).min_elem().min(1.0));
         let mut size = room / scaling;
@@ -197,7 +197,7 @@ impl Sheet<'_> {
             // Beside a higher view there would be room for trails, which are for a moving picture.
             size.y = size.y.min(0.3 * size.x);
         }
-        Part::at(corner, scaling, self.canvas.draw(size, |ui| self.view_ui(ui, kind)))
+        FigurePart::at(corner, scaling, self.canvas.draw(size, |ui| self.view_ui(ui, kind)))
     }
 }
 
@@ -216,26 +216,26 @@ pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(12.0, 2.0);
         if visible.truth && knows_truth {
-            entry_ui(ui, "truth", Mark::Line, palette.truth);
+            entry_ui(ui, "truth", LegendMark::Line, palette.truth);
         }
         if visible.measured && !record.sensors().is_empty() {
-            entry_ui(ui, "measured", Mark::Dots, palette.weak);
+            entry_ui(ui, "measured", LegendMark::Dots, palette.weak);
         }
         for (_, estimates) in context.filters() {
-            let mark = if visible.bands { Mark::Band } else { Mark::Line };
+            let mark = if visible.bands { LegendMark::Band } else { LegendMark::Line };
             let end = if visible.bands { " ±2σ" } else { "" };
             entry_ui(ui, &format!("{}{end}", estimates.name()), mark, context.color(estimates));
         }
         if visible.hindsight && !session.smoothed().is_empty() {
-            entry_ui(ui, "hindsight", Mark::Dashes, palette.weak);
+            entry_ui(ui, "hindsight", LegendMark::Dashes, palette.weak);
         }
         if let Some(words) = session.before().map(|before| before.words.as_str()) {
-            entry_ui(ui, &format!("before: {words}"), Mark::Line, palette.weak);
+            entry_ui(ui, &format!("before: {words}"), LegendMark::Line, palette.weak);
         }
     });
 }
 
-fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32) {
+fn entry_ui(ui: &mut Ui, name: &str, mark: LegendMark, color: Color32) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     let text = ui.painter().layout_no_wrap(name.to_owned(), font, ui.visuals().text_color());
     let size = text.size() + vec2(SAMPLE.x + 5.0, 0.0);

@@ -44,7 +44,7 @@ const SYNONYMS: [(&str, &str); 16] = [
 pub(crate) struct Finder {
     text: String,
     place: usize,
-    change: Option<Change>,
+    change: Option<FinderChange>,
     has_begun: bool,
 }
 
@@ -88,7 +88,7 @@ impl Finder {
             self.place = 0;
         }
         let all = entries(session, catalogue, theme::other(ui.ctx()));
-        let found: Vec<&Entry> = found(&all, &self.text).into_iter().take(SHOWN).collect();
+        let found: Vec<&FinderEntry> = found(&all, &self.text).into_iter().take(SHOWN).collect();
         self.place =
             (self.place + usize::from(down)).min(found.len().saturating_sub(1)) - usize::from(up).min(self.place);
         let mut chosen = if enter { found.get(self.place).copied() } else { None };
@@ -111,23 +111,23 @@ impl Finder {
         });
         match chosen.map(|entry| &entry.choice) {
             None => return true,
-            Some(Choice::Setting(address)) => {
-                self.change = Some(Change { address: address.clone(), text: String::new(), is_refused: false });
+            Some(FinderChoice::Setting(address)) => {
+                self.change = Some(FinderChange { address: address.clone(), text: String::new(), is_refused: false });
                 return true;
             }
-            Some(Choice::Edit(edit)) => {
+            Some(FinderChoice::Edit(edit)) => {
                 let mut change = setting::Change::default();
                 change.edit(edit.clone());
                 requests.push(Request::Edit(change));
             }
-            Some(Choice::Request(request)) => requests.push((**request).clone()),
-            Some(Choice::Theme(theme)) => ui.ctx().set_theme(*theme),
+            Some(FinderChoice::Request(request)) => requests.push((**request).clone()),
+            Some(FinderChoice::Theme(theme)) => ui.ctx().set_theme(*theme),
         }
         false
     }
 }
 
-fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool) -> egui::Response {
+fn entry_ui(ui: &mut Ui, entry: &FinderEntry, is_on: bool) -> egui::Response {
     let kind = RichText::new(entry.kind).small();
     let kind = if is_on { kind } else { kind.weak() };
     let row = Button::selectable(is_on, entry.title.as_str()).right_text(kind).truncate();
@@ -136,13 +136,13 @@ fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool) -> egui::Response {
     if entry.hint.is_empty() { row } else { row.on_hover_text(entry.hint.as_str()) }
 }
 
-struct Change {
+struct FinderChange {
     address: Address,
     text: String,
     is_refused: bool,
 }
 
-impl Change {
+impl FinderChange {
     fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
         let Self { address, text, is_refused } = self;
         let title = title(scenario, address);
@@ -166,27 +166,25 @@ impl Change {
     }
 }
 
-struct Entry {
+struct FinderEntry {
     title: String,
     kind: &'static str,
     hint: String,
     words: String,
-    choice: Choice,
+    choice: FinderChoice,
 }
 
-enum Choice {
+enum FinderChoice {
     Theme(egui::Theme),
     Setting(Address),
     Edit(Edit),
     Request(Box<Request>),
 }
 
-impl Entry {
-    fn new(title: impl Into<String>, kind: &'static str, hint: impl Into<String>, request: Request) -> Self {
-        let (title, hint) = (title.into(), hint.into());
-        let words = format!("{title} {kind}").to_lowercase();
-        Self { title, kind, hint, words, choice: Choice::Request(Box::new(request)) }
-    }
+fn entry(title: impl Into<String>, kind: &'static str, hint: impl Into<String>, request: Request) -> FinderEntry {
+    let (title, hint) = (title.into(), hint.into());
+    let words = format!("{title} {kind}").to_lowercase();
+    FinderEntry { title, kind, hint, words, choice: FinderChoice::Request(Box::new(request)) }
 }
 
 fn title(scenario: &Scenario, address: &Address) -> String {
@@ -196,41 +194,41 @@ fn title(scenario: &Scenario, address: &Address) -> String {
     filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
 }
 
-fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme, &str)) -> Vec<Entry> {
+fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme, &str)) -> Vec<FinderEntry> {
     let scenario = session.scenario();
-    let settings = addresses(scenario).into_iter().map(|address| Entry {
+    let settings = addresses(scenario).into_iter().map(|address| FinderEntry {
         title: title(scenario, &address),
         kind: "setting",
         hint: String::new(),
         words: words_of(scenario, &address),
-        choice: Choice::Setting(address),
+        choice: FinderChoice::Setting(address),
     });
     let choices = other_choices(scenario).into_iter().map(|edit| {
         let filter = scenario.filters.iter().find(|filter| edit.key.starts_with(&filter.address("")));
         let words = sentence(&edit.in_words(scenario));
         let title = filter.map_or_else(|| words.clone(), |filter| format!("{words}, {}", filter.name));
-        Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
+        let choice = FinderChoice::Edit(edit);
+        FinderEntry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice }
     });
     let views = VIEWS.iter().flat_map(|(_, views)| *views).flat_map(|Tabs { name, tabs }| {
         tabs.iter().map(move |kind| {
             let [about, ..] = view(*kind).help;
-            let entry = Entry::new(view(*kind).name, "view", about, Request::ShowView(*kind));
-            Entry { words: format!("{} {}", entry.words, name.to_lowercase()), ..entry }
+            let entry = entry(view(*kind).name, "view", about, Request::ShowView(*kind));
+            FinderEntry { words: format!("{} {}", entry.words, name.to_lowercase()), ..entry }
         })
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
-    let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));
+    let scenarios = scenarios.map(|one| entry(one.title, "scenario", one.description(), Request::Open(*one)));
     let lessons = catalogue.lessons.iter().enumerate();
-    let lessons =
-        lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
+    let lessons = lessons.map(|(place, one)| entry(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
     let commands = keys::commands(session)
-        .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
+        .map(|(what, key, request)| entry(sentence(what), "command", format!("Key: {key}"), request));
     let arrangements = Arrangement::ALL.into_iter();
-    let arrangements = arrangements.map(|one| Entry::new(one.name(), "arrangement", "", Request::Arrange(one)));
-    let exports = export::entries().map(|(request, name, hint)| Entry::new(name, "export", hint, request));
-    let theme = Entry { choice: Choice::Theme(theme), ..Entry::new(name, "command", "", Request::Find) };
+    let arrangements = arrangements.map(|one| entry(one.name(), "arrangement", "", Request::Arrange(one)));
+    let exports = export::entries().map(|(request, name, hint)| entry(name, "export", hint, request));
+    let theme = FinderEntry { choice: FinderChoice::Theme(theme), ..entry(name, "command", "", Request::Find) };
     let own = views.chain(arrangements).chain(scenarios).chain(lessons).chain(exports).chain(commands).chain([theme]);
-    let mut all: Vec<Entry> = settings.chain(choices).chain(own).collect();
+    let mut all: Vec<FinderEntry> = settings.chain(choices).chain(own).collect();
     for entry in &mut all {
         for (_, words) in SYNONYMS.iter().filter(|(part, _)| entry.title.contains(part)) {
             entry.words = format!("{} {words}", entry.words);
@@ -239,17 +237,17 @@ fn entries(session: &Session, catalogue: &Catalogue, (theme, name): (egui::Theme
     all
 }
 
-fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
+fn found<'a>(entries: &'a [FinderEntry], text: &str) -> Vec<&'a FinderEntry> {
     let text = text.to_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();
-    let rank = |entry: &&Entry| {
+    let rank = |entry: &&FinderEntry| {
         let title = entry.title.to_lowercase();
         let in_title = words.iter().filter(|word| title.contains(**word)).count();
         let begins = words.first().is_some_and(|word| title.starts_with(word));
         (words.len() - in_title, !begins)
     };
-    let with = |hints: bool| -> Vec<&Entry> {
-        let has = |entry: &Entry, word: &str| {
+    let with = |hints: bool| -> Vec<&FinderEntry> {
+        let has = |entry: &FinderEntry, word: &str| {
             let title = entry.title.to_lowercase();
             entry.words.contains(word) || title.contains(word) || hints && entry.hint.to_lowercase().contains(word)
         };

@@ -15,7 +15,7 @@ use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Hold, InputKind, Scenario, Task};
 
 use crate::session::RecordFile;
-use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
+use crate::team::{BETWEEN, Handle, Lost, Priority, Report, RunningTask, Team};
 
 pub use draft::Draft;
 
@@ -30,22 +30,22 @@ const LONG_RECORD: usize = 50_000;
 
 pub struct Import {
     name: String,
-    stage: Stage,
+    stage: ImportStage,
     team: Rc<dyn Team>,
     at_once: bool,
     pub(crate) is_still: bool,
 }
 
-enum Stage {
-    Reading(Box<Running<Reading>>),
+enum ImportStage {
+    Reading(Box<RunningTask<LoadTask>>),
     Asking(Box<Draft>),
-    Suggesting(Box<Draft>, Box<Running<Suggest>>),
+    Suggesting(Box<Draft>, Box<RunningTask<Suggest>>),
     Failed(String),
 }
 
-struct Reading(Loading);
+struct LoadTask(Loading);
 
-impl Task for Reading {
+impl Task for LoadTask {
     type Outcome = Result<Loaded, String>;
 
     fn progress(&self) -> f64 {
@@ -73,67 +73,67 @@ impl Import {
     pub fn new(name: &str, bytes: Vec<u8>, at_once: bool, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
         let worker = if is_long { team.load(&bytes) } else { None };
-        let stage = Stage::Reading(Box::new(running(&*team, worker, Reading(Loading::new(bytes)), is_long)));
+        let stage = ImportStage::Reading(Box::new(running(&*team, worker, LoadTask(Loading::new(bytes)), is_long)));
         Self { at_once, ..Self::at(name.to_owned(), stage, team) }
     }
 
     pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, team: Rc<dyn Team>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
-        Self::at(file.name.clone(), Stage::Asking(Box::new(draft)), team)
+        Self::at(file.name.clone(), ImportStage::Asking(Box::new(draft)), team)
     }
 
-    fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
+    fn at(name: String, stage: ImportStage, team: Rc<dyn Team>) -> Self {
         Self { name, stage, team, at_once: false, is_still: false }
     }
 
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
-        let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
+        let stage = std::mem::replace(&mut self.stage, ImportStage::Failed(String::new()));
         self.stage = match stage {
-            Stage::Reading(mut reading) => match reading.advance(while_time) {
-                Ok(None) => Stage::Reading(reading),
+            ImportStage::Reading(mut reading) => match reading.advance(while_time) {
+                Ok(None) => ImportStage::Reading(reading),
                 Ok(Some(Ok(Loaded { hash, table }))) => {
                     let file = RecordFile { name: self.name.clone(), hash, table };
-                    Stage::Asking(Box::new(Draft::new(Arc::new(file))))
+                    ImportStage::Asking(Box::new(Draft::new(Arc::new(file))))
                 }
-                Ok(Some(Err(reason))) => Stage::Failed(reason),
-                Err(Lost) => Stage::Failed("the thread that read it has failed".to_owned()),
+                Ok(Some(Err(reason))) => ImportStage::Failed(reason),
+                Err(Lost) => ImportStage::Failed("the thread that read it has failed".to_owned()),
             },
-            Stage::Suggesting(draft, mut suggest) => match suggest.advance(while_time) {
-                Ok(None) => Stage::Suggesting(draft, suggest),
+            ImportStage::Suggesting(draft, mut suggest) => match suggest.advance(while_time) {
+                Ok(None) => ImportStage::Suggesting(draft, suggest),
                 Ok(Some(suggestion)) => match suggestion.scenario.validate() {
                     Ok(()) => {
                         let Suggestion { scenario, reasons, problem, .. } = suggestion;
                         let summary = self.at_once.then(|| draft.summary());
                         return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem, summary });
                     }
-                    Err(error) => Stage::Failed(format!("no start values can be made of it: {error}")),
+                    Err(error) => ImportStage::Failed(format!("no start values can be made of it: {error}")),
                 },
-                Err(Lost) => Stage::Failed("the thread that made start values of it has failed".to_owned()),
+                Err(Lost) => ImportStage::Failed("the thread that made start values of it has failed".to_owned()),
             },
-            Stage::Asking(mut draft) => {
+            ImportStage::Asking(mut draft) => {
                 draft.advance(while_time);
                 self.at_once &= !draft.is_unfolded && (draft.is_behind() || draft.is_possible());
-                Stage::Asking(draft)
+                ImportStage::Asking(draft)
             }
-            Stage::Failed(reason) => Stage::Failed(reason),
+            ImportStage::Failed(reason) => ImportStage::Failed(reason),
         };
         if self.at_once { self.open() } else { None }
     }
 
     pub(crate) fn progress(&self) -> Option<f64> {
         match &self.stage {
-            Stage::Reading(reading) => Some(reading.seen),
-            Stage::Suggesting(_, suggest) => Some(suggest.seen),
-            Stage::Asking(_) | Stage::Failed(_) => None,
+            ImportStage::Reading(reading) => Some(reading.seen),
+            ImportStage::Suggesting(_, suggest) => Some(suggest.seen),
+            ImportStage::Asking(_) | ImportStage::Failed(_) => None,
         }
     }
 
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
         let (is_busy, is_beside) = match &self.stage {
-            Stage::Reading(reading) => (true, reading.is_beside()),
-            Stage::Suggesting(_, suggest) => (true, suggest.is_beside()),
-            Stage::Asking(draft) => (draft.is_behind(), false),
-            Stage::Failed(_) => (false, false),
+            ImportStage::Reading(reading) => (true, reading.is_beside()),
+            ImportStage::Suggesting(_, suggest) => (true, suggest.is_beside()),
+            ImportStage::Asking(draft) => (draft.is_behind(), false),
+            ImportStage::Failed(_) => (false, false),
         };
         if is_beside {
             ctx.request_repaint_after(BETWEEN);
@@ -144,26 +144,26 @@ impl Import {
 
     pub fn file(&self) -> Option<&Arc<RecordFile>> {
         match &self.stage {
-            Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(&draft.file),
+            ImportStage::Asking(draft) | ImportStage::Suggesting(draft, _) => Some(&draft.file),
             _ => None,
         }
     }
 
     fn open(&mut self) -> Option<Opened> {
-        let Stage::Asking(draft) = &self.stage else { return None };
+        let ImportStage::Asking(draft) = &self.stage else { return None };
         let (scenario, made) = (draft.scenario()?, draft.outcome()?.ok()?);
         if !draft.is_possible() {
             return None;
         }
         let record = made.record.clone();
-        let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else {
+        let ImportStage::Asking(draft) = std::mem::replace(&mut self.stage, ImportStage::Failed(String::new())) else {
             return None;
         };
         if draft.suggest {
             let is_long = record.len() > LONG_RECORD;
             let worker = if is_long { self.team.suggest(&scenario, &record) } else { None };
             let suggest = running(&*self.team, worker, Suggest::new(&scenario, record), is_long);
-            self.stage = Stage::Suggesting(draft, Box::new(suggest));
+            self.stage = ImportStage::Suggesting(draft, Box::new(suggest));
             return None;
         }
         Some(Opened { file: Arc::clone(&draft.file), scenario, reasons: Vec::new(), problem: None, summary: None })
@@ -175,20 +175,20 @@ fn running<T: Task<Outcome: Send> + Send + 'static>(
     worker: Option<Handle<Report<f64, T::Outcome>>>,
     task: T,
     is_long: bool,
-) -> Running<T> {
+) -> RunningTask<T> {
     match worker {
-        Some(worker) => Running::in_worker(worker, task, T::progress),
-        None if is_long => Running::begin(team, Priority::Hand, task, T::progress),
-        None => Running::here(task, T::progress),
+        Some(worker) => RunningTask::in_worker(worker, task, T::progress),
+        None if is_long => RunningTask::begin(team, Priority::Hand, task, T::progress),
+        None => RunningTask::here(task, T::progress),
     }
 }
 
-type Choices = (Mapping, InputKind, Hold);
+type ImportSettings = (Mapping, InputKind, Hold);
 
 #[derive(Clone, Debug)]
-struct Shared(Arc<RecordFile>);
+struct SharedFile(Arc<RecordFile>);
 
-impl Borrow<Table> for Shared {
+impl Borrow<Table> for SharedFile {
     fn borrow(&self) -> &Table {
         &self.0.table
     }

@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use egui::Context;
-use kalmanscope_lessons::File as Contents;
+use kalmanscope_lessons::LibraryFile;
 
 use crate::import;
 use crate::request::{RawFile, Request};
 use crate::session::name_of;
-use crate::share::Picture;
+use crate::share::SavedPicture;
 
 /// Asks the user for a file. It returns at once; the file arrives later, if the user chooses one.
 pub type Choose = Box<dyn FnMut(&Context, &Inbox)>;
@@ -89,11 +89,11 @@ pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
 }
 
 fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
-    let scenario = match Picture::of_file(bytes) {
+    let scenario = match SavedPicture::of_file(bytes) {
         Some(session) => session.ok()?.scenario,
-        None if is_toml(&file_name(path)) => match Contents::from_toml(std::str::from_utf8(bytes).ok()?).ok()? {
-            Contents::Scenario(scenario) => *scenario,
-            Contents::Lesson(_) => return None,
+        None if is_toml(&file_name(path)) => match LibraryFile::from_toml(std::str::from_utf8(bytes).ok()?).ok()? {
+            LibraryFile::Scenario(scenario) => *scenario,
+            LibraryFile::Lesson(_) => return None,
         },
         None => return None,
     };
@@ -103,7 +103,7 @@ fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
 }
 
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
-    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| Picture::of_file(bytes)) {
+    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| SavedPicture::of_file(bytes)) {
         return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
     }
     let bytes = match bytes {
@@ -113,10 +113,10 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
         }
         bytes => bytes,
     };
-    let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
+    let opened = bytes.and_then(text).and_then(|text| LibraryFile::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
-        Ok(Contents::Lesson(lesson)) => Request::StudyLesson(lesson),
-        Ok(Contents::Scenario(scenario)) => Request::OpenScenario(scenario),
+        Ok(LibraryFile::Lesson(lesson)) => Request::StudyLesson(lesson),
+        Ok(LibraryFile::Scenario(scenario)) => Request::OpenScenario(scenario),
         Err(reason) => refused(name, &reason),
     }
 }

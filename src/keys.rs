@@ -3,7 +3,7 @@
 use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
 
 use crate::request::{LegendEntry, Request};
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 use crate::session::{Mode, Session};
 use crate::{theme, tutor};
 
@@ -81,8 +81,8 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Times",
         &[
-            plain("A", "mark the time shown as A, or remove A", &[Key::A], |_| Request::ToggleMark(End::A)),
-            plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(End::B)),
+            plain("A", "mark the time shown as A, or remove A", &[Key::A], |_| Request::ToggleMark(RulerEnd::A)),
+            plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(RulerEnd::B)),
         ],
     ),
     (

@@ -1,7 +1,7 @@
 //! The laboratory: maps of scores over two settings, beside the session that they follow.
 //!
 //! ```text
-//! Session ──scenario, source──▶ Survey ──cells──▶ Team ──rows──▶ Sheet ──▶ views
+//! Session ──scenario, source──▶ Survey ──cells──▶ Team ──rows──▶ EnsembleRows ──▶ views
 //! ```
 //! A change of the scenario begins another survey. The earlier one stays on screen until the new one covers the map. A
 //! change of the axes' own settings only moves the dot.
@@ -24,7 +24,7 @@ use crate::session::Session;
 use crate::team::{Finding, Team};
 
 pub(crate) use choice::part_of;
-pub use choice::{Choice, MOST};
+pub use choice::{MOST, MapChoice};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub(crate) use settings::{
     candidates, collide, label as setting_label, measure_label, name as setting_name, of_filters, offered,
@@ -36,7 +36,7 @@ const FEW: usize = 32;
 
 pub struct Laboratory {
     team: Rc<dyn Team>,
-    pub choice: Option<Choice>,
+    pub choice: Option<MapChoice>,
     survey: Option<Survey>,
     before: Option<Survey>,
     pub seeds: Seeds,
@@ -67,7 +67,7 @@ impl Laboratory {
         self.team = team;
     }
 
-    pub fn choose(&mut self, choice: Option<Choice>) {
+    pub fn choose(&mut self, choice: Option<MapChoice>) {
         self.choice = choice;
         self.state.is_stopped = false;
     }
@@ -148,18 +148,18 @@ impl Laboratory {
         }
     }
 
-    fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<Choice, String> {
+    fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<MapChoice, String> {
         if run.samples() > Session::LONGEST_WHOLE + 1 {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
         }
         let (scenario, record) = (run.scenario(), run.record());
         let count = if is_small { FEW } else { self.team.usual_count() };
         let fitted = self.choice.as_ref().and_then(|choice| choice.fitted(scenario, record, is_measured));
-        let choice = fitted.or_else(|| Choice::usual(scenario, record, is_measured, count));
+        let choice = fitted.or_else(|| MapChoice::usual(scenario, record, is_measured, count));
         choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
     }
 
-    fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
+    fn begin(&mut self, run: &Run, source: Source, choice: &MapChoice) {
         self.edition += 1;
         self.state.begin();
         self.state.version += 1;
@@ -241,7 +241,7 @@ impl WorkState {
 #[serde(default, deny_unknown_fields)]
 pub struct Choices {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub map: Option<Choice>,
+    pub map: Option<MapChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<SeedChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]

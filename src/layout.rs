@@ -9,19 +9,19 @@ use crate::share::Outline;
 /// The height of a tall view that is added, over the mean height of the others.
 const TALL: f32 = 1.7;
 
-pub struct Layout {
+pub struct ViewLayout {
     tree: Tree<ViewKind>,
     enlarged: Option<ViewKind>,
 }
 
-impl Default for Layout {
+impl Default for ViewLayout {
     fn default() -> Self {
-        let rows: Rows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
+        let rows: LayoutRows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
         Self { tree: tree(rows), enlarged: None }
     }
 }
 
-impl Layout {
+impl ViewLayout {
     pub fn of(arrangement: Arrangement) -> Self {
         Self { tree: tree(rows(arrangement)), enlarged: None }
     }
@@ -185,9 +185,9 @@ impl Layout {
     }
 }
 
-type Rows<'a> = &'a [(f32, &'a [ViewKind])];
+type LayoutRows<'a> = &'a [(f32, &'a [ViewKind])];
 
-const fn rows(arrangement: Arrangement) -> Rows<'static> {
+const fn rows(arrangement: Arrangement) -> LayoutRows<'static> {
     use ViewKind::{
         Autocorrelation, Consistency, Errors, Filters, Innovations, Map, Oscillator, ParameterPlane, Parameters,
         Scores, States,
@@ -200,7 +200,7 @@ const fn rows(arrangement: Arrangement) -> Rows<'static> {
     }
 }
 
-fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
+fn tree(rows: LayoutRows<'_>) -> Tree<ViewKind> {
     let mut tiles = Tiles::default();
     let mut column = egui_tiles::Linear::new(LinearDir::Vertical, Vec::new());
     for (share, views) in rows {
@@ -299,7 +299,7 @@ mod tests {
         for shares in [[0.98, 0.01, 0.01], [0.01, 0.5, 0.49]] {
             let rows: Vec<(f32, &[ViewKind])> =
                 shares.into_iter().zip([&[Map][..], &[Parameters], &[States]]).collect();
-            let layout = Layout { tree: tree(&rows), enlarged: None };
+            let layout = ViewLayout { tree: tree(&rows), enlarged: None };
             for (room, height) in [(300.0, 440.0), (700.0, 700.0)] {
                 let (tree, needed) = layout.fitted(room, 10.0, &|_| 140.0);
                 assert_eq!(needed, height);
@@ -313,7 +313,7 @@ mod tests {
             }
         }
         // Nothing changes where there is room.
-        let usual = Layout::of(Arrangement::Teach);
+        let usual = ViewLayout::of(Arrangement::Teach);
         assert!(usual.fitted(900.0, 10.0, &|_| 140.0).0 == usual.tree);
     }
 }

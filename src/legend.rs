@@ -8,13 +8,13 @@ use kalmanscope_core::Estimates;
 use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
-use crate::trouble::{Trouble, troubles};
+use crate::trouble::{FilterTrouble, troubles};
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 use crate::widgets::named;
 
 #[derive(Clone, Copy)]
-pub(crate) enum Mark {
+pub(crate) enum LegendMark {
     Line,
     Dots,
     Band,
@@ -23,7 +23,7 @@ pub(crate) enum Mark {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
+pub(crate) enum LegendExtent {
     Full,
     OneRow,
 }
@@ -38,22 +38,22 @@ pub(crate) struct Legend<'a> {
 }
 
 impl Legend<'_> {
-    pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
+    pub(crate) fn ui(&self, ui: &mut Ui, extent: LegendExtent, requests: &mut Vec<Request>) {
         match extent {
-            Extent::OneRow => {
+            LegendExtent::OneRow => {
                 let hidden = ScrollBarVisibility::AlwaysHidden;
                 ScrollArea::horizontal().id_salt("legend").scroll_bar_visibility(hidden).show(ui, |ui| {
                     ui.horizontal(|ui| self.entries_ui(ui, extent, requests));
                 });
             }
-            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.entries_ui(ui, extent, requests)),
+            LegendExtent::Full => _ = ui.horizontal_wrapped(|ui| self.entries_ui(ui, extent, requests)),
         }
         self.troubles_ui(ui);
     }
 
-    fn entries_ui(&self, ui: &mut Ui, extent: Extent, requests: &mut Vec<Request>) {
+    fn entries_ui(&self, ui: &mut Ui, extent: LegendExtent, requests: &mut Vec<Request>) {
         ui.spacing_mut().item_spacing.x = 12.0;
-        let is_one_row = extent == Extent::OneRow;
+        let is_one_row = extent == LegendExtent::OneRow;
         let before = self.session.before();
         if let Some(before) = before.filter(|_| is_one_row) {
             self.before_ui(ui, before, requests);
@@ -81,16 +81,16 @@ impl Legend<'_> {
         let Self { session, visible, palette } = self;
         let run = session.run();
         if run.channels().iter().any(|channel| run.record().truth(*channel).is_some()) {
-            entry_ui(ui, LegendEntry::Truth, "truth", (Mark::Line, palette.truth, visible.truth), requests);
+            entry_ui(ui, LegendEntry::Truth, "truth", (LegendMark::Line, palette.truth, visible.truth), requests);
         }
-        entry_ui(ui, LegendEntry::Measured, "measured", (Mark::Dots, palette.weak, visible.measured), requests);
+        entry_ui(ui, LegendEntry::Measured, "measured", (LegendMark::Dots, palette.weak, visible.measured), requests);
     }
 
     fn filter_ui(&self, ui: &mut Ui, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
         let entry = LegendEntry::Filter(estimates.id());
-        entry_ui(ui, entry, estimates.name(), (Mark::Band, color, on), requests);
+        entry_ui(ui, entry, estimates.name(), (LegendMark::Band, color, on), requests);
         let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
         if let Some(verdict) = verdict.filter(|_| visible.verdicts)
             && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
@@ -102,11 +102,11 @@ impl Legend<'_> {
     fn switches_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         if session.scenario().filters.iter().any(|filter| filter.smoother) {
-            let shown = (Mark::Dashes, palette.weak, visible.hindsight);
+            let shown = (LegendMark::Dashes, palette.weak, visible.hindsight);
             entry_ui(ui, LegendEntry::Hindsight, "hindsight", shown, requests);
         }
-        entry_ui(ui, LegendEntry::Bands, "±2σ", (Mark::Band, palette.weak, visible.bands), requests);
-        entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
+        entry_ui(ui, LegendEntry::Bands, "±2σ", (LegendMark::Band, palette.weak, visible.bands), requests);
+        entry_ui(ui, LegendEntry::Verdicts, "verdicts", (LegendMark::Chip, palette.weak, visible.verdicts), requests);
     }
 
     fn before_ui(&self, ui: &mut Ui, before: &Before, requests: &mut Vec<Request>) {
@@ -136,7 +136,7 @@ impl Legend<'_> {
     }
 
     fn troubles_ui(&self, ui: &mut Ui) {
-        for Trouble { sentence, is_failure } in troubles(self.session) {
+        for FilterTrouble { sentence, is_failure } in troubles(self.session) {
             if is_failure {
                 ui.colored_label(self.palette.warning, sentence);
             } else {
@@ -161,7 +161,7 @@ fn entry_ui(
     ui: &mut Ui,
     entry: LegendEntry,
     name: &str,
-    (mark, color, on): (Mark, Color32, bool),
+    (mark, color, on): (LegendMark, Color32, bool),
     requests: &mut Vec<Request>,
 ) {
     let font = TextStyle::Body.resolve(ui.style());
@@ -183,26 +183,26 @@ fn entry_ui(
     }
 }
 
-pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: Mark, color: Color32) {
+pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: LegendMark, color: Color32) {
     match mark {
-        Mark::Line => {
+        LegendMark::Line => {
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
         }
-        Mark::Dashes => {
+        LegendMark::Dashes => {
             for part in [[0.0, 0.4], [0.6, 1.0]] {
                 let [from, to] = part.map(|x| sample.lerp_inside(egui::vec2(x, 0.5)).x);
                 painter.hline(from..=to, sample.center().y, Stroke::new(1.4, color));
             }
         }
-        Mark::Dots => {
+        LegendMark::Dots => {
             for (x, y) in [(0.2, 0.7), (0.5, 0.25), (0.8, 0.6)] {
                 painter.circle_filled(sample.lerp_inside(egui::vec2(x, y)), 1.6, color);
             }
         }
-        Mark::Chip => {
+        LegendMark::Chip => {
             painter.rect_stroke(sample, 5.0, Stroke::new(1.0, color), StrokeKind::Inside);
         }
-        Mark::Band => {
+        LegendMark::Band => {
             painter.rect_filled(sample, 2.0, color.gamma_multiply(0.25));
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
         }

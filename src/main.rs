@@ -36,12 +36,12 @@ mod web {
     use wasm_bindgen::prelude::*;
 
     use microphone::Microphone;
-    use motion::Motion;
+    use motion::MotionSensor;
     use tables::Tables;
 
     fn sensors(ctx: &egui::Context) -> Sensors {
         Sensors {
-            accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
+            accelerometer: MotionSensor::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
             microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
             stream: None,
         }

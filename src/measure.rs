@@ -2,7 +2,7 @@
 
 macro_rules! of_device {
     () => {
-        fn words(&self) -> &'static Words {
+        fn words(&self) -> &'static SensorWords {
             &WORDS
         }
 
@@ -53,7 +53,7 @@ const AT_LEAST: Duration = Duration::from_millis(100);
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-struct Words {
+struct SensorWords {
     name: &'static str,
     beginning: &'static str,
     ending: &'static str,
@@ -61,7 +61,7 @@ struct Words {
 }
 
 trait Instrument {
-    fn words(&self) -> &'static Words;
+    fn words(&self) -> &'static SensorWords;
 
     fn begin(&mut self, ctx: &Context);
 
@@ -87,7 +87,7 @@ trait Instrument {
 pub(crate) struct Measure {
     instruments: Vec<Box<dyn Instrument>>,
     chosen: usize,
-    stage: Stage,
+    stage: MeasureStage,
     is_watched: bool,
     shown: Option<Scenario>,
 }
@@ -97,7 +97,7 @@ pub(crate) enum News {
     Longer(Arc<Record>),
 }
 
-enum Stage {
+enum MeasureStage {
     Ready,
     /// It measures since this time of the screen \[s\].
     Running(f64),
@@ -114,7 +114,7 @@ impl Measure {
         (!instruments.is_empty()).then_some(Self {
             instruments,
             chosen: 0,
-            stage: Stage::Ready,
+            stage: MeasureStage::Ready,
             is_watched: false,
             shown: None,
         })
@@ -122,13 +122,13 @@ impl Measure {
 
     pub(crate) fn begin_watched(&mut self, ctx: &Context) {
         self.instruments[self.chosen].begin(ctx);
-        self.stage = Stage::Running(ctx.input(|input| input.time));
+        self.stage = MeasureStage::Running(ctx.input(|input| input.time));
         self.is_watched = true;
     }
 
     pub(crate) fn follow(&mut self) -> Option<News> {
         let Self { instruments, chosen, stage, is_watched, shown } = self;
-        if !matches!(stage, Stage::Running(_)) {
+        if !matches!(stage, MeasureStage::Running(_)) {
             return None;
         }
         let instrument = &mut instruments[*chosen];
@@ -142,7 +142,7 @@ impl Measure {
     }
 
     pub(crate) fn is_watched(&self) -> bool {
-        self.is_watched && matches!(self.stage, Stage::Running(_))
+        self.is_watched && matches!(self.stage, MeasureStage::Running(_))
     }
 
     pub(crate) fn strip_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
@@ -176,7 +176,7 @@ impl Measure {
 
     fn fail(&mut self, reason: String) {
         self.instruments[self.chosen].end();
-        self.stage = Stage::Failed(reason);
+        self.stage = MeasureStage::Failed(reason);
         self.is_watched = false;
     }
 
@@ -197,7 +197,7 @@ impl Measure {
 
     fn contents_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         match &self.stage {
-            Stage::Ready => {
+            MeasureStage::Ready => {
                 self.choice_ui(ui);
                 let instrument = &mut self.instruments[self.chosen];
                 instrument.words().directions.iter().for_each(|text| _ = ui.label(*text));
@@ -207,11 +207,11 @@ impl Measure {
                     instrument.begin(ui.ctx());
                     self.is_watched = false;
                     self.shown = None;
-                    self.stage = Stage::Running(ui.input(|input| input.time));
+                    self.stage = MeasureStage::Running(ui.input(|input| input.time));
                 }
                 !close
             }
-            Stage::Running(since) => {
+            MeasureStage::Running(since) => {
                 let instrument = &mut self.instruments[self.chosen];
                 if let Some(refusal) = instrument.refusal() {
                     self.fail(refusal);
@@ -228,11 +228,11 @@ impl Measure {
                 }
                 if stop { self.stop(requests) } else { !close }
             }
-            Stage::Failed(reason) => {
+            MeasureStage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("{reason}."));
                 let [again, close] = buttons_ui(ui, ["Again", "Close"], palette);
                 if again {
-                    self.stage = Stage::Ready;
+                    self.stage = MeasureStage::Ready;
                 }
                 !close
             }

@@ -9,7 +9,7 @@ use egui::{
     Vec2, vec2,
 };
 
-use crate::spark::Picture;
+use crate::spark::SparkPicture;
 use crate::theme::Palette;
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
@@ -56,7 +56,7 @@ pub(crate) fn menu_ui(
     button
 }
 
-pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<Picture>>) -> Response {
+pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<SparkPicture>>) -> Response {
     ui.set_min_width(ENTRY.min(ui.available_width()));
     let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
     let mut text = LayoutJob::default();

@@ -5,7 +5,7 @@ use egui::{
 };
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
-use crate::layout::{Layout, simplification};
+use crate::layout::{ViewLayout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::theme;
 use crate::view::ViewContext;
@@ -46,7 +46,7 @@ pub(crate) enum PaneArrangement {
 
 pub(crate) fn panes_ui(
     ui: &mut Ui,
-    layout: &Layout,
+    layout: &ViewLayout,
     context: &ViewContext<'_>,
     requests: &mut Vec<Request>,
     way: PaneArrangement,
@@ -60,9 +60,9 @@ pub(crate) fn panes_ui(
     let mut panes = Panes { context, requests, pointed: None, draggable: !narrow, clip: ui.clip_rect() };
     if let Some(kind) = layout.enlarged() {
         panes.draggable = false;
-        panes.show(ui, kind);
+        panes.view_ui(ui, kind);
     } else if way == PaneArrangement::Plots {
-        panes.show_plots(ui, &layout.in_order());
+        panes.plots_ui(ui, &layout.in_order());
     } else if narrow || area.y < LOW {
         panes.draggable = false;
         let mut kinds = layout.in_order();
@@ -70,7 +70,7 @@ pub(crate) fn panes_ui(
             // On a phone in landscape the picture of the plant would leave the plots no room.
             kinds.sort_by_key(|kind| kind.proportions() == Proportions::Flat);
         }
-        panes.show_column(ui, &kinds, above);
+        panes.column_ui(ui, &kinds, above);
     } else if layout.tree().is_empty() {
         empty_ui(ui, panes.requests);
     } else {
@@ -148,7 +148,7 @@ struct Panes<'a> {
 }
 
 impl Panes<'_> {
-    fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind], above: impl FnOnce(&mut Ui, &mut Vec<Request>)) {
+    fn column_ui(&mut self, ui: &mut Ui, kinds: &[ViewKind], above: impl FnOnce(&mut Ui, &mut Vec<Request>)) {
         let gap = ui.spacing().item_spacing.y;
         let column = Heights::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -157,12 +157,12 @@ impl Panes<'_> {
             for (&kind, height) in kinds.iter().zip(column.heights) {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
                 let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name).max_rect(rect));
-                self.show(&mut child, kind);
+                self.view_ui(&mut child, kind);
             }
         });
     }
 
-    fn show_plots(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
+    fn plots_ui(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
         let is_picture = |kind: &&ViewKind| kind.proportions() == Proportions::Flat;
         let (pictures, plots): (Vec<&ViewKind>, Vec<&ViewKind>) = kinds.iter().partition(is_picture);
         let size = ui.available_size();
@@ -175,7 +175,7 @@ impl Panes<'_> {
         });
     }
 
-    fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
+    fn view_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         ui.shrink_clip_rect(self.clip);
         // The titles of its plots are enough where a pointer can ask for more.
@@ -259,7 +259,7 @@ impl Panes<'_> {
 
 impl Behavior<ViewKind> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, kind: &mut ViewKind) -> UiResponse {
-        if self.show(ui, *kind) { UiResponse::DragStarted } else { UiResponse::None }
+        if self.view_ui(ui, *kind) { UiResponse::DragStarted } else { UiResponse::None }
     }
 
     fn tab_title_for_pane(&mut self, kind: &ViewKind) -> WidgetText {

@@ -4,37 +4,37 @@ use egui::{Align2, Context, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 use kalmanscope_core::Channel;
 
 use crate::request::Request;
-use crate::ruler::{End, Ruler};
+use crate::ruler::{Ruler, RulerEnd};
 use crate::session::Session;
 use crate::text::{decimals, fixed, in_hertz, significant};
 use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
 
-pub(crate) struct Reading {
+pub(crate) struct RulerReading {
     /// \[s\]
     pub(crate) times: [f64; 2],
     pub(crate) is_b_set: bool,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<RulerRow>,
 }
 
-pub(crate) struct Row {
+pub(crate) struct RulerRow {
     pub(crate) channel: Channel,
     pub(crate) name: String,
     pub(crate) color: egui::Color32,
     pub(crate) values: [f64; 2],
 }
 
-impl Reading {
+impl RulerReading {
     pub(crate) fn of(ruler: &Ruler, session: &Session, visible: &Visibility, palette: &Palette) -> Option<Self> {
-        let b = ruler.time(End::B);
-        let times = [ruler.time(End::A)?, b.unwrap_or_else(|| session.time())];
+        let b = ruler.time(RulerEnd::B);
+        let times = [ruler.time(RulerEnd::A)?, b.unwrap_or_else(|| session.time())];
         let record = session.run().record();
         let samples = times.map(|time| session.sample_at(time));
         let mut rows = Vec::new();
         for channel in visible.channels(session.run().channels()) {
             let mut add = |name: &str, color, values: &[f64]| {
                 if let [Some(a), Some(b)] = samples.map(|k| values.get(k).copied()) {
-                    rows.push(Row { channel, name: name.to_owned(), color, values: [a, b] });
+                    rows.push(RulerRow { channel, name: name.to_owned(), color, values: [a, b] });
                 }
             };
             if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {
@@ -53,7 +53,7 @@ impl Reading {
 /// Limits the height of the rows \[points\].
 const HEIGHT: f32 = 220.0;
 
-pub(crate) fn table_ui(ctx: &Context, reading: &Reading, requests: &mut Vec<Request>) {
+pub(crate) fn table_ui(ctx: &Context, reading: &RulerReading, requests: &mut Vec<Request>) {
     let mut open = true;
     let window = egui::Window::new("From A to B").id(egui::Id::unique("ruler")).collapsible(true).resizable(false);
     let corner = ctx.content_rect().right_bottom() - vec2(12.0, 12.0);
@@ -72,7 +72,7 @@ pub(crate) fn table_ui(ctx: &Context, reading: &Reading, requests: &mut Vec<Requ
     }
 }
 
-fn times_ui(ui: &mut Ui, reading: &Reading) {
+fn times_ui(ui: &mut Ui, reading: &RulerReading) {
     let [a, b] = reading.times;
     let between = b - a;
     let other = if reading.is_b_set { "B" } else { "now" };
@@ -84,7 +84,7 @@ fn times_ui(ui: &mut Ui, reading: &Reading) {
     }
 }
 
-fn rows_ui(ui: &mut Ui, reading: &Reading) {
+fn rows_ui(ui: &mut Ui, reading: &RulerReading) {
     Grid::new("from A to B").num_columns(5).striped(true).spacing([12.0, 1.0]).show(ui, |ui| {
         for heading in ["", "", "A", if reading.is_b_set { "B" } else { "now" }, "Δ"] {
             ui.weak(heading);

@@ -9,10 +9,10 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
-use crate::laboratory::{Choice, SeedChoice, TuneChoice};
-use crate::ruler::End;
+use crate::laboratory::{MapChoice, SeedChoice, TuneChoice};
+use crate::ruler::RulerEnd;
 use crate::session::Mode;
-use crate::share::Picture as SavedPicture;
+use crate::share::SavedPicture;
 
 pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
 
@@ -79,13 +79,13 @@ pub enum Request {
     /// Mark a time \[s\]: A, then B, then the nearer of both moves.
     MarkTime(f64),
     /// Move a mark to a time \[s\].
-    PlaceMark(End, f64),
-    ToggleMark(End),
+    PlaceMark(RulerEnd, f64),
+    ToggleMark(RulerEnd),
     ClearMarks,
     Export(Export),
     ShowFigure,
     ToggleExports,
-    ChooseMap(Box<Choice>),
+    ChooseMap(Box<MapChoice>),
     ComputeMap(bool),
     ChooseSeeds(SeedChoice),
     RunSeeds(bool),

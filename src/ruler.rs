@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum RulerEnd {
     A,
     B,
 }
 
-impl End {
+impl RulerEnd {
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
     pub const fn name(self) -> &'static str {
@@ -27,25 +27,25 @@ pub struct Ruler {
 }
 
 impl Ruler {
-    pub fn time(&self, end: End) -> Option<f64> {
+    pub fn time(&self, end: RulerEnd) -> Option<f64> {
         self.times[end as usize]
     }
 
     pub fn mark(&mut self, time: f64) {
         let end = match self.times {
-            [None, _] => End::A,
-            [_, None] => End::B,
-            [Some(a), Some(b)] if (time - a).abs() < (time - b).abs() => End::A,
-            _ => End::B,
+            [None, _] => RulerEnd::A,
+            [_, None] => RulerEnd::B,
+            [Some(a), Some(b)] if (time - a).abs() < (time - b).abs() => RulerEnd::A,
+            _ => RulerEnd::B,
         };
         self.place(end, time);
     }
 
-    pub fn place(&mut self, end: End, time: f64) {
+    pub fn place(&mut self, end: RulerEnd, time: f64) {
         self.times[end as usize] = Some(time);
     }
 
-    pub fn toggle(&mut self, end: End, time: f64) {
+    pub fn toggle(&mut self, end: RulerEnd, time: f64) {
         let mark = &mut self.times[end as usize];
         *mark = if *mark == Some(time) { None } else { Some(time) };
     }
@@ -74,9 +74,9 @@ mod tests {
         for time in [2.0, 5.0, 1.0, 9.0] {
             ruler.mark(time);
         }
-        assert_eq!(End::BOTH.map(|end| ruler.time(end)), [Some(1.0), Some(9.0)]);
-        ruler.toggle(End::A, 1.0);
-        assert_eq!(ruler.time(End::A), None);
+        assert_eq!(RulerEnd::BOTH.map(|end| ruler.time(end)), [Some(1.0), Some(9.0)]);
+        ruler.toggle(RulerEnd::A, 1.0);
+        assert_eq!(ruler.time(RulerEnd::A), None);
         ruler.clear();
         assert!(!ruler.is_used());
     }

@@ -7,22 +7,22 @@ use egui::Context;
 use kalmanscope_core::Scenario;
 use kalmanscope_sources::StreamRow;
 
-pub trait Sensor<T> {
-    fn begin(&self, ctx: &Context, to: &Readings<T>);
+pub trait SensorDevice<T> {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<T>);
 
     fn end(&self);
 
     fn hint(&self) -> String;
 }
 
-pub trait Reading: Clone {
+pub trait SensorReading: Clone {
     const MOST: usize;
 }
 
 /// Time \[s\] and three accelerations along the device's axes, with gravity \[m/s²\].
 pub type Acceleration = [f64; 4];
 
-impl Reading for Acceleration {
+impl SensorReading for Acceleration {
     /// Limits the readings to ten minutes at 200 per second.
     const MOST: usize = 120_000;
 }
@@ -30,21 +30,21 @@ impl Reading for Acceleration {
 /// A sample of a sound, as a share of the microphone's loudest one.
 pub type Sound = f32;
 
-impl Reading for Sound {
+impl SensorReading for Sound {
     /// Limits the samples to one minute at 48,000 per second.
     const MOST: usize = 2_880_000;
 }
 
-impl Reading for StreamRow {
+impl SensorReading for StreamRow {
     /// Limits the readings that wait in the buffer.
     const MOST: usize = 1_000_000;
 }
 
 #[derive(Clone, Default)]
 pub struct Sensors {
-    pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
-    pub microphone: Option<Rc<dyn Sensor<Sound>>>,
-    pub stream: Option<(Rc<dyn Sensor<StreamRow>>, Rc<Scenario>)>,
+    pub accelerometer: Option<Rc<dyn SensorDevice<Acceleration>>>,
+    pub microphone: Option<Rc<dyn SensorDevice<Sound>>>,
+    pub stream: Option<(Rc<dyn SensorDevice<StreamRow>>, Rc<Scenario>)>,
 }
 
 impl Sensors {
@@ -54,7 +54,7 @@ impl Sensors {
     }
 }
 
-pub struct Readings<T>(Arc<Mutex<ReadingBuffer<T>>>);
+pub struct ReadingQueue<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
 pub(crate) struct ReadingBuffer<T> {
     pub(crate) readings: Vec<T>,
@@ -64,7 +64,7 @@ pub(crate) struct ReadingBuffer<T> {
     pub(crate) refusal: Option<String>,
 }
 
-impl<T> Default for Readings<T> {
+impl<T> Default for ReadingQueue<T> {
     fn default() -> Self {
         Self(Arc::new(Mutex::new(ReadingBuffer {
             readings: Vec::new(),
@@ -76,13 +76,13 @@ impl<T> Default for Readings<T> {
     }
 }
 
-impl<T> Clone for Readings<T> {
+impl<T> Clone for ReadingQueue<T> {
     fn clone(&self) -> Self {
         Self(Arc::clone(&self.0))
     }
 }
 
-impl<T: Reading> Readings<T> {
+impl<T: SensorReading> ReadingQueue<T> {
     pub fn put(&self, readings: &[T], ctx: &Context) -> bool {
         let mut told = self.readings();
         let room = T::MOST - told.readings.len();

@@ -20,7 +20,7 @@ use miniz_oxide::inflate::core::{DecompressorOxide, decompress};
 use thiserror::Error;
 
 pub use outline::Outline;
-pub use picture::{Habits, Picture, PictureError};
+pub use picture::{Habits, PictureError, SavedPicture};
 
 pub const MARK: &str = "#link=";
 
@@ -41,7 +41,7 @@ pub enum LinkError {
     Picture(#[from] PictureError),
 }
 
-impl Picture {
+impl SavedPicture {
     /// The picture as a fragment, from `#` on.
     ///
     /// # Errors

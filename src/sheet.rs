@@ -8,17 +8,17 @@ use crate::text::fixed;
 pub struct Sheet<'a> {
     pub title: String,
     pub unit: &'static str,
-    pub columns: Vec<Column<'a>>,
+    pub columns: Vec<SheetColumn<'a>>,
 }
 
-pub struct Column<'a> {
+pub struct SheetColumn<'a> {
     pub owner: String,
     color: Color32,
     text: Box<dyn Fn(usize) -> Option<String> + 'a>,
     aside: Option<Box<dyn Fn(usize) -> Option<String> + 'a>>,
 }
 
-impl<'a> Column<'a> {
+impl<'a> SheetColumn<'a> {
     pub(crate) fn new(owner: &str, color: Color32, text: impl Fn(usize) -> Option<String> + 'a) -> Self {
         Self { owner: owner.to_owned(), color, text: Box::new(text), aside: None }
     }
@@ -40,8 +40,8 @@ pub(crate) fn plus_minus(mean: f64, std: f64, decimals: usize) -> String {
     format!("{} ±{}", fixed(mean, decimals), fixed(2.0 * std, decimals))
 }
 
-pub(crate) fn readouts(columns: &[Column<'_>], k: usize) -> Vec<Readout> {
-    let readout = |column: &Column<'_>| {
+pub(crate) fn readouts(columns: &[SheetColumn<'_>], k: usize) -> Vec<Readout> {
+    let readout = |column: &SheetColumn<'_>| {
         let readout = Readout::new(column.text(k)?, column.color, column.owner.clone());
         Some(Readout { aside: column.aside(k), ..readout })
     };

@@ -17,12 +17,12 @@ pub trait Shelf {
     fn forget(&self, done: Done);
 }
 
-pub(crate) struct Candidate {
+pub(crate) struct ShelfFile {
     pub(crate) name: String,
     pub(crate) bytes: Rc<[u8]>,
 }
 
-impl Candidate {
+impl ShelfFile {
     pub(crate) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
     }

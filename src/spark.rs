@@ -65,26 +65,26 @@ impl Spark {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) enum Ink {
+pub(crate) enum SparkInk {
     Text,
     Truth,
     Filter(FilterColor),
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Mark {
+pub(crate) enum SparkMark {
     Band,
     Line,
     Dots,
 }
 
 #[derive(Default)]
-pub(crate) struct Picture {
-    pub(crate) courses: Vec<(Mark, Ink, Spark)>,
+pub(crate) struct SparkPicture {
+    pub(crate) courses: Vec<(SparkMark, SparkInk, Spark)>,
     pub(crate) cells: (usize, Vec<Color32>),
 }
 
-impl Picture {
+impl SparkPicture {
     pub(crate) fn paint(&self, painter: &Painter, rect: Rect, palette: &Palette) {
         let (up, colors) = &self.cells;
         let cell = rect.size() / vec2((colors.len() / up.max(&1)).max(1) as f32, *up as f32);
@@ -96,14 +96,14 @@ impl Picture {
         painter.add(mesh);
         for (mark, ink, spark) in &self.courses {
             let color = match ink {
-                Ink::Text => palette.text,
-                Ink::Truth => palette.truth.gamma_multiply(0.45),
-                Ink::Filter(color) => palette.shade(*color),
+                SparkInk::Text => palette.text,
+                SparkInk::Truth => palette.truth.gamma_multiply(0.45),
+                SparkInk::Filter(color) => palette.shade(*color),
             };
             match mark {
-                Mark::Line => spark.paint(painter, rect, color),
-                Mark::Dots => painter.extend(spark.ends(rect).map(|end| Shape::circle_filled(end, 1.1, color))),
-                Mark::Band => {
+                SparkMark::Line => spark.paint(painter, rect, color),
+                SparkMark::Dots => painter.extend(spark.ends(rect).map(|end| Shape::circle_filled(end, 1.1, color))),
+                SparkMark::Band => {
                     let mut mesh = Mesh::default();
                     for end in spark.ends(rect) {
                         mesh.colored_vertex(end, color.gamma_multiply(0.25));

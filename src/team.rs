@@ -13,13 +13,13 @@ use egui::Context;
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Pass, Record, Scenario, Tape, Task as _};
-use kalmanscope_lab::{CellTask, Parts, Runner, Step, Threads, Wanted};
+use kalmanscope_lab::{CellTask, Runner, Threads, WorkParts, WorkStep, WorkToken};
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
 pub use kalmanscope_lab::{Lost, Priority, Report};
 pub use relay::Relay;
-pub use running::Running;
+pub use running::RunningTask;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
@@ -48,14 +48,14 @@ pub trait Team {
         None
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let (threads, _) = self.threads()?;
         let (by, ctx) = (Computer::Threads(threads.count()), ctx.clone());
-        let Cells { runner, order, priority, .. } = cells.clone();
+        let CellBatch { runner, order, priority, .. } = cells.clone();
         let parts = threads.rows(priority, &runner, order, move |_| ctx.request_repaint());
         Some(Handle::new(move || {
             let slice = parts.take()?;
-            Ok(slice.map(|slice| Rows { cells: slice.cells, numbers: slice.rows, by: by.clone() }))
+            Ok(slice.map(|slice| CellRows { cells: slice.cells, numbers: slice.rows, by: by.clone() }))
         }))
     }
 
@@ -84,8 +84,8 @@ impl<T> Handle<T> {
     }
 }
 
-impl<T: 'static> From<Parts<T>> for Handle<T> {
-    fn from(parts: Parts<T>) -> Self {
+impl<T: 'static> From<WorkParts<T>> for Handle<T> {
+    fn from(parts: WorkParts<T>) -> Self {
         Self::new(move || parts.take())
     }
 }
@@ -95,22 +95,22 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
     move |is_over| if is_over { ctx.request_repaint() } else { ctx.request_repaint_after(BETWEEN) }
 }
 
-fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
+fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(WorkToken) -> WorkStep<Tape> + Send {
     let mut pass = None;
     move |_| {
         if pass.is_none() {
             pass = Pass::new(&scenario, place, &record).ok();
         }
-        let Some(pass) = &mut pass else { return Step::Failed };
+        let Some(pass) = &mut pass else { return WorkStep::Failed };
         let mut tape = Tape::default();
         pass.follow(&record, pass.done() + PORTION, &mut tape);
         let is_over = pass.done() >= record.len() || pass.stop().is_some();
-        if is_over { Step::Last(tape) } else { Step::Part(tape) }
+        if is_over { WorkStep::Last(tape) } else { WorkStep::Part(tape) }
     }
 }
 
 #[derive(Clone)]
-pub struct Cells {
+pub struct CellBatch {
     pub runner: Arc<Runner>,
     pub order: Vec<usize>,
     pub precision: Precision,
@@ -132,7 +132,7 @@ impl Precision {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rows {
+pub struct CellRows {
     pub cells: Vec<usize>,
     pub numbers: Vec<f64>,
     pub by: Computer,
@@ -163,7 +163,7 @@ pub trait Graphics {
 
     fn found(&self) -> Finding;
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>>;
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>>;
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -215,9 +215,9 @@ impl Frames {
 }
 
 impl Team for Frames {
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let Self(budget) = *self;
-        let (Cells { runner, order, .. }, ctx) = (cells.clone(), ctx.clone());
+        let (CellBatch { runner, order, .. }, ctx) = (cells.clone(), ctx.clone());
         // The place of the next cell in the order, and that cell if it is under way.
         let (mut next, mut under_way) = (0, None);
         let mut is_over = false;
@@ -245,7 +245,7 @@ impl Team for Frames {
                 ctx.request_repaint();
             }
             is_over = next > begin;
-            Ok(is_over.then(|| Rows { cells: order[begin..next].to_vec(), numbers, by: Computer::Frames }))
+            Ok(is_over.then(|| CellRows { cells: order[begin..next].to_vec(), numbers, by: Computer::Frames }))
         }))
     }
 }

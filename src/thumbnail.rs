@@ -6,10 +6,10 @@ use egui::{Color32, Context, Id};
 use kalmanscope_core::{Axis, Channel, Estimates, Evidence, ModelClasses, Record, Run, Scenario};
 use kalmanscope_lab::{Ensemble, Plan, Runner};
 use kalmanscope_lessons::records::source;
-use kalmanscope_lessons::{self as lessons, BuiltIn, Course, Lesson};
+use kalmanscope_lessons::{self as lessons, BuiltIn, Lesson, PictureCourse};
 
 use crate::session::Budget;
-use crate::spark::{Ink, Mark, Picture, Spark, range};
+use crate::spark::{Spark, SparkInk, SparkMark, SparkPicture, range};
 use crate::theme;
 
 /// The room above and below the courses, as a share of their range.
@@ -29,12 +29,12 @@ const CELLS: [usize; 2] = [24, 12];
 #[derive(Clone)]
 enum Thumbnail {
     Making(Arc<Mutex<Making>>),
-    Made(Option<Arc<Picture>>),
+    Made(Option<Arc<SparkPicture>>),
 }
 
 struct Making {
     work: Work,
-    picture: Option<lessons::Picture>,
+    picture: Option<lessons::LessonPicture>,
 }
 
 enum Work {
@@ -42,15 +42,15 @@ enum Work {
     Map(Box<Runner>, Vec<f64>),
 }
 
-pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Picture>> {
+pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<SparkPicture>> {
     in_turn(ctx, entry.file, || Making::motion(&entry.scenario().ok()?))
 }
 
-pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> {
+pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<SparkPicture>> {
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
 }
 
-fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) -> Option<Arc<Picture>> {
+fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) -> Option<Arc<SparkPicture>> {
     let id = Id::unique(("thumbnail", name));
     let kept = ctx.data(|data| data.get_temp::<Thumbnail>(id));
     if let Some(Thumbnail::Made(made)) = kept {
@@ -93,7 +93,7 @@ impl Making {
         let picture = lesson.picture.clone()?;
         let number = picture.step.checked_sub(1)?;
         let mut scenario = lesson.scenario_at(number).ok()?;
-        let work = if picture.show == Course::Map {
+        let work = if picture.show == PictureCourse::Map {
             let map = lesson.steps.get(number)?.map.as_ref()?;
             scenario.filters.retain(|filter| filter.name == map.filter);
             let axis = |text: &str, count: usize| Some(Axis { count, ..Axis::parse(text).ok()? });
@@ -129,16 +129,16 @@ impl Making {
         }
     }
 
-    fn picture(&self) -> Option<Picture> {
+    fn picture(&self) -> Option<SparkPicture> {
         match (&self.work, &self.picture) {
-            (Work::Map(_, scores), _) => Some(Picture { cells: (CELLS[1], colors(scores)), ..Picture::default() }),
+            (Work::Map(_, scores), _) => Some(SparkPicture { cells: (CELLS[1], colors(scores)), ..Default::default() }),
             (Work::Run(run), Some(picture)) => Some(sketch(run, picture)),
             (Work::Run(run), None) => {
                 let record = run.record();
                 let sensor = || (!record.sensors().is_empty()).then(|| record.measured(0));
                 let motion = record.truth(Channel::DISPLACEMENT).or_else(sensor)?;
-                let courses = vec![(Mark::Line, Ink::Text, Spark::new(motion))];
-                Some(Picture { courses, ..Picture::default() })
+                let courses = vec![(SparkMark::Line, SparkInk::Text, Spark::new(motion))];
+                Some(SparkPicture { courses, ..SparkPicture::default() })
             }
         }
     }
@@ -158,29 +158,29 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
     decades.iter().map(|score| theme::sequential(share(score) as f32)).collect()
 }
 
-type Values<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
+type SparkValues<'a> = Box<dyn Fn(usize) -> [f64; 2] + 'a>;
 
-fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
+fn sketch(run: &Run, picture: &lessons::LessonPicture) -> SparkPicture {
     let (record, show) = (run.record(), picture.show);
     let first = || run.channels().into_iter().find(|channel| channel.is_parameter());
     let channel = picture.channel.or_else(first).unwrap_or(Channel::DISPLACEMENT);
     let sensor = picture.sensor.and_then(|sensor| sensor.place_in(record.sensors())).unwrap_or(0);
-    let reading = |place: usize| -> Values<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
+    let reading = |place: usize| -> SparkValues<'_> { Box::new(move |k| [record.measured(place)[k]; 2]) };
     let smoothed = run.smoothed();
     let evidence: &[Evidence] = &run.estimates().iter().map(Evidence::new).collect::<Vec<_>>();
-    let mut drawn: Vec<(Mark, Ink, Values<'_>)> = Vec::new();
+    let mut drawn: Vec<(SparkMark, SparkInk, SparkValues<'_>)> = Vec::new();
     match show {
-        Course::Measured => drawn.push((Mark::Line, Ink::Text, reading(sensor))),
-        Course::Estimate => {
+        PictureCourse::Measured => drawn.push((SparkMark::Line, SparkInk::Text, reading(sensor))),
+        PictureCourse::Estimate => {
             let reads = record.sensors().iter().position(|sensor| sensor.channel() == Some(channel));
-            drawn.extend(reads.map(|place| (Mark::Dots, Ink::Truth, reading(place))));
+            drawn.extend(reads.map(|place| (SparkMark::Dots, SparkInk::Truth, reading(place))));
             if let Some(truth) = record.truth(channel) {
-                drawn.push((Mark::Line, Ink::Truth, Box::new(|k| [truth[k]; 2])));
+                drawn.push((SparkMark::Line, SparkInk::Truth, Box::new(|k| [truth[k]; 2])));
             }
         }
-        Course::LearntNoise => {
+        PictureCourse::LearntNoise => {
             let std = run.scenario().sensors.get(sensor).map_or(f64::NAN, |sensor| sensor.noise_std);
-            drawn.push((Mark::Line, Ink::Truth, Box::new(move |_| [std; 2])));
+            drawn.push((SparkMark::Line, SparkInk::Truth, Box::new(move |_| [std; 2])));
         }
         _ => {}
     }
@@ -189,40 +189,40 @@ fn sketch(run: &Run, picture: &lessons::Picture) -> Picture {
         [place, place + 1].map(|count| all.probabilities().iter().take(count).sum())
     };
     for (place, estimates) in run.estimates().iter().chain(&smoothed).enumerate() {
-        let ink = Ink::Filter(estimates.color());
-        if show == Course::Probability {
-            drawn.push((Mark::Band, ink, Box::new(move |k| probability(place, k))));
+        let ink = SparkInk::Filter(estimates.color());
+        if show == PictureCourse::Probability {
+            drawn.push((SparkMark::Band, ink, Box::new(move |k| probability(place, k))));
             continue;
         }
         let belief = move |k: usize| belief(estimates, record, (show, channel, sensor), k).unwrap_or([f64::NAN; 2]);
-        let is_centred = matches!(show, Course::Error | Course::Innovation);
+        let is_centred = matches!(show, PictureCourse::Error | PictureCourse::Innovation);
         let band = move |k: usize| {
             let [mean, std] = belief(k);
             [-2.0, 2.0].map(|sigmas| sigmas * std + if is_centred { 0.0 } else { mean })
         };
-        let mark = if show == Course::Innovation { Mark::Dots } else { Mark::Line };
-        drawn.push((Mark::Band, ink, Box::new(band)));
+        let mark = if show == PictureCourse::Innovation { SparkMark::Dots } else { SparkMark::Line };
+        drawn.push((SparkMark::Band, ink, Box::new(band)));
         drawn.push((mark, ink, Box::new(move |k| [belief(k)[0]; 2])));
     }
     let sample = |time: f64| ((time / record.dt()).round() as usize).min(run.len());
     let (begin, end) = (picture.from.map_or(0, sample), picture.to.map_or(run.len(), sample));
     let len = end.saturating_sub(begin);
     // A band may begin far wider than it ends.
-    let is_narrow = |mark: Mark| mark != Mark::Band || show == Course::Probability;
+    let is_narrow = |mark: SparkMark| mark != SparkMark::Band || show == PictureCourse::Probability;
     let narrow = drawn.iter().filter(|(mark, ..)| is_narrow(*mark));
     let late = narrow.flat_map(|(_, _, of)| (begin + len / BEGINNING..end).flat_map(of)).collect::<Vec<f64>>();
     let (low, high) = picture.range.map_or_else(|| range(&late), |[low, high]| (low, high));
-    let margin = if show == Course::Probability { 0.0 } else { MARGIN * (high - low) };
+    let margin = if show == PictureCourse::Probability { 0.0 } else { MARGIN * (high - low) };
     let bounds = if low < high { (low - margin, high + margin) } else { (low - 1.0, low + 1.0) };
-    let spark = |of: &Values<'_>| Spark::over(bounds, len, |k| of(begin + k));
+    let spark = |of: &SparkValues<'_>| Spark::over(bounds, len, |k| of(begin + k));
     let courses = drawn.iter().map(|(mark, ink, of)| (*mark, *ink, spark(of))).collect();
-    Picture { courses, ..Picture::default() }
+    SparkPicture { courses, ..SparkPicture::default() }
 }
 
 fn belief(
     estimates: &Estimates,
     record: &Record,
-    (show, channel, sensor): (Course, Channel, usize),
+    (show, channel, sensor): (PictureCourse, Channel, usize),
     k: usize,
 ) -> Option<[f64; 2]> {
     if k >= estimates.len() {
@@ -233,16 +233,16 @@ fn belief(
         Some([estimates.canonical_mean(k, place), estimates.std(k, place)])
     };
     match show {
-        Course::Estimate => of_channel(),
-        Course::Error => of_channel().and_then(|[mean, std]| Some([mean - record.truth(channel)?.get(k)?, std])),
-        Course::Innovation => {
+        PictureCourse::Estimate => of_channel(),
+        PictureCourse::Error => of_channel().and_then(|[mean, std]| Some([mean - record.truth(channel)?.get(k)?, std])),
+        PictureCourse::Innovation => {
             let sensors = estimates.sensors().len();
             let variance = estimates.innovation_cov(k).get(sensor * (sensors + 1))?;
             Some([*estimates.innovation(k).get(sensor)?, variance.sqrt()])
         }
-        Course::LearntNoise => estimates.sensor_noise(k, sensor),
-        Course::ProcessScale => estimates.process_scale(k),
-        Course::Measured | Course::Probability | Course::Map => None,
+        PictureCourse::LearntNoise => estimates.sensor_noise(k, sensor),
+        PictureCourse::ProcessScale => estimates.process_scale(k),
+        PictureCourse::Measured | PictureCourse::Probability | PictureCourse::Map => None,
     }
 }
 
@@ -271,7 +271,7 @@ mod tests {
                 assert!((before + 1..=before + piece).contains(&now), "{title}");
                 before = now;
             }
-            let Picture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
+            let SparkPicture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
             // Of a scenario nothing may move.
             let is_flat = courses.iter().all(|(_, _, spark)| spark.is_flat()) && cells.1.is_empty();
             assert!(!is_flat || making.picture.is_none(), "{title}");

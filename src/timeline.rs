@@ -7,7 +7,7 @@ use kalmanscope_core::{Scenario, Signal};
 
 use crate::probe;
 use crate::request::Request;
-use crate::ruler::{End, Ruler};
+use crate::ruler::{Ruler, RulerEnd};
 use crate::session::Session;
 use crate::text::significant;
 use crate::theme::Palette;
@@ -38,7 +38,7 @@ enum EventShape {
     Bad(usize),
     Gap,
     Change,
-    Mark(End),
+    Mark(RulerEnd),
 }
 
 pub(crate) fn track_ui(
@@ -57,7 +57,7 @@ pub(crate) fn track_ui(
     let ground = ui.painter().add(Shape::Noop);
     let slider = named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time");
     probe::remember(ui.ctx(), "Time", slider.rect);
-    let track = Track::new(&slider, start..=start + session.end());
+    let track = TimelineTrack::new(&slider, start..=start + session.end());
     let shapes = events.iter().flat_map(|event| track.shapes(ui, event)).collect();
     ui.painter().set(ground, Shape::Vec(shapes));
     if slider.changed() {
@@ -71,13 +71,13 @@ pub(crate) fn track_ui(
     });
 }
 
-struct Track {
+struct TimelineTrack {
     rect: Rect,
     rail: Rangef,
     times: RangeInclusive<f64>,
 }
 
-impl Track {
+impl TimelineTrack {
     fn new(slider: &Response, times: RangeInclusive<f64>) -> Self {
         // The slider keeps the room of its handle at both ends.
         let rail = slider.rect.x_range().shrink(slider.rect.height() / 2.5);
@@ -141,7 +141,7 @@ fn events(session: &Session, ruler: &Ruler, palette: &Palette) -> Vec<Event> {
             events.push(Event { times, shape: EventShape::Bad(place), color: palette.shade(estimates.color()), words });
         }
     }
-    for end in End::BOTH {
+    for end in RulerEnd::BOTH {
         if let Some(time) = ruler.time(end) {
             let words = format!("{} at {} s", end.name(), significant(time, 4));
             events.push(Event { times: (time, time), shape: EventShape::Mark(end), color: palette.text, words });

@@ -13,7 +13,7 @@ use crate::timeline::track_ui;
 use crate::widgets::{hover_text, named};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
+pub(crate) enum TransportExtent {
     Full,
     Short,
     Nothing,
@@ -24,7 +24,7 @@ pub(crate) struct Transport<'a> {
     pub(crate) ruler: &'a Ruler,
     pub(crate) palette: &'a Palette,
     pub(crate) narrow: bool,
-    pub(crate) extent: Extent,
+    pub(crate) extent: TransportExtent,
     pub(crate) embedded: bool,
     pub(crate) history: (bool, bool),
 }
@@ -32,7 +32,7 @@ pub(crate) struct Transport<'a> {
 impl Transport<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, ruler, palette, narrow, extent, embedded, history } = *self;
-        let is_full = extent == Extent::Full;
+        let is_full = extent == TransportExtent::Full;
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.horizontal(|ui| {
             playback_ui(ui, session, requests);
@@ -65,13 +65,13 @@ impl Transport<'_> {
 
 fn playback_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
-    if button(ui, icon, name, "Space") {
+    if button_ui(ui, icon, name, "Space") {
         requests.push(Request::TogglePlay);
     }
-    if button(ui, "⏭", "Step", "→") {
+    if button_ui(ui, "⏭", "Step", "→") {
         requests.push(Request::Step);
     }
-    if button(ui, "↺", "Restart", "R") {
+    if button_ui(ui, "↺", "Restart", "R") {
         requests.push(Request::Restart);
     }
 }
@@ -92,7 +92,7 @@ fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     }
 }
 
-fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
+fn button_ui(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
     let response = named(hover_text(ui.add(button), &|| format!("{name} ({key})")), name);
     probe::remember(ui.ctx(), name, response.rect);

@@ -1,19 +1,19 @@
 //! Why a filter or the truth has stopped, remarks on the filters, the times without readings, and why an edited scenario cannot be run.
 
-use kalmanscope_core::{Quantity, Remark, Trouble as Remarked};
+use kalmanscope_core::{Quantity, Remark, Trouble};
 
 use crate::session::Session;
 use crate::text::{sentence, significant};
 
-pub(crate) struct Trouble {
+pub(crate) struct FilterTrouble {
     pub(crate) sentence: String,
     pub(crate) is_failure: bool,
 }
 
-pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
+pub(crate) fn troubles(session: &Session) -> Vec<FilterTrouble> {
     let record = session.run().record();
     let mut troubles = Vec::new();
-    let mut say = |is_failure, sentence| troubles.push(Trouble { sentence, is_failure });
+    let mut say = |is_failure, sentence| troubles.push(FilterTrouble { sentence, is_failure });
     if let Some(stop) = session.run().truth_stop() {
         let time = record.time_of(stop.sample);
         say(true, format!("The record ends before {time:.2} s: {}.", stop.reason));
@@ -30,15 +30,13 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
             say(false, format!("{name} let its parameters move at {times} s, where its innovations grew at once."));
         }
         // It is so from the beginning to the end.
-        if let Some(remark) =
-            estimates.remarks().iter().find(|remark| matches!(remark.what, Remarked::Moved(_) | Remarked::Rounded(_)))
-        {
+        let is_lasting = |remark: &&Remark| matches!(remark.what, Trouble::Moved(_) | Trouble::Rounded(_));
+        if let Some(remark) = estimates.remarks().iter().find(is_lasting) {
             say(false, format!("{name}: {}.", remark.what));
         }
         // Gaps have their own sentence.
-        let is_other = |remark: &&Remark| {
-            !matches!(remark.what, Remarked::Widened | Remarked::Missing(_) | Remarked::Moved(_) | Remarked::Rounded(_))
-        };
+        let is_other =
+            |remark: &&Remark| !is_lasting(remark) && !matches!(remark.what, Trouble::Widened | Trouble::Missing(_));
         if let Some(remark) = estimates.remarks().iter().rfind(is_other) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));
@@ -69,7 +67,7 @@ impl Gap {
         let mut gaps: Vec<Self> = Vec::new();
         for estimates in run.estimates() {
             for remark in estimates.remarks() {
-                let Remarked::Missing(quantity) = remark.what else { continue };
+                let Trouble::Missing(quantity) = remark.what else { continue };
                 let is_over = remark.last + 1 < estimates.stop().map_or(run.done(), |stop| stop.sample);
                 let [from, to] = [remark.sample, remark.last].map(|sample| record.time_of(sample));
                 let gap = Self { quantity, times: (from, to), is_over };

@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use kalmanscope_core::{Axis, Scenario};
-use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
+use kalmanscope_lessons::{Lesson, LessonError, LessonStep, Map, Presentation, Question, ViewName};
 use serde::{Deserialize, Serialize};
 
-use crate::laboratory::Choice;
+use crate::laboratory::MapChoice;
 use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
 use crate::team::Precision;
@@ -48,7 +48,7 @@ impl Tutor {
         &self.lesson.title
     }
 
-    fn current(&self) -> Option<&Step> {
+    fn current(&self) -> Option<&LessonStep> {
         self.lesson.steps.get(self.step)
     }
 
@@ -64,7 +64,7 @@ impl Tutor {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
-    pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
+    pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<MapChoice>, String> {
         let Some(map) = self.current().and_then(|step| step.map.as_ref()) else { return Ok(None) };
         match map.missing_filter(scenario) {
             None => choice_of(map, scenario).map(Some),
@@ -231,7 +231,7 @@ impl Catalogue {
     }
 }
 
-fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
+fn choice_of(map: &Map, scenario: &Scenario) -> Result<MapChoice, String> {
     let Map { x, y, measure, filter, second } = map;
     let mut scenario = scenario.clone();
     scenario.number_filters();
@@ -240,7 +240,7 @@ fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
         filter.map(|filter| filter.id).ok_or_else(|| format!("the scenario has no filter `{name}`"))
     };
     let axis = |text: &String| Axis::parse(text).map_err(|error| error.to_string());
-    let choice = Choice {
+    let choice = MapChoice {
         axes: [axis(x)?, axis(y)?],
         measure: *measure,
         filter: id(filter)?,

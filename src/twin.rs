@@ -3,15 +3,15 @@
 use egui::Theme;
 use kalmanscope_diagnosis::VerdictKind;
 
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
-use crate::sheet::{Column, Sheet};
+use crate::sheet::{Sheet, SheetColumn};
 use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
-use crate::trouble::{Gap, Trouble, troubles};
+use crate::trouble::{FilterTrouble, Gap, troubles};
 use crate::view::ViewContext;
 use crate::views::view;
 use crate::visibility::Visibility;
@@ -25,19 +25,19 @@ const UNKNOWN: &str = "not known yet";
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    pub parts: Vec<Part>,
+    pub parts: Vec<TwinPart>,
     pub messages: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct TwinPart {
     pub name: String,
     pub about: String,
-    pub tables: Vec<Table>,
+    pub tables: Vec<TwinTable>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct TwinTable {
     pub caption: String,
     pub columns: Vec<String>,
     pub rows: Vec<Vec<String>>,
@@ -50,7 +50,7 @@ impl Twin {
         session: &Session,
         visible: &Visibility,
         axis: &TimeAxis,
-        layout: &Layout,
+        layout: &ViewLayout,
         notice: Option<&str>,
     ) -> Self {
         // Words have no colours.
@@ -63,13 +63,13 @@ impl Twin {
         let views = layout.enlarged().map_or_else(|| layout.in_order(), |view| vec![view]);
         let views = views.into_iter().filter(|_| !is_missing).map(|kind| {
             let view = view(kind);
-            let tables: Vec<Table> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
+            let tables: Vec<TwinTable> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
             let [about, ..] = view.help;
             let rest = if tables.is_empty() { " No numbers by time." } else { "" };
-            Part { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
+            TwinPart { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
         });
         let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
-        let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);
+        let troubles = troubles(session).into_iter().map(|FilterTrouble { sentence, .. }| sentence);
         // Marks on the axis of time.
         let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over && !is_missing);
         let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));
@@ -95,34 +95,34 @@ impl Twin {
     }
 }
 
-fn story(session: &Session) -> Part {
-    Part { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
+fn story(session: &Session) -> TwinPart {
+    TwinPart { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
 }
 
-fn verdicts(context: &ViewContext<'_>) -> Part {
+fn verdicts(context: &ViewContext<'_>) -> TwinPart {
     let row = |(place, estimates): (usize, &kalmanscope_core::Estimates)| {
         let verdict = context.session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
         let (kind, reason) = verdict.map_or((UNKNOWN, NONE), |verdict| (verdict.kind.name(), verdict.reason.as_str()));
         [estimates.name(), kind, reason].map(str::to_owned).to_vec()
     };
-    let table = Table {
+    let table = TwinTable {
         caption: "Verdicts on the filters".to_owned(),
         columns: ["Filter", "Verdict", "Reason"].map(str::to_owned).to_vec(),
         rows: context.filters().map(row).collect(),
     };
-    Part {
+    TwinPart {
         name: Twin::VERDICTS.to_owned(),
         about: "Whether each filter deserves to be believed, and why.".to_owned(),
         tables: vec![table],
     }
 }
 
-fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
+fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> TwinTable {
     let Sheet { title, unit, columns } = sheet;
     let ViewContext { session, axis, .. } = *context;
     let record = session.run().record();
     let row = |name: &str, k: usize| {
-        let text = |column: &Column<'_>| {
+        let text = |column: &SheetColumn<'_>| {
             let text = column.text(k)?;
             Some(column.aside(k).map_or_else(|| text.clone(), |aside| format!("{text} ({aside})")))
         };
@@ -133,7 +133,7 @@ fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
     let now = if axis.pointed.is_some() { "At the pointer, " } else { "At playback, " };
     let parts = PARTS.min(last.max(1));
     let tenths = (0..=parts).map(|part| row("", part * last / parts));
-    Table {
+    TwinTable {
         caption: if unit.is_empty() { title.clone() } else { format!("{title} [{unit}]") },
         columns: std::iter::once("Time".to_owned()).chain(columns.iter().map(|column| column.owner.clone())).collect(),
         rows: std::iter::once(row(now, axis.readout(session))).chain(tenths).collect(),

@@ -6,15 +6,15 @@ use egui::{Color32, Ui};
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
 use crate::plot::time_axis::{PlotInput, TimeAxis};
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
-use crate::share::Picture;
-use crate::sheet::{Column, Sheet};
+use crate::share::SavedPicture;
+use crate::sheet::{Sheet, SheetColumn};
 use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -51,15 +51,15 @@ impl<'a> ViewContext<'a> {
         Self { laboratory, ..self }
     }
 
-    pub(crate) fn picture(&self, layout: &Layout) -> Picture {
+    pub(crate) fn picture(&self, layout: &ViewLayout) -> SavedPicture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
-        Picture {
+        SavedPicture {
             laboratory: laboratory.map(Laboratory::choices).unwrap_or_default().possible_with(session.scenario()),
             speed: session.speed(),
             ruler: ruler.in_nanoseconds(),
             hidden: visible.hidden(),
-            ..Picture::new(session.scenario().clone(), layout, session.mode(), time)
+            ..SavedPicture::new(session.scenario().clone(), layout, session.mode(), time)
         }
     }
 
@@ -98,7 +98,7 @@ impl<'a> ViewContext<'a> {
         let band = band.filter(|_| self.visible.bands);
         chart.bands.extend(band.map(|series| Layer::Band { series, color, filter }));
         chart.layers.push(Layer::Line { series: line, color, width, dashed: false, bounds: false, filter });
-        chart.columns.push(Column::new(of.name(), color, move |k| (k < of.len()).then(|| words(k))?));
+        chart.columns.push(SheetColumn::new(of.name(), color, move |k| (k < of.len()).then(|| words(k))?));
     }
 
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {

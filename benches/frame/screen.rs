@@ -4,7 +4,7 @@
 use eframe::App as _;
 use egui::{Context, Pos2, RawInput, Rect, Theme, Vec2};
 use kalmanscope::App;
-use kalmanscope::layout::Layout;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::ViewKind;
 use kalmanscope_core::Scenario;
 
@@ -40,7 +40,7 @@ impl Screen {
         kalmanscope::theme::install(&ctx);
         ctx.set_theme(Theme::Light);
         let mut app = app(&ctx);
-        *app.layout_mut() = Layout::column(&VIEWS);
+        *app.layout_mut() = ViewLayout::column(&VIEWS);
         Self { app, ctx, frame: eframe::Frame::_new_kittest(), frames: 0 }
     }
 

@@ -36,7 +36,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             writer.write_field(name.as_ref())?;
             writer.write_field(k.to_string())?;
             writer.write_field(number(run.record().time(k)))?;
-            let readings: Vec<Reading> = sensors.iter().map(|s| Reading::of(estimates, run.record(), *s, k)).collect();
+            let readings: Vec<_> = sensors.iter().map(|s| SensorEstimate::of(estimates, run.record(), *s, k)).collect();
             let of_readings = columns.iter().flat_map(|(.., of)| readings.iter().map(of));
             let of_process = scales.then(|| estimates.process_scale(k).unwrap_or([f64::NAN; 2]));
             let of_process = of_process.into_iter().flatten();
@@ -56,7 +56,7 @@ pub fn harmless(name: &str) -> Cow<'_, str> {
 }
 
 /// A number of each sensor: its name, whether a filter has it, and the number.
-type ReadingColumn = (&'static str, fn(&Estimates) -> bool, fn(&Reading) -> f64);
+type ReadingColumn = (&'static str, fn(&Estimates) -> bool, fn(&SensorEstimate) -> f64);
 
 const READING: [ReadingColumn; 6] = [
     ("innovation", |_| true, |reading| reading.innovation),
@@ -68,7 +68,7 @@ const READING: [ReadingColumn; 6] = [
 ];
 
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.
-pub(crate) struct Reading {
+pub(crate) struct SensorEstimate {
     pub(crate) innovation: f64,
     /// The standard deviation that the filter expects of it.
     pub(crate) std: f64,
@@ -80,7 +80,7 @@ pub(crate) struct Reading {
     pub(crate) noise: [f64; 2],
 }
 
-impl Reading {
+impl SensorEstimate {
     pub(crate) fn of(estimates: &Estimates, record: &Record, sensor: Quantity, k: usize) -> Self {
         let found = || {
             let place = estimates.sensors().iter().position(|own| *own == sensor)?;

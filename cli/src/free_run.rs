@@ -6,7 +6,7 @@ use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenar
 
 use crate::number::{fixed, short};
 
-pub(crate) struct FreeRuns {
+pub(crate) struct FreeRunResults {
     pub(crate) name: String,
     /// Whether the filters have followed this record.
     pub(crate) is_own: bool,
@@ -25,7 +25,7 @@ pub(crate) struct FreeFit {
     pub(crate) one_step: Option<Fit>,
 }
 
-impl FreeRuns {
+impl FreeRunResults {
     pub(crate) fn new(name: &str, record: &Record, own: &Record) -> Self {
         let is_own = std::ptr::eq(own, record);
         Self { name: name.to_owned(), is_own, samples: record.len(), fits: Vec::new() }

@@ -15,14 +15,14 @@ use kalmanscope_core::{Hold, InputKind};
 use crate::args::{ImportArgs, Missing};
 use crate::files::{InputError, check, is_standard_input, places, say, write_bytes, write_text};
 use crate::prepared::table as columns_of;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs { file, with, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
     let inputs = [places("the record", [file]), places("--with", with)].concat();
     check(&inputs, &[places("--out", out), places("--decay", decay), places("--joined", joined)].concat())?;
     // Errors and remarks come once it is cleared.
-    let progress = Progress::wait(false, "reading");
+    let progress = ProgressDisplay::wait(false, "reading");
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
     table.rate = args.rate.filter(|_| decay.is_some()).or(table.rate);
@@ -81,7 +81,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(plant.clone());
     scenario.record = Some(mapping);
-    let progress = Progress::wait(false, "finding start values");
+    let progress = ProgressDisplay::wait(false, "finding start values");
     let suggestion = suggest(&scenario, &imported.record);
     drop(progress);
     // Nothing is written that `run` would refuse.

@@ -6,7 +6,7 @@ use kalmanscope_core::{CramerRao, Diagnostics, Pass, Record, Run, RunError, Scen
 use kalmanscope_diagnosis::{Analysis, Diagnosis, Hindsight, Summary, Wanted};
 
 use crate::causes::causes_of;
-use crate::free_run::{FreeRuns, fits_of};
+use crate::free_run::{FreeRunResults, fits_of};
 use crate::results::{FilterResults, Results, over_bound};
 
 /// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
@@ -24,7 +24,7 @@ impl<'a> Results<'a> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let mut results = Self::empty(scenario.clone(), run);
-        results.free_runs = records.iter().map(|(name, record)| FreeRuns::new(name, record, run.record())).collect();
+        results.free_runs = records.iter().map(|(name, one)| FreeRunResults::new(name, one, run.record())).collect();
         let mut bounds = Vec::new();
         for place in 0..scenario.filters.len() {
             let one = one((&scenario, place, run), &mut results.free_runs, records, &mut bounds)?;
@@ -39,7 +39,7 @@ type LastBound = (usize, CramerRao);
 
 fn one(
     (scenario, place, run): (&Scenario, usize, &Run),
-    free_runs: &mut [FreeRuns],
+    free_runs: &mut [FreeRunResults],
     records: &[(&str, &Record)],
     bounds: &mut Vec<LastBound>,
 ) -> Result<FilterResults, RunError> {

@@ -36,7 +36,7 @@ pub use causes::causes;
 pub use estimates_csv::{harmless, write_estimates};
 pub use number::{significant, with_spread};
 pub use plot::{pages, svg};
-pub use report::{Parts, report};
+pub use report::{ReportParts, report};
 pub use results::Results;
 
 /// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.

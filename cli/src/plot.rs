@@ -3,7 +3,7 @@
 use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 use kalmanscope_figures::{Anchor, Axes, Color, Style, Svg, Text};
 
-use crate::estimates_csv::Reading;
+use crate::estimates_csv::SensorEstimate;
 use crate::number::plain;
 use crate::series::{bands, line, padded, thinned, union, without_tails};
 use crate::table::heading;
@@ -50,15 +50,15 @@ fn colored(run: &Run) -> impl Iterator<Item = (&Estimates, Color)> {
 /// dots, each filter's estimate as a line of its colour over its ±2σ band. Below them are the readings of sensors against
 /// their predictions, within ±2√S: of those that measure no channel, and of all where no truth is known.
 pub fn svg(run: &Run) -> String {
-    draw(run, &Panel::all(run))
+    draw(run, &PlotPanel::all(run))
 }
 
 /// [`svg`] in pictures of a few plots each, which fit on pages of paper.
 pub fn pages(run: &Run) -> Vec<String> {
-    Panel::all(run).chunks(PER_PAGE).map(|panels| draw(run, panels)).collect()
+    PlotPanel::all(run).chunks(PER_PAGE).map(|panels| draw(run, panels)).collect()
 }
 
-fn draw(run: &Run, panels: &[Panel]) -> String {
+fn draw(run: &Run, panels: &[PlotPanel]) -> String {
     let mut svg = Svg::default();
     let mut top = draw_legend(&mut svg, run);
     for (place, &panel) in panels.iter().enumerate() {
@@ -75,7 +75,7 @@ fn draw_legend(svg: &mut Svg, run: &Run) -> f32 {
     if !record.true_channels().is_empty() {
         entries.push(("truth".to_owned(), TRUTH));
     }
-    if Panel::all(run).iter().any(|panel| panel.measured(record).is_some()) {
+    if PlotPanel::all(run).iter().any(|panel| panel.measured(record).is_some()) {
         entries.push(("measurement".to_owned(), DOT));
     }
     for (estimates, color) in colored(run) {
@@ -114,7 +114,7 @@ fn shortened(name: &str) -> String {
     name.chars().take(LETTERS - 1).chain(['…']).collect()
 }
 
-fn draw_panel(svg: &mut Svg, run: &Run, panel: Panel, top: f32, with_time: bool) {
+fn draw_panel(svg: &mut Svg, run: &Run, panel: PlotPanel, top: f32, with_time: bool) {
     let record = run.record();
     let range = range_of(run, panel);
     let start = record.time(0);
@@ -153,7 +153,7 @@ const SAMPLES: usize = 4000;
 
 /// The range of a plot: all of the truth, nearly all of the measurements and estimates, and most of the
 /// bands. It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
-fn range_of(run: &Run, panel: Panel) -> (f64, f64) {
+fn range_of(run: &Run, panel: PlotPanel) -> (f64, f64) {
     let record = run.record();
     let out = |tail: f64| (record.len().min(SAMPLES) as f64 * tail) as usize;
     let truth = panel.truth(record).and_then(|values| without_tails(values.iter().copied(), 0));
@@ -188,7 +188,7 @@ fn range_of(run: &Run, panel: Panel) -> (f64, f64) {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Panel {
+enum PlotPanel {
     Channel(Channel),
     Sensor(Quantity),
 }
@@ -196,7 +196,7 @@ enum Panel {
 /// Mean and standard deviation at a sample; NaN where there is none.
 type Curve<'a> = Box<dyn Fn(usize) -> (f64, f64) + 'a>;
 
-impl Panel {
+impl PlotPanel {
     /// The plots of a run, from top to bottom. A sensor has its own plot if no channel equals its reading, or if no
     /// truth is known: then its prediction is the only comparison.
     fn all(run: &Run) -> Vec<Self> {
@@ -243,7 +243,7 @@ impl Panel {
             Self::Sensor(sensor) => {
                 estimates.sensors().contains(&sensor).then_some(())?;
                 Box::new(move |k| {
-                    let Reading { std, predicted, .. } = Reading::of(estimates, record, sensor, k);
+                    let SensorEstimate { std, predicted, .. } = SensorEstimate::of(estimates, record, sensor, k);
                     (predicted, std)
                 })
             }

@@ -16,7 +16,7 @@ use crate::prepared::scenario_and_record;
 use crate::sweep::{filters, run_in_order};
 
 /// The members that have run.
-struct Population {
+struct MemberRuns {
     runner: Arc<Runner>,
     statistics: MonteCarlo,
 }
@@ -42,7 +42,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
         Ok(())
     })
     .map_err(|error| bad(&error))?;
-    let population = Population { runner: Arc::clone(&runner), statistics };
+    let population = MemberRuns { runner: Arc::clone(&runner), statistics };
     print(&if *json { population.json().map_err(|error| bad(&error))? } else { population.text() })
 }
 
@@ -54,7 +54,7 @@ struct Share {
     of: usize,
 }
 
-impl Population {
+impl MemberRuns {
     fn scenario(&self) -> &Scenario {
         self.runner.ensemble().scenario()
     }

@@ -12,7 +12,7 @@ use kalmanscope_lessons::records;
 
 use crate::args::{InputArgs, SourceArgs};
 use crate::files::{InputError, NO_FILE, Places, check, places, read_record, read_short, say, to_text};
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// Limits the samples of a run: at 100 Hz more than five hours, and less than a gigabyte for a filter without outputs of its
 /// history.
@@ -59,7 +59,7 @@ impl Prepared {
 
     pub(crate) fn run(&self, quiet: bool) -> Result<Run, InputError> {
         let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(&error))?;
-        let progress = Progress::new(run.samples(), quiet);
+        let progress = ProgressDisplay::new(run.samples(), quiet);
         while run.advance_to(run.done() + CHUNK) > 0 {
             progress.show(run.done(), "filters");
         }

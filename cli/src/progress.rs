@@ -7,9 +7,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// The time between two pictures of a bar.
 const TICK: Duration = Duration::from_millis(200);
 
-pub(crate) struct Progress(Option<ProgressBar>);
+pub(crate) struct ProgressDisplay(Option<ProgressBar>);
 
-impl Progress {
+impl ProgressDisplay {
     /// Of work with this many pieces; of an unknown number if it is 0.
     pub(crate) fn new(whole: usize, quiet: bool) -> Self {
         Self((!quiet).then(|| new_bar(whole)))
@@ -31,7 +31,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressDisplay {
     fn drop(&mut self) {
         if let Self(Some(bar)) = self {
             bar.finish_and_clear();

@@ -13,7 +13,7 @@ use crate::table::{NO_VERDICT, heading, origin, stop};
 
 /// The parts of a report besides the results.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Parts<'a> {
+pub struct ReportParts<'a> {
     /// Its title.
     pub title: &'a str,
     /// The reasons of start values, one sentence each.
@@ -32,8 +32,8 @@ const STYLE: &str = include_str!("report.css");
 ///
 /// # Errors
 /// [`ScenarioError`] where the scenario cannot be written.
-pub fn report(results: &Results<'_>, parts: &Parts<'_>) -> Result<String, ScenarioError> {
-    let Parts { title, reasons, figures } = *parts;
+pub fn report(results: &Results<'_>, parts: &ReportParts<'_>) -> Result<String, ScenarioError> {
+    let ReportParts { title, reasons, figures } = *parts;
     let Results { scenario, record, truth_stop, story, filters, smoothers, free_runs, command: _ } = results;
     let mut page = Html::page(title, STYLE);
     page.element("h1", title);

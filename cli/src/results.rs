@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, CramerRao, Estimates, Length, ModelClasses, Reco
 use kalmanscope_diagnosis::Remedy;
 use kalmanscope_diagnosis::{Analysis, Diagnosis, Story, Summary, VerdictKind};
 
-use crate::free_run::{FreeRuns, fits};
+use crate::free_run::{FreeRunResults, fits};
 
 /// The results of all filters of a run, without their histories.
 pub struct Results<'a> {
@@ -18,7 +18,7 @@ pub struct Results<'a> {
     pub(crate) story: String,
     pub(crate) filters: Vec<FilterResults>,
     pub(crate) smoothers: Vec<Summary>,
-    pub(crate) free_runs: Vec<FreeRuns>,
+    pub(crate) free_runs: Vec<FreeRunResults>,
     /// The command that repeats the run.
     pub(crate) command: String,
 }
@@ -75,9 +75,9 @@ impl<'a> Results<'a> {
     /// The same with the free runs of the final models over some records, each with its name.
     #[must_use]
     pub fn with_free_runs(mut self, run: &Run, records: &[(&str, &Record)]) -> Self {
-        let of = |(name, record): &(&str, &Record)| FreeRuns {
+        let of = |(name, record): &(&str, &Record)| FreeRunResults {
             fits: fits(run, record),
-            ..FreeRuns::new(name, record, run.record())
+            ..FreeRunResults::new(name, record, run.record())
         };
         self.free_runs = records.iter().map(of).collect();
         self

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{Parts, Results, causes, pages, report, svg, write_estimates};
+use kalmanscope_cli::{ReportParts, Results, causes, pages, report, svg, write_estimates};
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{RecordError, Run, ScenarioError};
@@ -15,7 +15,7 @@ use crate::args::{InputArgs, RunArgs, SourceArgs};
 use crate::files::{InputError, Places, places, print_beside, report_error, say, write, write_text};
 use crate::import::path_from;
 use crate::prepared::{Prepared, READY, named};
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 /// The reason why a result could not be written.
 #[derive(Debug, Error)]
@@ -34,7 +34,7 @@ enum OutputError {
 
 /// The form of a file of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum OutputForm {
     Estimates,
     Plots,
     Report,
@@ -43,7 +43,7 @@ enum Form {
     Scenario,
 }
 
-impl Form {
+impl OutputForm {
     /// The form that the ending of a file names. A file without one, such as a pipe, gets estimates.
     fn of(path: &Path, fix: Option<u8>) -> Result<Self, String> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
@@ -65,23 +65,23 @@ impl Form {
 pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     let RunArgs { source, fix, out, record_out, fail_on, json: as_json, quiet, verbose } = args;
     let bad = |reason: &dyn ToString| InputError::bad(&source.input.scenario, reason);
-    let forms = out.iter().map(|path| match Form::of(path, *fix) {
+    let forms = out.iter().map(|path| match OutputForm::of(path, *fix) {
         Ok(form) => Ok((path, form)),
         Err(reason) => Err(bad(&format!("--out {}: {reason}", path.display()))),
     });
     let forms = forms.collect::<Result<Vec<_>, _>>()?;
     let fixed = fix.map(|number| {
-        let path = forms.iter().find(|(_, form)| *form == Form::Scenario).map(|(path, _)| *path);
+        let path = forms.iter().find(|(_, form)| *form == OutputForm::Scenario).map(|(path, _)| *path);
         path.map(|path| (number, path)).ok_or_else(|| bad(&"--fix: --out must name the .toml file to write"))
     });
     let fixed = fixed.transpose()?;
     let outputs: Places<'_> = [places("--out", out), places("--record-out", record_out)].concat();
     let prepared = Prepared::new(source, &outputs, *quiet)?;
     // Only files need the whole history of every filter.
-    let with_history = forms.iter().any(|(_, form)| *form != Form::Scenario);
+    let with_history = forms.iter().any(|(_, form)| *form != OutputForm::Scenario);
     let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
     let records = prepared.for_free_runs(&run);
-    let progress = Progress::wait(*quiet, "diagnostics, causes and bounds");
+    let progress = ProgressDisplay::wait(*quiet, "diagnostics, causes and bounds");
     let results = if with_history {
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
         Results::of_run(&run, &analysis, causes(&run, &analysis)).with_free_runs(&run, &records)
@@ -101,11 +101,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     };
     for (path, form) in forms {
         match form {
-            Form::Estimates => save(path, &|file| Ok(write_estimates(&run, file)?)),
-            Form::Plots => save(path, &|file| Ok(file.write_all(svg(&run).as_bytes())?)),
-            Form::Report => save(path, &|file| Ok(file.write_all(page(&prepared, &run, &results)?.as_bytes())?)),
-            Form::Json => save(path, &|file| Ok(file.write_all(results.json(run.estimates())?.as_bytes())?)),
-            Form::Scenario => {}
+            OutputForm::Estimates => save(path, &|file| Ok(write_estimates(&run, file)?)),
+            OutputForm::Plots => save(path, &|file| Ok(file.write_all(svg(&run).as_bytes())?)),
+            OutputForm::Report => save(path, &|file| Ok(file.write_all(page(&prepared, &run, &results)?.as_bytes())?)),
+            OutputForm::Json => save(path, &|file| Ok(file.write_all(results.json(run.estimates())?.as_bytes())?)),
+            OutputForm::Scenario => {}
         }
     }
     record_out.iter().for_each(|path| save(path, &|file| write_record(&run, prepared.is_measured, file)));
@@ -156,7 +156,7 @@ fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<()
 
 fn page(prepared: &Prepared, run: &Run, results: &Results<'_>) -> Result<String, ScenarioError> {
     let title = prepared.file.file_stem().map_or_else(|| "Kalmanscope".into(), |stem| stem.to_string_lossy());
-    report(results, &Parts { title: &title, reasons: &[], figures: &pages(run) })
+    report(results, &ReportParts { title: &title, reasons: &[], figures: &pages(run) })
 }
 
 /// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.

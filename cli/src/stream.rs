@@ -8,7 +8,7 @@ use kalmanscope_cli::harmless;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::document::Document;
 use kalmanscope_core::{Channel, EventError, EventFilter, Pass, RunError, Sample, Scenario};
-use kalmanscope_sources::{Lines, StreamRow, open, read_line};
+use kalmanscope_sources::{LineReader, StreamRow, open, read_line};
 
 use crate::args::StreamArgs;
 use crate::files::{InputError, check, is_standard_input, places, say};
@@ -35,8 +35,8 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let unread = |error: io::Error| InputError::bad(source, &error);
     let written = |error: io::Error| InputError::unwritten(Path::new("-"), &error);
     let mut input = open(&source.to_string_lossy()).map_err(unread)?;
-    let mut lines = Lines::new(&scenario);
-    let mut writer = Writer { output: io::stdout().lock(), json: *json, columns: Vec::new() };
+    let mut lines = LineReader::new(&scenario);
+    let mut writer = EstimateWriter { output: io::stdout().lock(), json: *json, columns: Vec::new() };
     if !writer.begin(&filters).map_err(written)? {
         return Ok(true);
     }
@@ -223,14 +223,14 @@ fn moments(sample: &Sample<'_>, channels: &[Channel]) -> Vec<Document> {
 }
 
 /// Writes lines, each flushed. A closed pipe is the end and no error.
-struct Writer<W> {
+struct EstimateWriter<W> {
     output: W,
     json: bool,
     /// The names of each filter's columns.
     columns: Vec<Vec<String>>,
 }
 
-impl<W: Write> Writer<W> {
+impl<W: Write> EstimateWriter<W> {
     /// Writes the header of a table for these filters. Returns whether anybody reads it.
     fn begin(&mut self, filters: &[Followed]) -> io::Result<bool> {
         self.columns = filters.iter().map(Followed::columns).collect();

@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
-use crate::progress::Progress;
+use crate::progress::ProgressDisplay;
 
 const MOST_THREADS: usize = 256;
 
@@ -40,7 +40,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
         return stream(args, &runner, cells);
     }
     let ensemble = runner.ensemble();
-    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
+    let (mut part, done) = SweepFile::open(out, &fingerprint, ensemble, cells.len())?;
     run_cells(args, &runner, cells.start + done..cells.end, &mut |slice| part.append(ensemble, slice))?;
     part.finish(out).map_err(|error| InputError::unwritten(out, &error))
 }
@@ -67,14 +67,14 @@ fn run_cells(
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
     run_in_order(runner, cells, args.threads, (false, "runs"), append).map_err(|error| match error {
-        RunError::Append(error) => InputError::unwritten(&args.out, &error),
+        SweepError::Append(error) => InputError::unwritten(&args.out, &error),
         error => InputError::bad(&args.input.scenario, &error),
     })
 }
 
 /// The reason why cells could not be run.
 #[derive(Debug, Error)]
-pub(crate) enum RunError {
+pub(crate) enum SweepError {
     #[error(transparent)]
     Append(#[from] io::Error),
     #[error(transparent)]
@@ -90,10 +90,10 @@ pub(crate) fn run_in_order(
     threads: usize,
     (quiet, what): (bool, &str),
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
-) -> Result<(), RunError> {
+) -> Result<(), SweepError> {
     let threads = threads.min(MOST_THREADS).min(cells.len().max(1));
-    let team = Threads::new(threads, 0).map_err(RunError::Threads)?;
-    let progress = Progress::new(cells.len(), quiet);
+    let team = Threads::new(threads, 0).map_err(SweepError::Threads)?;
+    let progress = ProgressDisplay::new(cells.len(), quiet);
     let work = team.rows(Priority::Map, runner, cells.clone().collect(), |_| {});
     let (mut waiting, mut next, mut finished) = (BTreeMap::new(), cells.start, 0);
     while let Some(slice) = work.wait() {
@@ -105,7 +105,7 @@ pub(crate) fn run_in_order(
             append(&slice)?;
         }
     }
-    if next == cells.end { Ok(()) } else { Err(RunError::Lost) }
+    if next == cells.end { Ok(()) } else { Err(SweepError::Lost) }
 }
 
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
@@ -172,12 +172,12 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
 const FIRST: &str = "# sweep ";
 
 /// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
-struct Part {
+struct SweepFile {
     path: PathBuf,
     file: BufWriter<File>,
 }
 
-impl Part {
+impl SweepFile {
     /// The part file beside the table. Returns the number of rows that it has already, if it is of the same sweep.
     fn open(out: &Path, fingerprint: &str, ensemble: &Ensemble, most: usize) -> Result<(Self, usize), InputError> {
         let unwritten = |error| InputError::unwritten(out, &error);

@@ -29,5 +29,5 @@ pub mod tune;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
 pub use monte_carlo::{LastError, MonteCarlo, RunVerdicts, share_interval};
 pub use runner::{CellRun, CellTask, Runner};
-pub use sheet::{Sheet, Slice};
-pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, in_parts, processors};
+pub use sheet::{EnsembleRows, Slice};
+pub use threads::{Lost, Priority, Report, Threads, WorkParts, WorkStep, WorkToken, in_parts, processors};

@@ -7,7 +7,7 @@ use kalmanscope_core::score::{Outcome, ScoredPass};
 use kalmanscope_core::setting::RECORD_GAIN;
 use kalmanscope_core::{Estimates, Pass, Record, Scenario, Simulator, Source, Task, simulate};
 use kalmanscope_diagnosis::{FirstCause, Measure, Observed, Times, Value, Whole};
-use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with, serves};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
 
@@ -194,7 +194,7 @@ pub(crate) fn numbers(
 pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let possible: Vec<_> =
         runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
-    if let Ok(outcomes) = outcomes_with(Level::best(), &possible, samples) {
+    if let Ok(outcomes) = outcomes_with(InstructionSet::best(), &possible, samples) {
         let mut outcomes = outcomes.into_iter();
         return runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect();
     }
@@ -213,13 +213,13 @@ const OF_SAMPLE: f64 = 500.0;
 pub struct CellTask<R> {
     runner: R,
     cell: usize,
-    stage: Stage,
+    stage: CellStage,
     row: Vec<f64>,
     /// The time since the last check of the clock, as estimated \[ns\].
     spent: f64,
 }
 
-enum Stage {
+enum CellStage {
     Record {
         scenario: Scenario,
         simulator: Box<Simulator>,
@@ -245,19 +245,19 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
         let row = vec![f64::NAN; runner.ensemble().width()];
         let scenario = runner.ensemble().at(cell);
         let stage = if scenario.validate().is_err() {
-            Stage::Done
+            CellStage::Done
         } else if let Some(record) = runner.record_at_hand(cell, &scenario) {
-            Stage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
+            CellStage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
         } else {
             let simulator = Box::new(Simulator::new(&scenario));
-            Stage::Record { record: simulator.empty_record(), scenario, simulator }
+            CellStage::Record { record: simulator.empty_record(), scenario, simulator }
         };
         Self { runner, cell, stage, row, spent: 0.0 }
     }
 
     fn piece(&mut self) {
-        self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
-            Stage::Record { scenario, mut simulator, mut record } => {
+        self.stage = match std::mem::replace(&mut self.stage, CellStage::Done) {
+            CellStage::Record { scenario, mut simulator, mut record } => {
                 let samples = scenario.samples();
                 let goal = samples.min(record.len() + self.samples_for(OF_SAMPLE));
                 let begin = record.len();
@@ -266,14 +266,14 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
                 let is_slow = goes_on && record.len() < goal;
                 self.spent += if is_slow { PIECE } else { OF_SAMPLE * (record.len() - begin) as f64 };
                 if goes_on && record.len() < samples {
-                    Stage::Record { scenario, simulator, record }
+                    CellStage::Record { scenario, simulator, record }
                 } else {
                     let record = self.runner.keep(self.cell, record);
-                    Stage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
+                    CellStage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
                 }
             }
-            Stage::Filter { run, nth, pass } => self.filter(run, nth, pass),
-            Stage::Cause { run, nth, mut search } => {
+            CellStage::Filter { run, nth, pass } => self.filter(run, nth, pass),
+            CellStage::Cause { run, nth, mut search } => {
                 // It asks after each piece of about the same time.
                 self.spent = PIECE;
                 if search.advance(&mut || false) {
@@ -281,12 +281,12 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
                     if let Some(place) = measures.iter().position(|measure| *measure == Measure::CAUSE) {
                         self.row[nth * measures.len() + place] = Value::Cause(search.finish()).number();
                     }
-                    Stage::Filter { run, nth: nth + 1, pass: None }
+                    CellStage::Filter { run, nth: nth + 1, pass: None }
                 } else {
-                    Stage::Cause { run, nth, search }
+                    CellStage::Cause { run, nth, search }
                 }
             }
-            Stage::Done => Stage::Done,
+            CellStage::Done => CellStage::Done,
         };
     }
 
@@ -294,14 +294,14 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
         ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
     }
 
-    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<Box<ScoredPass>>) -> Stage {
+    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<Box<ScoredPass>>) -> CellStage {
         let CellRun { scenario, record } = &run;
         let ensemble = self.runner.ensemble();
-        let Some(&place) = ensemble.plan().filters.get(nth) else { return Stage::Done };
+        let Some(&place) = ensemble.plan().filters.get(nth) else { return CellStage::Done };
         let (trace, needs_history) = (ensemble.trace(), self.runner.needs_history());
         let first = || ScoredPass::new(scenario, place, record, trace.samples(), needs_history).map(Box::new);
         let Ok(mut pass) = pass.map_or_else(first, Ok) else {
-            return Stage::Filter { run, nth: nth + 1, pass: None };
+            return CellStage::Filter { run, nth: nth + 1, pass: None };
         };
         let has_cause = ensemble.plan().measures.contains(&Measure::CAUSE);
         let time = scenario.filters[place].time_of_step(scenario);
@@ -309,16 +309,16 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
         let is_done = pass.advance(record, begin + self.samples_for(time));
         self.spent += time * (pass.done() - begin) as f64;
         if !is_done {
-            return Stage::Filter { run, nth, pass: Some(pass) };
+            return CellStage::Filter { run, nth, pass: Some(pass) };
         }
         let (outcome, history) = pass.finish();
         self.runner.fill(nth, &run, &outcome, history.as_ref(), &mut self.row);
         match history.filter(|_| has_cause) {
             Some(estimates) => {
                 let search = Box::new(FirstCause::new(scenario, place, &estimates, record));
-                Stage::Cause { run, nth, search }
+                CellStage::Cause { run, nth, search }
             }
-            None => Stage::Filter { run, nth: nth + 1, pass: None },
+            None => CellStage::Filter { run, nth: nth + 1, pass: None },
         }
     }
 }
@@ -329,15 +329,15 @@ impl<R: Deref<Target = Runner>> Task for CellTask<R> {
     fn progress(&self) -> f64 {
         let filters = self.runner.ensemble().plan().filters.len() as f64;
         match &self.stage {
-            Stage::Record { .. } => 0.0,
-            Stage::Filter { nth, .. } => *nth as f64 / filters,
-            Stage::Cause { nth, search, .. } => (*nth as f64 + search.progress()) / filters,
-            Stage::Done => 1.0,
+            CellStage::Record { .. } => 0.0,
+            CellStage::Filter { nth, .. } => *nth as f64 / filters,
+            CellStage::Cause { nth, search, .. } => (*nth as f64 + search.progress()) / filters,
+            CellStage::Done => 1.0,
         }
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !matches!(self.stage, Stage::Done) {
+        while !matches!(self.stage, CellStage::Done) {
             self.piece();
             if self.spent >= PIECE {
                 self.spent = 0.0;
@@ -346,7 +346,7 @@ impl<R: Deref<Target = Runner>> Task for CellTask<R> {
                 }
             }
         }
-        matches!(self.stage, Stage::Done)
+        matches!(self.stage, CellStage::Done)
     }
 
     fn finish(self) -> Vec<f64> {

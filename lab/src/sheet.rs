@@ -14,7 +14,7 @@ pub struct Slice {
 
 /// The rows of an ensemble's cells, filled in any order.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct EnsembleRows {
     counts: Vec<usize>,
     width: usize,
     rows: Vec<f64>,
@@ -22,7 +22,7 @@ pub struct Sheet {
     done: usize,
 }
 
-impl Sheet {
+impl EnsembleRows {
     /// An empty sheet.
     pub fn new(ensemble: &Ensemble) -> Self {
         let (cells, width) = (ensemble.cells(), ensemble.width());
@@ -116,7 +116,7 @@ mod tests {
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
         let plan = Plan { filters: vec![0], measures: vec![Measure::NIS, Measure::NEES], axes, ..Plan::default() };
         let ensemble = Ensemble::new(Scenario::default(), plan).unwrap();
-        let mut sheet = Sheet::new(&ensemble);
+        let mut sheet = EnsembleRows::new(&ensemble);
         let order = ensemble.coarse_to_fine();
         assert!(sheet.shown(0).is_none() && !sheet.covers_all());
         let mut covered = None;
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(covered, Some(5 * 3));
         assert!(sheet.is_complete() && sheet.missing(&order).next().is_none());
         assert_eq!(sheet.row(ensemble.cell(&[39, 19])), Some(&[39.0, 19.0][..]));
-        let mut coarse = Sheet::new(&ensemble);
+        let mut coarse = EnsembleRows::new(&ensemble);
         coarse.fill(&order[..15], &vec![7.0; 30]);
         assert_eq!(coarse.missing(&order).count(), 785);
         assert!((0..800).all(|cell| coarse.shown(cell) == Some(&[7.0, 7.0][..])));

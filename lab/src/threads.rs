@@ -31,7 +31,7 @@ pub enum Priority {
 }
 
 /// The result of a portion of work.
-pub enum Step<T> {
+pub enum WorkStep<T> {
     /// A part; there is more to do.
     Part(T),
     /// The last part.
@@ -63,24 +63,24 @@ pub struct Threads {
 }
 
 /// Whether work is still wanted.
-pub struct Wanted(Arc<State>);
+pub struct WorkToken(Arc<ThreadState>);
 
 /// The parts of work on threads. It ends when this is dropped: no portion begins after that.
-pub struct Parts<T> {
+pub struct WorkParts<T> {
     parts: Receiver<T>,
-    state: Arc<State>,
+    state: Arc<ThreadState>,
 }
 
 /// A panic, or the end of the team, leaves work unfinished; its user gets a report.
 struct Unfinished<T> {
     sender: Sender<T>,
-    state: Arc<State>,
+    state: Arc<ThreadState>,
     wake: Arc<dyn Fn(bool) + Send + Sync>,
     is_finished: bool,
 }
 
 #[derive(Default)]
-struct State {
+struct ThreadState {
     is_unwanted: AtomicBool,
     is_lost: AtomicBool,
 }
@@ -132,28 +132,28 @@ impl Threads {
     }
 
     /// Begins work that some steps do side by side. `wake` is called after each part, and with true at an end.
-    pub fn begin<T: Send + 'static, S: FnMut(Wanted) -> Step<T> + Send + 'static>(
+    pub fn begin<T: Send + 'static, S: FnMut(WorkToken) -> WorkStep<T> + Send + 'static>(
         &self,
         priority: Priority,
         steps: impl IntoIterator<Item = S>,
         wake: impl Fn(bool) + Send + Sync + 'static,
-    ) -> Parts<T> {
+    ) -> WorkParts<T> {
         let (sender, parts) = mpsc::channel();
-        let state = Arc::<State>::default();
+        let state = Arc::<ThreadState>::default();
         let wake: Arc<dyn Fn(bool) + Send + Sync> = Arc::new(wake);
         for mut step in steps {
             let (sender, state, wake) = (sender.clone(), Arc::clone(&state), Arc::clone(&wake));
             let mut work = Unfinished { sender, state, wake, is_finished: false };
             let portion = move || {
-                let wanted = Wanted(Arc::clone(&work.state));
+                let wanted = WorkToken(Arc::clone(&work.state));
                 if !wanted.is_so() {
                     return false;
                 }
                 let (part, goes_on) = match step(wanted) {
-                    Step::Part(part) => (Some(part), true),
-                    Step::Last(part) => (Some(part), false),
-                    Step::End => (None, false),
-                    Step::Failed => return false,
+                    WorkStep::Part(part) => (Some(part), true),
+                    WorkStep::Last(part) => (Some(part), false),
+                    WorkStep::End => (None, false),
+                    WorkStep::Failed => return false,
                 };
                 work.is_finished = !goes_on;
                 let is_wanted = part.is_none_or(|part| work.sender.send(part).is_ok());
@@ -163,7 +163,7 @@ impl Threads {
             self.queue.lock().put(priority, Box::new(portion));
         }
         self.queue.changed.notify_all();
-        Parts { parts, state }
+        WorkParts { parts, state }
     }
 
     /// Begins a task. After each portion it sends what `look` sees of it, and its outcome at the end.
@@ -173,16 +173,16 @@ impl Threads {
         task: T,
         look: fn(&T) -> L,
         wake: impl Fn(bool) + Send + Sync + 'static,
-    ) -> Parts<Report<L, T::Outcome>> {
+    ) -> WorkParts<Report<L, T::Outcome>> {
         let (mut task, mut is_done) = (Some(task), false);
-        let step = move |wanted: Wanted| {
+        let step = move |wanted: WorkToken| {
             if is_done {
-                return task.take().map_or(Step::End, |task| Step::Last(Report::Done(task.finish())));
+                return task.take().map_or(WorkStep::End, |task| WorkStep::Last(Report::Done(task.finish())));
             }
-            let Some(task) = &mut task else { return Step::End };
+            let Some(task) = &mut task else { return WorkStep::End };
             let begin = Instant::now();
             is_done = task.advance(&mut || begin.elapsed() < PORTION && wanted.is_so());
-            Step::Part(Report::Look(look(task)))
+            WorkStep::Part(Report::Look(look(task)))
         };
         self.begin(priority, [step], wake)
     }
@@ -194,7 +194,7 @@ impl Threads {
         runner: &Arc<Runner>,
         order: Vec<usize>,
         wake: impl Fn(bool) + Send + Sync + 'static,
-    ) -> Parts<Slice> {
+    ) -> WorkParts<Slice> {
         // As many as run side by side.
         let portion = order.first().map_or(1, |cell| runner.at_once(*cell));
         let order = Arc::new((order, AtomicUsize::new(0)));
@@ -204,9 +204,9 @@ impl Threads {
                 let (order, next) = &*order;
                 let from = next.fetch_add(portion, Ordering::Relaxed);
                 let Some(cells) = order.get(from..(from + portion).min(order.len())).filter(|c| !c.is_empty()) else {
-                    return Step::End;
+                    return WorkStep::End;
                 };
-                Step::Part(Slice { cells: cells.to_vec(), rows: runner.rows(cells) })
+                WorkStep::Part(Slice { cells: cells.to_vec(), rows: runner.rows(cells) })
             }
         };
         self.begin(priority, (0..self.count).map(step), wake)
@@ -266,14 +266,14 @@ impl Drop for Threads {
     }
 }
 
-impl Wanted {
+impl WorkToken {
     /// Whether it is.
     pub fn is_so(&self) -> bool {
         !self.0.is_unwanted.load(Ordering::Relaxed)
     }
 }
 
-impl<T> Parts<T> {
+impl<T> WorkParts<T> {
     /// The next part, if one has come.
     ///
     /// # Errors
@@ -292,7 +292,7 @@ impl<T> Parts<T> {
     }
 }
 
-impl<T> Drop for Parts<T> {
+impl<T> Drop for WorkParts<T> {
     fn drop(&mut self) {
         self.state.is_unwanted.store(true, Ordering::Relaxed);
     }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::EnsembleError;
 use crate::runner::numbers;
 
-pub use information::Remark;
+pub use information::TuneRemark;
 
 use information::Information;
 
@@ -32,21 +32,21 @@ const TOLERANCE: f64 = 1e-7;
 /// Source: Nelder and Mead (1965), A simplex method for function minimization.
 pub struct Tuner {
     cost: Cost,
-    stage: Stage,
+    stage: TuneStage,
     best: Vec<f64>,
     path: Vec<Try>,
     bands: Option<Vec<[f64; 2]>>,
     runs: u64,
 }
 
-enum Stage {
+enum TuneStage {
     Scanning(usize, usize),
-    Searching(Search),
+    Searching(SimplexSearch),
     Looking(Box<Information>),
     Done,
 }
 
-struct Search {
+struct SimplexSearch {
     /// Points in shares of the axes, each behind its cost; the best one first.
     simplex: Vec<(f64, Vec<f64>)>,
     iterations: u64,
@@ -74,7 +74,7 @@ pub struct Tuned {
     /// The verdict on the tuned filter, if there are enough measurements for one.
     pub verdict: Option<VerdictKind>,
     /// Warnings about the result.
-    pub remarks: Vec<Remark>,
+    pub remarks: Vec<TuneRemark>,
     /// The number of runs that it took.
     pub runs: u64,
 }
@@ -108,7 +108,7 @@ impl Tuner {
         let best = cost.shares(&values);
         // The present values count even if they are beyond an axis.
         let path = vec![Try { values, score: -cost.of_scenario(&cost.scenario) }];
-        Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, bands: None, runs: 1 })
+        Ok(Self { cost, stage: TuneStage::Scanning(0, 0), best, path, bands: None, runs: 1 })
     }
 
     /// Tries these values of the settings before the search, one an axis, such as the best ones of a map. Values beyond an axis
@@ -127,7 +127,7 @@ impl Tuner {
         &self.path
     }
 
-    fn scan(&mut self, axis: usize, place: usize) -> Stage {
+    fn scan(&mut self, axis: usize, place: usize) -> TuneStage {
         if axis >= self.cost.axes.len() {
             return self.begin_search();
         }
@@ -136,12 +136,12 @@ impl Tuner {
         let cost = self.cost.of(&shares);
         self.runs += 1;
         self.keep(&shares, cost);
-        if place + 1 < SCAN { Stage::Scanning(axis, place + 1) } else { Stage::Scanning(axis + 1, 0) }
+        if place + 1 < SCAN { TuneStage::Scanning(axis, place + 1) } else { TuneStage::Scanning(axis + 1, 0) }
     }
 
-    fn begin_search(&mut self) -> Stage {
+    fn begin_search(&mut self) -> TuneStage {
         if self.best.is_empty() {
-            return Stage::Done;
+            return TuneStage::Done;
         }
         let mut points = vec![self.best.clone()];
         for axis in 0..self.best.len() {
@@ -152,10 +152,10 @@ impl Tuner {
         self.runs += points.len() as u64;
         let mut simplex: Vec<_> = points.into_iter().map(|point| (self.cost.of(&point), point)).collect();
         simplex.sort_by(by_cost);
-        Stage::Searching(Search { simplex, iterations: 0 })
+        TuneStage::Searching(SimplexSearch { simplex, iterations: 0 })
     }
 
-    fn search(&mut self, Search { mut simplex, iterations }: Search) -> Stage {
+    fn search(&mut self, SimplexSearch { mut simplex, iterations }: SimplexSearch) -> TuneStage {
         let n = simplex.len() - 1;
         let centroid = |i: usize| 1.0 / n as f64 * simplex[..n].iter().map(|(_, point)| point[i]).sum::<f64>();
         let centroid: Vec<f64> = (0..n).map(centroid).collect();
@@ -192,14 +192,14 @@ impl Tuner {
         if is_flat || iterations + 1 >= ITERATIONS {
             return self.begin_information();
         }
-        Stage::Searching(Search { simplex, iterations: iterations + 1 })
+        TuneStage::Searching(SimplexSearch { simplex, iterations: iterations + 1 })
     }
 
     /// Only the likelihood has a curvature with a meaning.
-    fn begin_information(&self) -> Stage {
+    fn begin_information(&self) -> TuneStage {
         match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
-            Some(best) => Stage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
-            None => Stage::Done,
+            Some(best) => TuneStage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
+            None => TuneStage::Done,
         }
     }
 
@@ -222,31 +222,31 @@ impl Task for Tuner {
     fn progress(&self) -> f64 {
         let axes = self.cost.axes.len().max(1) as f64;
         match &self.stage {
-            Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
-            Stage::Searching(search) => 0.2 + 0.7 * search.iterations as f64 / ITERATIONS as f64,
-            Stage::Looking(_) => 0.9,
-            Stage::Done => 1.0,
+            TuneStage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
+            TuneStage::Searching(search) => 0.2 + 0.7 * search.iterations as f64 / ITERATIONS as f64,
+            TuneStage::Looking(_) => 0.9,
+            TuneStage::Done => 1.0,
         }
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
-            self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
-                Stage::Scanning(axis, place) => self.scan(axis, place),
-                Stage::Searching(search) => self.search(search),
-                Stage::Looking(mut information) => {
+            self.stage = match std::mem::replace(&mut self.stage, TuneStage::Done) {
+                TuneStage::Scanning(axis, place) => self.scan(axis, place),
+                TuneStage::Searching(search) => self.search(search),
+                TuneStage::Looking(mut information) => {
                     if information.advance(&self.cost) {
                         self.runs += information.runs;
                         self.bands = information.bands(&self.cost);
-                        Stage::Done
+                        TuneStage::Done
                     } else {
-                        Stage::Looking(information)
+                        TuneStage::Looking(information)
                     }
                 }
-                Stage::Done => return true,
+                TuneStage::Done => return true,
             };
             if !while_time() {
-                return matches!(self.stage, Stage::Done);
+                return matches!(self.stage, TuneStage::Done);
             }
         }
     }

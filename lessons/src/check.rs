@@ -7,7 +7,7 @@ use kalmanscope_diagnosis::{MeasureKind, Times, Value, ValueKind};
 use serde::Deserialize;
 
 use crate::LessonError;
-use crate::grid::{Cells, is_within};
+use crate::grid::{GridCells, is_within};
 
 /// The share of all records in which a check holds that states none.
 pub(crate) const NEARLY_ALL: f64 = 0.98;
@@ -41,7 +41,7 @@ pub struct Check {
     /// Divides by the same measure at another time.
     pub than_at: Option<f64>,
     /// Measures the share of the cells of a grid in which the measure keeps within limits.
-    pub cells: Option<Cells>,
+    pub cells: Option<GridCells>,
     /// The measured number must be above this.
     pub above: Option<f64>,
     /// The measured number must be below this.
@@ -156,7 +156,7 @@ impl fmt::Display for Check {
             let at = self.than_at.map_or(String::new(), |_| time(self.reference_times()));
             write!(f, ", over {other}{before}{at}")?;
         }
-        if let Some(Cells { x, y, above, below, is }) = &self.cells {
+        if let Some(GridCells { x, y, above, below, is }) = &self.cells {
             limits(f, (*above, *below), is)?;
             write!(f, "; share of the cells of {x}")?;
             if let Some(y) = y {

@@ -83,7 +83,7 @@ impl Map {
 /// the cells in which the measure keeps within them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cells {
+pub struct GridCells {
     /// A setting, written as `KEY=FROM:TO:COUNT`, with `:log` behind it for equal ratios.
     pub x: String,
     /// Another setting.
@@ -97,7 +97,7 @@ pub struct Cells {
     pub is: Vec<String>,
 }
 
-impl Cells {
+impl GridCells {
     /// Whether a value in a cell keeps within the limits.
     pub(crate) fn hold(&self, value: &Value) -> bool {
         is_within(value, (self.above, self.below), &self.is)

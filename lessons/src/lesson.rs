@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::adjustment::{self, Adjustment};
-use crate::{BuiltIn, Check, LessonError, Map, Picture, Question};
+use crate::{BuiltIn, Check, LessonError, LessonPicture, Map, Question};
 
 /// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -19,14 +19,14 @@ pub struct Lesson {
     /// A sentence on what the lesson teaches.
     pub summary: String,
     /// The picture in the menu.
-    pub picture: Option<Picture>,
+    pub picture: Option<LessonPicture>,
     /// The initial scenario.
     pub scenario: Base,
     /// Changes to the initial scenario, before the first step.
     #[serde(default)]
     pub adjust: Adjustment,
     /// The steps, in order.
-    pub steps: Vec<Step>,
+    pub steps: Vec<LessonStep>,
 }
 
 /// The initial scenario of a lesson.
@@ -42,7 +42,7 @@ pub enum Base {
 /// A step of a lesson.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Step {
+pub struct LessonStep {
     /// Instructions on where to look.
     pub look: String,
     /// A question that is asked before the change is made and its effect is shown.
@@ -76,7 +76,7 @@ pub struct Step {
     pub checks: Vec<Check>,
 }
 
-impl Step {
+impl LessonStep {
     /// Whether the step makes a claim about a verdict.
     pub fn speaks_of_verdicts(&self) -> bool {
         self.checks.iter().any(Check::is_of_verdict)
@@ -183,7 +183,7 @@ impl Lesson {
     /// The time that a reader takes, in whole minutes: to read every text, and half a minute a step to look.
     pub fn minutes(&self) -> usize {
         let texts = self.steps.iter().flat_map(|step| {
-            let Step { look, happens, why, question, .. } = step;
+            let LessonStep { look, happens, why, question, .. } = step;
             let question = question.iter().flat_map(|one| [&one.ask, &one.because].into_iter().chain(&one.choices));
             [look, happens, why].into_iter().chain(question)
         });

@@ -57,14 +57,14 @@ const OF_LESSONS: [&str; 4] = ["title", "course", "summary", "steps"];
 
 /// The contents of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum File {
+pub enum LibraryFile {
     /// A lesson.
     Lesson(Box<Lesson>),
     /// A scenario.
     Scenario(Box<Scenario>),
 }
 
-impl File {
+impl LibraryFile {
     /// Reads a file and checks it. It is a lesson where it has a key that only lessons have.
     ///
     /// # Errors
@@ -135,9 +135,9 @@ pub(crate) mod tests {
 
     #[test]
     fn lessons_and_scenarios_are_told_apart() {
-        assert!(matches!(File::from_toml(LESSONS[0].1), Ok(File::Lesson(_))));
-        assert!(matches!(File::from_toml(BUILT_IN[0].toml()), Ok(File::Scenario(_))));
-        assert_eq!(File::from_toml("").unwrap(), File::Scenario(Box::default()));
+        assert!(matches!(LibraryFile::from_toml(LESSONS[0].1), Ok(LibraryFile::Lesson(_))));
+        assert!(matches!(LibraryFile::from_toml(BUILT_IN[0].toml()), Ok(LibraryFile::Scenario(_))));
+        assert_eq!(LibraryFile::from_toml("").unwrap(), LibraryFile::Scenario(Box::default()));
     }
 
     #[test]
@@ -145,7 +145,7 @@ pub(crate) mod tests {
         for (text, part) in
             [("title = 1", "invalid type"), ("steps = []", "missing field"), ("fading = 1", "fading"), ("=", "TOML")]
         {
-            let error = File::from_toml(text).unwrap_err().to_string();
+            let error = LibraryFile::from_toml(text).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");
         }
     }

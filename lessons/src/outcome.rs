@@ -7,7 +7,7 @@ use crate::check::Check;
 use crate::{LessonError, records};
 
 /// A complete run of a scenario, with its results.
-pub struct Outcome {
+pub struct AnalysedRun {
     /// The complete run.
     pub run: Run,
     analysis: Analysis,
@@ -17,13 +17,13 @@ pub struct Outcome {
 
 #[derive(Clone, Copy)]
 pub(crate) struct FilterOutcome<'a> {
-    pub(crate) outcome: &'a Outcome,
+    pub(crate) outcome: &'a AnalysedRun,
     pub(crate) place: usize,
     pub(crate) estimates: &'a Estimates,
     pub(crate) diagnostics: &'a Diagnostics,
 }
 
-impl Outcome {
+impl AnalysedRun {
     /// Runs a scenario over its whole record: a simulated one, or the built-in one that it names.
     ///
     /// # Errors
@@ -64,8 +64,8 @@ impl Check {
     ///
     /// # Errors
     /// [`LessonError::UnknownFilter`] where an outcome does not have the filter.
-    pub fn value(&self, outcome: &Outcome, before: &Outcome) -> Result<Value, LessonError> {
-        let find = |outcome: &'_ Outcome, (name, smoothed): (&str, bool), times: Times| {
+    pub fn value(&self, outcome: &AnalysedRun, before: &AnalysedRun) -> Result<Value, LessonError> {
+        let find = |outcome: &'_ AnalysedRun, (name, smoothed): (&str, bool), times: Times| {
             let filter = outcome.filter(name, smoothed).ok_or_else(|| LessonError::UnknownFilter(name.to_owned()))?;
             Ok::<_, LessonError>(self.measured(filter, times))
         };
@@ -82,7 +82,7 @@ impl Check {
     }
 
     /// Whether the measure keeps within the limits of a cell in its outcome.
-    pub(crate) fn holds_in(&self, cell: &Outcome) -> Result<bool, LessonError> {
+    pub(crate) fn holds_in(&self, cell: &AnalysedRun) -> Result<bool, LessonError> {
         let value = self.value(cell, cell)?;
         Ok(self.cells.as_ref().is_some_and(|cells| cells.hold(&value)))
     }
@@ -103,19 +103,19 @@ mod tests {
 
     use super::*;
 
-    fn outcome() -> Outcome {
+    fn outcome() -> AnalysedRun {
         let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
         scenario.filters[0].smoother = true;
         scenario.filters[1].fading = 1e60;
-        Outcome::of(&scenario).unwrap()
+        AnalysedRun::of(&scenario).unwrap()
     }
 
-    fn value(outcome: &Outcome, filter: &str, check: &str) -> Value {
+    fn value(outcome: &AnalysedRun, filter: &str, check: &str) -> Value {
         let check: Check = toml::from_str(&format!("filter = \"{filter}\"\n{check}")).unwrap();
         check.value(outcome, outcome).unwrap()
     }
 
-    fn number(outcome: &Outcome, filter: &str, check: &str) -> f64 {
+    fn number(outcome: &AnalysedRun, filter: &str, check: &str) -> f64 {
         match value(outcome, filter, check) {
             Value::Number(number) => number,
             other => panic!("{other}"),

@@ -8,12 +8,12 @@ use crate::LessonError;
 /// The picture of a lesson in the menu: a small plot of a step's run that shows the point of the lesson.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Picture {
+pub struct LessonPicture {
     /// The step whose run is drawn, counted from 1.
     #[serde(default = "first")]
     pub step: usize,
     /// The course that is drawn.
-    pub show: Course,
+    pub show: PictureCourse,
     /// The channel of an estimate or an error; the first parameter if left out.
     pub channel: Option<Channel>,
     /// The sensor of all that has one; the first if left out.
@@ -36,7 +36,7 @@ const fn first() -> usize {
 /// A course that a picture can show. All but `measured` and `map` have their ±2σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Course {
+pub enum PictureCourse {
     /// The estimates of a channel, and the truth.
     Estimate,
     /// The errors of a channel.
@@ -55,7 +55,7 @@ pub enum Course {
     Map,
 }
 
-impl Picture {
+impl LessonPicture {
     /// Checks that the step's scenario has the filters and the sensor.
     pub(crate) fn validate(&self, scenario: &Scenario, has_map: bool) -> Result<(), LessonError> {
         if let Some(name) = self.filters.iter().find(|name| !scenario.filters.iter().any(|own| own.name == **name)) {
@@ -64,6 +64,6 @@ impl Picture {
         if let Some(sensor) = self.sensor.filter(|one| !scenario.sensors.iter().any(|own| own.measures == *one)) {
             return Err(LessonError::UnknownSensor(sensor));
         }
-        if self.show == Course::Map && !has_map { Err(LessonError::Picture("map")) } else { Ok(()) }
+        if self.show == PictureCourse::Map && !has_map { Err(LessonError::Picture("map")) } else { Ok(()) }
     }
 }

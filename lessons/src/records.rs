@@ -14,10 +14,10 @@ use kalmanscope_core::{Scenario, Source};
 use crate::LessonError;
 
 /// The text of a file with the random numbers of a seed.
-pub type Made = fn(u64) -> String;
+pub type RecordMaker = fn(u64) -> String;
 
 /// Every record that a scenario can name without having its file: the file's name, and the function that makes it.
-pub const RECORDS: &[(&str, Made)] =
+pub const RECORDS: &[(&str, RecordMaker)] =
     &[("circuit.csv", circuit::file), ("earthquake.csv", earthquake::file), ("staircase.csv", staircase::file)];
 
 /// The seed of the files in `assets/records/`.

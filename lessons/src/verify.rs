@@ -7,7 +7,7 @@ use kalmanscope_core::{Scenario, Source};
 use kalmanscope_diagnosis::Value;
 
 use crate::check::Check;
-use crate::{Claim, Lesson, LessonError, Outcome, grid, records};
+use crate::{AnalysedRun, Claim, Lesson, LessonError, grid, records};
 
 /// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with
 /// each seed.
@@ -39,7 +39,7 @@ pub fn verify_with(
     for seed in seeds {
         let run = |scenario: &Scenario| {
             let scenario = Scenario { seed, ..scenario.clone() };
-            Outcome::on(&scenario, source(&scenario)?)
+            AnalysedRun::on(&scenario, source(&scenario)?)
         };
         let mut before = run(&first)?;
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
@@ -103,7 +103,7 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
 fn shares(
     checks: &[&Check],
     scenario: &Scenario,
-    run: &dyn Fn(&Scenario) -> Result<Outcome, LessonError>,
+    run: &dyn Fn(&Scenario) -> Result<AnalysedRun, LessonError>,
 ) -> Result<Vec<Option<f64>>, LessonError> {
     let grid = |place: usize| checks[place].cells.as_ref().map(|cells| (&cells.x, &cells.y));
     let mut shares = vec![None; checks.len()];

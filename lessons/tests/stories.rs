@@ -10,7 +10,7 @@ use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, records::source};
 const GRID: usize = 20;
 
 /// A run of which a part is done, with what the story needs.
-struct Told<'a> {
+struct PartialRun<'a> {
     run: &'a Run,
     diagnostics: Vec<Diagnostics>,
     diagnoses: Vec<Option<Diagnosis>>,
@@ -20,7 +20,7 @@ fn run_of(scenario: &Scenario) -> Run {
     Run::from_source(scenario, source(scenario).expect("its record is built in")).expect("it can be run")
 }
 
-impl<'a> Told<'a> {
+impl<'a> PartialRun<'a> {
     fn at(run: &'a mut Run, share: f64) -> Self {
         run.advance_to((share * run.samples() as f64) as usize);
         let all = run.estimates().iter();
@@ -133,7 +133,7 @@ fn the_stories_of_the_built_in_scenarios_are_these() {
         .map(|built_in| {
             let scenario = built_in.scenario().unwrap();
             let mut run = run_of(&scenario);
-            let [begun, ended] = [0.1, 1.0].map(|share| Told::at(&mut run, share).story());
+            let [begun, ended] = [0.1, 1.0].map(|share| PartialRun::at(&mut run, share).story());
             format!("{}\n  at first: {begun}\n  at the end: {ended}\n\n", built_in.title)
         })
         .collect();
@@ -158,7 +158,7 @@ fn stories_agree_with_the_runs_at_every_time_and_with_other_seeds() {
             let mut run = run_of(&Scenario { seed, ..scenario.clone() });
             for share in shares {
                 let fault = |fault| format!("{}, seed {seed}, {share}: {fault}", built_in.title);
-                faults.extend(Told::at(&mut run, *share).faults().into_iter().map(fault));
+                faults.extend(PartialRun::at(&mut run, *share).faults().into_iter().map(fault));
             }
         }
     }

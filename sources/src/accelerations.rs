@@ -3,7 +3,7 @@
 use kalmanscope_core::import::{Column, Table, ThreeAxes};
 use thiserror::Error;
 
-use crate::line::{Line, number, number_of};
+use crate::line::{StreamLine, number, number_of};
 
 /// The lines after which the meaning of the columns is settled: with names, and without.
 const NAMED: usize = 3;
@@ -47,9 +47,9 @@ impl Accelerations {
     /// # Errors
     /// [`NoAxes`] once enough lines have come.
     pub fn take(&mut self, line: &[u8], arrival: f64) -> Result<(), NoAxes> {
-        let (names, row) = match Line::of(line, None) {
-            Err(_) | Ok(Line::Nothing) => (None, None),
-            Ok(Line::Object(entries)) => {
+        let (names, row) = match StreamLine::of(line, None) {
+            Err(_) | Ok(StreamLine::Nothing) => (None, None),
+            Ok(StreamLine::Object(entries)) => {
                 let number = |(key, value): (String, _)| Some((key, number_of(&value).filter(|x| !x.is_nan())?));
                 let mut entries: Vec<(String, f64)> = entries.into_iter().filter_map(number).collect();
                 // Objects may have their keys in any order.
@@ -57,7 +57,7 @@ impl Accelerations {
                 let (names, row) = entries.into_iter().unzip();
                 (Some(names), Some(row))
             }
-            Ok(Line::Cells(mut cells, mark)) => {
+            Ok(StreamLine::Cells(mut cells, mark)) => {
                 // Some devices end every row with a mark.
                 cells.pop_if(|last| last.is_empty());
                 let row: Vec<f64> = cells.iter().filter_map(|cell| number(cell, mark)).collect();

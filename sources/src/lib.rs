@@ -20,6 +20,6 @@ mod open;
 
 pub use accelerations::{Accelerations, NoAxes};
 pub use line::{BadLine, LONGEST, read_line};
-pub use lines::{Lines, StreamRow};
+pub use lines::{LineReader, StreamRow};
 #[cfg(not(target_arch = "wasm32"))]
 pub use open::open;

@@ -57,7 +57,7 @@ pub enum BadLine {
     NothingKnown(String),
 }
 
-pub(crate) enum Line<'a> {
+pub(crate) enum StreamLine<'a> {
     /// It is empty, or a comment.
     Nothing,
     /// The entries of a JSON object.
@@ -66,7 +66,7 @@ pub(crate) enum Line<'a> {
     Cells(Vec<&'a str>, char),
 }
 
-impl<'a> Line<'a> {
+impl<'a> StreamLine<'a> {
     /// Reads cells between semicolons, tabs, commas or blanks, or a JSON object. Of a line without a header the mark is the first of
     /// these that it has.
     pub(crate) fn of(bytes: &'a [u8], mark: Option<char>) -> Result<Self, BadLine> {
@@ -150,12 +150,12 @@ mod tests {
         for (text, mark) in
             [("0,5;1e-2;-3", ';'), ("0,5\t1e-2\t-3", '\t'), ("0.5,1e-2,-3", ','), ("0.5 1e-2  -3\r\n", ' ')]
         {
-            let Ok(Line::Cells(cells, found)) = Line::of(text.as_bytes(), None) else { panic!("{text}") };
+            let Ok(StreamLine::Cells(cells, found)) = StreamLine::of(text.as_bytes(), None) else { panic!("{text}") };
             let numbers: Vec<Option<f64>> = cells.iter().map(|cell| number(cell, found)).collect();
             assert_eq!((found, numbers), (mark, vec![Some(0.5), Some(0.01), Some(-3.0)]), "{text}");
         }
         // Between blanks, a header says that the comma is none of the marks.
-        let Ok(Line::Cells(cells, ' ')) = Line::of(b"0,5 1,25", Some(' ')) else { panic!("blanks") };
+        let Ok(StreamLine::Cells(cells, ' ')) = StreamLine::of(b"0,5 1,25", Some(' ')) else { panic!("blanks") };
         assert_eq!(cells.iter().map(|cell| number(cell, ' ')).collect::<Vec<_>>(), [Some(0.5), Some(1.25)]);
         assert_eq!(number("1,5", ','), None);
     }

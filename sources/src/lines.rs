@@ -4,7 +4,7 @@ use kalmanscope_core::document::{self, Document};
 use kalmanscope_core::import::{self, Dimension, turn};
 use kalmanscope_core::{InputKind, Scenario};
 
-use crate::line::{BadLine, Line, number, number_of};
+use crate::line::{BadLine, StreamLine, number, number_of};
 
 /// The time, the input and the readings of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct StreamRow {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Column {
+enum LineColumn {
     /// With the seconds of its unit, if the header has one.
     Time(Option<f64>),
     Input,
@@ -28,18 +28,18 @@ enum Column {
 
 /// Reads the lines of a stream: columns under a header, or JSON objects.
 #[derive(Clone, Debug)]
-pub struct Lines {
+pub struct LineReader {
     /// The names of input and sensors.
     input: &'static str,
     sensors: Vec<&'static str>,
     /// The columns, once a header has named them, and the mark between them.
-    columns: Option<(Vec<Column>, char)>,
-    clock: Clock,
+    columns: Option<(Vec<LineColumn>, char)>,
+    clock: LineClock,
 }
 
 /// The times of the lines before, in the unit of the lines.
 #[derive(Clone, Debug)]
-struct Clock {
+struct LineClock {
     /// The scenario's \[s\].
     dt: f64,
     last: f64,
@@ -57,7 +57,7 @@ const USUAL: std::ops::Range<f64> = 0.02..50.0;
 /// A step of so many steps of the scenario or more is no usual one.
 const FAR: f64 = 1e10;
 
-impl Clock {
+impl LineClock {
     /// The time \[s\] of a line, whose counter may have turned over.
     fn time(&mut self, time: f64, unit: Option<f64>) -> Result<f64, BadLine> {
         let (step, is_usual) = (time - self.last, self.step > 0.0 && self.step <= ODD * self.dt);
@@ -84,7 +84,7 @@ impl Clock {
     }
 }
 
-impl Lines {
+impl LineReader {
     /// The lines for the input and the sensors of a scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let input = match scenario.input {
@@ -92,7 +92,7 @@ impl Lines {
             InputKind::GroundAcceleration => "ground_acceleration",
         };
         let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
-        let clock = Clock { dt: scenario.dt, last: f64::NAN, step: 0.0, added: 0.0, is_asked: false };
+        let clock = LineClock { dt: scenario.dt, last: f64::NAN, step: 0.0, added: 0.0, is_asked: false };
         Self { input, sensors, columns: None, clock }
     }
 
@@ -101,10 +101,10 @@ impl Lines {
     /// # Errors
     /// [`BadLine`]; later lines can still be read.
     pub fn read(&mut self, bytes: &[u8]) -> Result<Option<StreamRow>, BadLine> {
-        match Line::of(bytes, self.columns.as_ref().map(|(_, mark)| *mark))? {
-            Line::Nothing => Ok(None),
-            Line::Object(entries) => self.of_object(&entries).map(Some),
-            Line::Cells(cells, mark) => self.of_cells(&cells, mark),
+        match StreamLine::of(bytes, self.columns.as_ref().map(|(_, mark)| *mark))? {
+            StreamLine::Nothing => Ok(None),
+            StreamLine::Object(entries) => self.of_object(&entries).map(Some),
+            StreamLine::Cells(cells, mark) => self.of_cells(&cells, mark),
         }
     }
 
@@ -125,10 +125,10 @@ impl Lines {
         self.columns().join(", ")
     }
 
-    fn column(&self, name: &str) -> Column {
+    fn column(&self, name: &str) -> LineColumn {
         let header = import::Column::of_header(name, None, Vec::new());
         match header.name.as_str() {
-            "t" | "time" => Column::Time(match import::unit(header.unit.as_deref().unwrap_or_default()) {
+            "t" | "time" => LineColumn::Time(match import::unit(header.unit.as_deref().unwrap_or_default()) {
                 Some((Dimension::Time, size)) => Some(size),
                 _ => None,
             }),
@@ -136,10 +136,10 @@ impl Lines {
         }
     }
 
-    fn value_column(&self, name: &str) -> Column {
+    fn value_column(&self, name: &str) -> LineColumn {
         match name {
-            name if name == "input" || name == self.input => Column::Input,
-            name => self.sensors.iter().position(|sensor| *sensor == name).map_or(Column::Other, Column::Sensor),
+            name if name == "input" || name == self.input => LineColumn::Input,
+            name => self.sensors.iter().position(|one| *one == name).map_or(LineColumn::Other, LineColumn::Sensor),
         }
     }
 
@@ -153,18 +153,18 @@ impl Lines {
             let bad = || BadLine::NoNumber { key: key.clone(), value: document::to_json(value).unwrap_or_default() };
             let column = self.column(key);
             row.set(column, || number_of(value).ok_or_else(bad))?;
-            unit = if let Column::Time(unit) = column { unit } else { unit };
+            unit = if let LineColumn::Time(unit) = column { unit } else { unit };
         }
         self.at_its_time(row, unit)
     }
 
     fn of_cells(&mut self, cells: &[&str], mark: char) -> Result<Option<StreamRow>, BadLine> {
         let Some((columns, _)) = &self.columns else {
-            let columns: Vec<Column> = cells.iter().map(|name| self.column(name)).collect();
-            if !columns.iter().any(|column| matches!(column, Column::Time(_))) {
+            let columns: Vec<LineColumn> = cells.iter().map(|name| self.column(name)).collect();
+            if !columns.iter().any(|column| matches!(column, LineColumn::Time(_))) {
                 return Err(BadLine::NoTime(self.known().replace(", ", ",")));
             }
-            if !columns.iter().any(|column| matches!(column, Column::Input | Column::Sensor(_))) {
+            if !columns.iter().any(|column| matches!(column, LineColumn::Input | LineColumn::Sensor(_))) {
                 return Err(BadLine::NothingKnown(self.known()));
             }
             self.columns = Some((columns, mark));
@@ -180,7 +180,7 @@ impl Lines {
         }
         let (mut row, mut unit) = (self.nothing(), None);
         for (cell, column) in cells.iter().zip(columns) {
-            unit = if let Column::Time(unit) = column { *unit } else { unit };
+            unit = if let LineColumn::Time(unit) = column { *unit } else { unit };
             let bad = || BadLine::NoNumber { key: self.name(*column), value: format!("“{cell}”") };
             let value = || if cell.is_empty() { Ok(f64::NAN) } else { number(cell, mark).ok_or_else(bad) };
             row.set(*column, value)?;
@@ -189,12 +189,12 @@ impl Lines {
         if row.time.is_nan() { Ok(Some(row)) } else { self.at_its_time(row, unit).map(Some) }
     }
 
-    fn name(&self, column: Column) -> String {
+    fn name(&self, column: LineColumn) -> String {
         match column {
-            Column::Time(_) => "t",
-            Column::Input => self.input,
-            Column::Sensor(sensor) => self.sensors[sensor],
-            Column::Other => "",
+            LineColumn::Time(_) => "t",
+            LineColumn::Input => self.input,
+            LineColumn::Sensor(sensor) => self.sensors[sensor],
+            LineColumn::Other => "",
         }
         .to_owned()
     }
@@ -202,12 +202,12 @@ impl Lines {
 
 impl StreamRow {
     /// Sets the number of a column; other columns are not read.
-    fn set(&mut self, column: Column, number: impl FnOnce() -> Result<f64, BadLine>) -> Result<(), BadLine> {
+    fn set(&mut self, column: LineColumn, number: impl FnOnce() -> Result<f64, BadLine>) -> Result<(), BadLine> {
         match column {
-            Column::Time(_) => self.time = number()?,
-            Column::Input => self.input = number()?,
-            Column::Sensor(sensor) => self.readings[sensor] = number()?,
-            Column::Other => {}
+            LineColumn::Time(_) => self.time = number()?,
+            LineColumn::Input => self.input = number()?,
+            LineColumn::Sensor(sensor) => self.readings[sensor] = number()?,
+            LineColumn::Other => {}
         }
         Ok(())
     }
@@ -217,8 +217,8 @@ impl StreamRow {
 mod tests {
     use super::*;
 
-    fn lines() -> Lines {
-        Lines::new(&Scenario::default())
+    fn lines() -> LineReader {
+        LineReader::new(&Scenario::default())
     }
 
     fn numbers(row: Result<Option<StreamRow>, BadLine>) -> Vec<Option<f64>> {

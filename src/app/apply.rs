@@ -11,7 +11,7 @@ use crate::export;
 use crate::export::Exporting;
 use crate::figure::FigureDialog;
 use crate::finder::Finder;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::session::Mode;
@@ -127,7 +127,7 @@ impl App {
                     layout.enlarge(view);
                 }
             }
-            Request::Arrange(arrangement) => (*layout, self.inviting) = (Layout::of(arrangement), false),
+            Request::Arrange(arrangement) => (*layout, self.inviting) = (ViewLayout::of(arrangement), false),
             Request::Rearrange(tree) => layout.rearrange(*tree),
             Request::TurnView(forward) => layout.turn(forward),
             Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),

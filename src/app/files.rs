@@ -94,7 +94,7 @@ impl App {
         }
     }
 
-    pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
+    pub(super) fn open_session(&mut self, picture: share::SavedPicture, ctx: &Context) {
         let laboratory = picture.laboratory.clone();
         self.show_picture(picture, ctx);
         self.laboratory.restore(laboratory);

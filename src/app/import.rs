@@ -10,13 +10,13 @@ use super::App;
 use super::window::NARROW;
 use crate::import::{Import, Opened};
 use crate::inbox::Arrival;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::measure::{Measure, News};
 use crate::notice::Notice;
 use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
 use crate::session::{Mode, name_of};
-use crate::shelf::{Candidate, Shelf};
+use crate::shelf::{Shelf, ShelfFile};
 use crate::text::sentence;
 use crate::theme::Palette;
 
@@ -27,7 +27,7 @@ const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind
 impl App {
     pub(super) fn import(&mut self, RawFile { name, bytes, is_measured }: RawFile) {
         self.inviting = false;
-        self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
+        self.candidate = self.shelf.is_some().then(|| ShelfFile::of(&name, &bytes)).flatten();
         let at_once = is_measured || self.width < NARROW;
         self.importing = Some(Import::new(&name, bytes, at_once, Rc::clone(self.session.team())));
     }
@@ -61,7 +61,7 @@ impl App {
             Some(News::Longer(record)) => self.session.lengthen(record),
             Some(News::Another(scenario, record)) => {
                 self.tutor = None;
-                self.layout = Layout::column(&VIEWS);
+                self.layout = ViewLayout::column(&VIEWS);
                 self.session.follow_live(*scenario, record);
                 self.begin_anew(ctx);
             }
@@ -91,7 +91,7 @@ impl App {
         self.measure = None;
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));
         if let Some(bytes) = self.session.end_live(MEASURED).filter(|_| !is_imported) {
-            self.candidate = self.shelf.is_some().then(|| Candidate::of(MEASURED, &bytes)).flatten();
+            self.candidate = self.shelf.is_some().then(|| ShelfFile::of(MEASURED, &bytes)).flatten();
             self.shelve(ctx);
         }
     }
@@ -169,7 +169,7 @@ impl App {
         let is_new = self.session.scenario().record.as_ref().map(|mapping| &mapping.hash)
             != scenario.record.as_ref().map(|mapping| &mapping.hash);
         if is_new {
-            self.layout = Layout::column(&VIEWS);
+            self.layout = ViewLayout::column(&VIEWS);
             self.session.set_mode(Mode::Whole);
             self.session.set_scenario(scenario);
             self.session.pause();

@@ -4,7 +4,7 @@ use egui::Context;
 
 use super::App;
 use crate::controls::number;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Answer;
 use crate::tutor::{Bookmark, Studies, Tutor};
@@ -35,7 +35,7 @@ impl App {
         session.begin_anew();
         let views = lesson.views();
         if !views.is_empty() {
-            *layout = Layout::column(&views);
+            *layout = ViewLayout::column(&views);
         }
         self.show_map();
         self.show_step();

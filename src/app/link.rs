@@ -10,8 +10,8 @@ use crate::laboratory::Choices;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
-use crate::share::address::{self, Target};
-use crate::share::{LinkError, Picture};
+use crate::share::address::{self, LinkTarget};
+use crate::share::{LinkError, SavedPicture};
 use crate::theme::Palette;
 use crate::views::view;
 use crate::visibility::Visibility;
@@ -35,9 +35,9 @@ impl App {
     pub(super) fn go_to_address(&mut self, address: &str, ctx: &Context) {
         match address::target(address) {
             Ok(None) => {}
-            Ok(Some(Target::Picture(picture))) => self.show_picture(*picture, ctx),
-            Ok(Some(Target::Scenario(built_in))) => self.open_built_in(built_in, ctx),
-            Ok(Some(Target::Lesson(place, step))) => {
+            Ok(Some(LinkTarget::Picture(picture))) => self.show_picture(*picture, ctx),
+            Ok(Some(LinkTarget::Scenario(built_in))) => self.open_built_in(built_in, ctx),
+            Ok(Some(LinkTarget::Lesson(place, step))) => {
                 self.start_lesson(place, ctx);
                 self.go_to_step(step);
             }
@@ -45,7 +45,7 @@ impl App {
         }
     }
 
-    pub fn picture(&self) -> Picture {
+    pub fn picture(&self) -> SavedPicture {
         let palette = Palette::of(egui::Theme::Light);
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
@@ -57,7 +57,7 @@ impl App {
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
         };
-        Picture { laboratory, ..picture }
+        SavedPicture { laboratory, ..picture }
     }
 
     pub fn link(&self) -> Result<String, LinkError> {
@@ -89,9 +89,10 @@ impl App {
         }
     }
 
-    pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
+    pub(super) fn show_picture(&mut self, picture: SavedPicture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _, habits } = picture;
+        let SavedPicture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _, habits } =
+            picture;
         self.history.add_undo(&self.session.version());
         self.session.set_scenario(scenario);
         self.session.begin_anew();

@@ -71,7 +71,7 @@ impl App {
                 }
             });
         };
-        drawers.settings.show(ui, "settings", (frame, height), heading, |ui| contents(ui, requests));
+        drawers.settings.ui(ui, "settings", (frame, height), heading, |ui| contents(ui, requests));
         requests.append(&mut asked);
     }
 
@@ -90,7 +90,7 @@ impl App {
         let mut asked = Vec::new();
         let heading = |ui: &mut Ui| tutor.title_ui(ui, Align::Center, &mut asked);
         let contents = |ui: &mut Ui| tutor.ui(ui, catalogue, palette, requests);
-        drawers.lesson.show(ui, "lesson", (frame, height), heading, contents);
+        drawers.lesson.ui(ui, "lesson", (frame, height), heading, contents);
         requests.append(&mut asked);
     }
 
@@ -109,7 +109,7 @@ impl App {
         };
         let mut contents = |ui: &mut Ui| diagnosis::drawer_ui(ui, &context, *id, requests);
         match drawer {
-            Some(height) => drawers.diagnosis.show(ui, "diagnosis", (frame, height), heading, contents),
+            Some(height) => drawers.diagnosis.ui(ui, "diagnosis", (frame, height), heading, contents),
             None => {
                 let panel = Panel::right("diagnosis").default_size(340.0).size_range(280.0..=560.0);
                 panel.frame(frame).show(ui, |ui| {

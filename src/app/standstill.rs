@@ -18,7 +18,7 @@ const PATIENCE: f64 = 10.0;
 /// was hidden is no standstill \[s\].
 const BETWEEN: f64 = 1.0;
 
-type Work = (&'static str, Option<f64>, fn(&mut App));
+type LongWork = (&'static str, Option<f64>, fn(&mut App));
 
 const IMPORT: &str = "The import";
 
@@ -66,7 +66,7 @@ impl App {
         }
     }
 
-    fn works(&self) -> [Work; 6] {
+    fn works(&self) -> [LongWork; 6] {
         let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
         let Laboratory { seeds, tuning, state, .. } = laboratory;

@@ -6,7 +6,7 @@ use kalmanscope_core::RunError;
 
 use super::{App, LARGE};
 use crate::session::Budget;
-use crate::share::{Habits, Picture, PictureError};
+use crate::share::{Habits, PictureError, SavedPicture};
 use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
 
@@ -16,7 +16,7 @@ pub const KEY: &str = "kalmanscope";
 pub const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
 
 /// The picture of the last use, if there was one, or the sentence why it cannot be opened.
-pub type LastPicture = Result<Option<Picture>, String>;
+pub type LastPicture = Result<Option<SavedPicture>, String>;
 
 impl App {
     pub fn stored(ctx: &Context, storage: Option<&dyn Storage>) -> Result<Self, RunError> {
@@ -29,10 +29,10 @@ impl App {
         let is_first = matches!(last, Ok(None));
         let (picture, problem) = match last {
             Ok(picture) => (picture.unwrap_or_default(), None),
-            Err(problem) => (Picture::default(), Some(problem)),
+            Err(problem) => (SavedPicture::default(), Some(problem)),
         };
         let layout = picture.layout();
-        let Picture { scenario, laboratory, mode, speed, ruler, hidden, habits, .. } = picture;
+        let SavedPicture { scenario, laboratory, mode, speed, ruler, hidden, habits, .. } = picture;
         let mut app = Self::with_scenario(scenario)?;
         // The first frame is drawn before any long computation.
         app.session.set_budget(Budget::FRAME);
@@ -69,7 +69,7 @@ impl App {
         self.resume(lessons);
     }
 
-    pub fn last_picture(&self) -> Picture {
+    pub fn last_picture(&self) -> SavedPicture {
         let habits = Habits {
             presenting: self.presenting,
             dark: match self.theme {
@@ -82,7 +82,7 @@ impl App {
         };
         let palette = Palette::of(egui::Theme::Light);
         let picture = self.figure_context(&palette).picture(&self.layout);
-        Picture { time: 0.0, habits: Some(habits), ..picture }
+        SavedPicture { time: 0.0, habits: Some(habits), ..picture }
     }
 
     pub(super) fn store(&mut self, storage: &mut dyn Storage) -> Result<(), PictureError> {
@@ -96,7 +96,7 @@ impl App {
 
 fn read(storage: Option<&dyn Storage>) -> (LastPicture, Option<String>) {
     let Some(text) = storage.and_then(|storage| storage.get_string(KEY)) else { return (Ok(None), None) };
-    match Picture::of_text(&text) {
+    match SavedPicture::of_text(&text) {
         Ok(picture) => (Ok(Some(picture)), None),
         Err(reason) => {
             let sentence = format!(

@@ -4,14 +4,14 @@ use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
 
 use super::App;
 use crate::bar::Bar;
-use crate::legend::{self, Legend};
+use crate::legend::{Legend, LegendExtent};
 use crate::notice;
 use crate::panes::{PaneArrangement, panes_ui};
-use crate::reading::{self, Reading};
+use crate::reading::{self, RulerReading};
 use crate::request::Request;
 use crate::story;
 use crate::theme::{self, Palette};
-use crate::transport::{Extent, Transport};
+use crate::transport::{Transport, TransportExtent};
 use crate::view::ViewContext;
 use crate::{keys, tutor, widgets};
 
@@ -134,11 +134,11 @@ impl App {
         (self.width < NARROW || self.low) && (self.controls_open() || self.tutor.is_some())
     }
 
-    fn transport(&self, narrow: bool) -> Extent {
+    fn transport(&self, narrow: bool) -> TransportExtent {
         match (self.is_tight(), self.controls_open() && narrow) {
-            (false, _) => Extent::Full,
-            (true, false) => Extent::Short,
-            (true, true) => Extent::Nothing,
+            (false, _) => TransportExtent::Full,
+            (true, false) => TransportExtent::Short,
+            (true, true) => TransportExtent::Nothing,
         }
     }
 
@@ -151,10 +151,10 @@ impl App {
         ui: &mut Ui,
         frame: Frame,
         palette: &Palette,
-        (narrow, extent, history): (bool, Extent, (bool, bool)),
+        (narrow, extent, history): (bool, TransportExtent, (bool, bool)),
     ) {
         // There is nothing to play where the record is missing.
-        if extent == Extent::Nothing || self.session.missing_record().is_some() {
+        if extent == TransportExtent::Nothing || self.session.missing_record().is_some() {
             return;
         }
         let Self { session, ruler, embedded, requests, .. } = self;
@@ -164,7 +164,7 @@ impl App {
     }
 
     fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
-        let extent = if self.is_tight() || self.low { legend::Extent::OneRow } else { legend::Extent::Full };
+        let extent = if self.is_tight() || self.low { LegendExtent::OneRow } else { LegendExtent::Full };
         let Self { session, visible, requests, .. } = self;
         Legend { session, visible, palette }.ui(ui, extent, requests);
     }
@@ -196,7 +196,7 @@ impl App {
                 }
             }
         });
-        if let Some(reading) = Reading::of(ruler, session, visible, palette) {
+        if let Some(reading) = RulerReading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }
     }

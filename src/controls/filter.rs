@@ -9,8 +9,8 @@ use kalmanscope_core::setting::{
 use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, Scenario};
 
 use super::Edits;
-use super::lit::lit;
-use super::number::{Named, REMARK, field, std_field, tell_hertz};
+use super::lit::lit_ui;
+use super::number::{Named, REMARK, field_ui, std_field_ui, tell_hertz};
 use super::options::options_ui;
 use super::row::{filter_row_ui, list_ui};
 use crate::text::significant;
@@ -18,7 +18,7 @@ use crate::theme;
 use crate::theme::Palette;
 use crate::widgets::named;
 
-pub(super) fn filter_section(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, palette: &Palette) {
+pub(super) fn filter_section_ui(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, palette: &Palette) {
     let scenario = edits.scenario;
     let filter = &scenario.filters[place];
     let id = ui.make_persistent_id(("filter", filter.id));
@@ -36,7 +36,7 @@ pub(super) fn filter_section(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, p
             if open {
                 ui.label(name);
             } else {
-                lit(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
+                lit_ui(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 kind_ui(ui, filter, place, &others, edits);
@@ -65,7 +65,7 @@ pub(super) fn filter_section(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, p
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            lit(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others, edits));
+            lit_ui(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others, edits));
             ui.add_space(6.0);
         });
     if duplicate {
@@ -101,7 +101,7 @@ fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         });
     };
     let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
-    lit(ui, &walk, |ui| lit(ui, &jump, |ui| lit(ui, &scales, |ui| list(ui))));
+    lit_ui(ui, &walk, |ui| lit_ui(ui, &jump, |ui| lit_ui(ui, &scales, |ui| list(ui))));
     let row_of = |place: Option<usize>| place.and_then(|at| CHANGES.get(at));
     if chosen != now {
         let none = row_of(now).map(|(row, ..)| (row, (row.get)(&off)));
@@ -245,11 +245,11 @@ fn entry_ui(ui: &mut Ui, filter: &FilterSettings, table: &TableInfo, entry: Entr
     let name = Named { text: &text, key: &key };
     let Some(before) = table.get(filter, entry, &edits.scenario.sensors) else { return };
     let mut number = before;
-    lit(ui, &key, |ui| {
+    lit_ui(ui, &key, |ui| {
         if table.factor.is_some() {
-            std_field(ui, &mut number, table.allowed.least(), scale, name, table.hint);
+            std_field_ui(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         } else {
-            field(ui, &mut number, table.allowed.least(), scale, name, table.hint);
+            field_ui(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         }
     });
     edits.set_other(&key, before, number);

@@ -19,7 +19,7 @@ pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
     ui.data_mut(|data| data.insert_temp(id(), lit));
 }
 
-pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
+pub(super) fn lit_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
     let lit = ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
     let Some(lit) = lit else { return add_contents(ui) };
     let ground = ui.painter().add(Shape::Noop);

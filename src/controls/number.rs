@@ -32,7 +32,7 @@ impl<'a> From<&'a str> for Named<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Number<'a> {
+pub struct NumberField<'a> {
     pub label: &'a str,
     pub name: Named<'a>,
     pub unit: &'a str,
@@ -42,13 +42,13 @@ pub struct Number<'a> {
     pub hint: &'a str,
 }
 
-impl<'a> Number<'a> {
+impl<'a> NumberField<'a> {
     pub(super) fn of<T>(info: &'a SettingInfo<T>, label: &'a str, name: Named<'a>) -> Self {
         let SettingInfo { unit, allowed, slider, is_logarithmic, hint, .. } = *info;
         Self { label, name, unit, range: slider, least: allowed.least(), logarithmic: is_logarithmic, hint }
     }
 
-    pub fn show(&self, ui: &mut Ui, value: &mut f64) {
+    pub fn ui(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
         let Named { text, key } = name;
         let initial = initial(ui, key, *value);
@@ -85,11 +85,11 @@ impl<'a> Number<'a> {
             let label = ui.weak(unit);
             tell_hertz(label, *value, unit, "That is");
         });
-        limit(ui, value, least, f64::INFINITY, key, unit);
+        limit_ui(ui, value, least, f64::INFINITY, key, unit);
     }
 }
 
-pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &str, unit: &str) {
+pub(super) fn limit_ui(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &str, unit: &str) {
     let id = Id::unique(("limited", key));
     let now = ui.input(|input| input.time);
     // Not `clamp`, which keeps NaN and panics where the limits are crossed.
@@ -113,7 +113,7 @@ pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &s
 /// The time for which a correction is reported \[s\].
 const SAID: f64 = 4.0;
 
-pub fn field<'a>(
+pub fn field_ui<'a>(
     ui: &mut Ui,
     value: &mut f64,
     least: f64,
@@ -134,8 +134,8 @@ pub fn field<'a>(
     field
 }
 
-pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Named<'_>, hint: &str) {
-    let rect = field(ui, value, least, scale, name, hint).rect;
+pub fn std_field_ui(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Named<'_>, hint: &str) {
+    let rect = field_ui(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
     if share > 0.0 {
         let rail = rect.x_range().shrink(3.0);

@@ -6,8 +6,8 @@ use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, PlantKind, Scenario, Signal};
 
-use super::lit::lit;
-use super::number::Number;
+use super::lit::lit_ui;
+use super::number::NumberField;
 use super::row::scenario_row_ui;
 use super::{Edits, PanelRequest};
 use crate::equation;
@@ -19,10 +19,10 @@ use crate::widgets::named;
 const LEAST_POSITIVE: f64 = 0.01;
 
 pub(super) fn plant_ui(ui: &mut Ui, edits: &mut Edits<'_>, asked: &mut Vec<PanelRequest>) {
-    lit(ui, "plant.kind", |ui| kind_ui(ui, edits, asked));
+    lit_ui(ui, "plant.kind", |ui| kind_ui(ui, edits, asked));
     for channel in edits.scenario.plant.parameters() {
         let key = format!("plant.{}", channel.key());
-        lit(ui, &key, |ui| parameter_ui(ui, channel, &key, edits));
+        lit_ui(ui, &key, |ui| parameter_ui(ui, channel, &key, edits));
         ui.add_space(4.0);
     }
     augmentation_ui(ui, edits);
@@ -134,13 +134,13 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
     let value = |ui: &mut Ui, label: &str, value: &mut f64| {
         let name = format!("{name}, {label}");
         let hint = "The true value; no filter knows it";
-        Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
+        NumberField { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.ui(ui, value);
     };
     let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {
         let name = format!("{name}, {label}");
         let hint = "Time after the start of the record";
-        Number { label, name: name.as_str().into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
-            .show(ui, value);
+        let name = name.as_str().into();
+        NumberField { label, name, unit: "s", range: (least, 60.0), least, logarithmic: false, hint }.ui(ui, value);
     };
     match signal {
         Signal::Constant(constant) => value(ui, "value", constant),
@@ -163,7 +163,7 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             let (name, hint) = (format!("{name}, amplitude"), "Largest distance from the mean");
             let range = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
             let (label, name) = ("amplitude", name.as_str().into());
-            Number { label, name, unit, range, least: 0.0, logarithmic: false, hint }.show(ui, amplitude);
+            NumberField { label, name, unit, range, least: 0.0, logarithmic: false, hint }.ui(ui, amplitude);
             *amplitude = amplitude.min(room);
             time(ui, "period", period, 0.1);
         }

@@ -5,8 +5,8 @@ use kalmanscope_core::Hold;
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
 
-use super::lit::lit;
-use super::number::{REMARK, limit};
+use super::lit::lit_ui;
+use super::number::{REMARK, limit_ui};
 use super::plant::equation_ui;
 use super::row::{choice_row_ui, scenario_number_ui, scenario_row_ui};
 use super::{Edits, PanelRequest};
@@ -81,12 +81,12 @@ pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
         }
     });
     let mut dt = scenario_number_ui(ui, &DT, scenario, DT.slider.0);
-    limit(ui, &mut dt, 0.0, duration, "Sampling time, most", "s");
-    limit(ui, &mut duration, 0.0, LONGEST, "Duration, most", "s");
+    limit_ui(ui, &mut dt, 0.0, duration, "Sampling time, most", "s");
+    limit_ui(ui, &mut duration, 0.0, LONGEST, "Duration, most", "s");
     edits.set_other(DT.key, scenario.dt, dt);
     edits.set_other(DURATION.key, scenario.duration, duration);
     let mut seed = scenario.seed;
-    lit(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
+    lit_ui(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
     edits.put_other(SEED.key, &scenario.seed, &seed);
 }
 

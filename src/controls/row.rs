@@ -5,8 +5,8 @@ use kalmanscope_core::setting::{Allowed, ChoiceInfo, Edit, SettingInfo};
 use kalmanscope_core::{FilterSettings, Scenario};
 
 use super::Edits;
-use super::lit::lit;
-use super::number::{Named, Number};
+use super::lit::lit_ui;
+use super::number::{Named, NumberField};
 use crate::text::sentence;
 use crate::widgets::named;
 
@@ -29,7 +29,7 @@ pub(super) fn filter_row_ui(
         _ => format!("{} {}", filter.name, info.name),
     };
     ui.add_enabled_ui(serves, |ui| {
-        lit(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
+        lit_ui(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
     });
     edits.set_other(&key, (info.get)(filter), value);
 }
@@ -42,8 +42,8 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, edits: 
 pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &Scenario, least: f64) -> f64 {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
-    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
-    lit(ui, info.key, |ui| number.show(ui, &mut value));
+    let number = NumberField { least, ..NumberField::of(info, label, name.as_str().into()) };
+    lit_ui(ui, info.key, |ui| number.ui(ui, &mut value));
     value
 }
 
@@ -108,7 +108,7 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
             *value = whole as f64;
             row.inner
         }
-        _ => return Number::of(info, label, name).show(ui, value),
+        _ => return NumberField::of(info, label, name).ui(ui, value),
     };
     named(control, name.text).on_hover_text(info.hint);
 }

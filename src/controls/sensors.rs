@@ -5,8 +5,8 @@ use kalmanscope_core::scenario::{Fault, FaultNumber, MAX_SENSORS};
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::Edits;
-use super::lit::lit;
-use super::number::Number;
+use super::lit::lit_ui;
+use super::number::NumberField;
 use crate::text::sentence;
 use crate::widgets::named;
 
@@ -52,7 +52,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
         let quantity = sensor.measures;
         let label = format!("{} noise ± σ", quantity.symbol());
         let name = format!("Noise of the {} sensor", quantity.key());
-        let number = Number {
+        let number = NumberField {
             label: &label,
             name: name.as_str().into(),
             unit: quantity.unit(),
@@ -63,7 +63,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
         };
         let path = format!("sensors.{}.noise_std", quantity.key());
         let mut std = sensor.noise_std;
-        lit(ui, &path, |ui| number.show(ui, &mut std));
+        lit_ui(ui, &path, |ui| number.ui(ui, &mut std));
         edits.set_other(&path, sensor.noise_std, std);
         faults_ui(ui, sensor, edits);
     }
@@ -133,7 +133,7 @@ fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumbe
     let path = fault.address(quantity, info);
     let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
     let size = info.scale.size(quantity);
-    let number = Number {
+    let number = NumberField {
         label: info.key,
         name: super::number::Named { text: &name, key: &path },
         unit: info.scale.unit(quantity),
@@ -143,6 +143,6 @@ fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumbe
         hint: fault.info().description,
     };
     let mut now = value;
-    lit(ui, &path, |ui| number.show(ui, &mut now));
+    lit_ui(ui, &path, |ui| number.ui(ui, &mut now));
     edits.set_other(&path, value, if info.allowed.is_whole() { now.round() } else { now });
 }

@@ -19,7 +19,7 @@ pub(super) struct Canvas {
     pen: Pen,
 }
 
-pub(super) struct Part {
+pub(super) struct FigurePart {
     pub(super) shapes: Vec<ClippedShape>,
     pub(super) to: TSTransform,
 }
@@ -57,7 +57,7 @@ impl Canvas {
     }
 }
 
-impl Part {
+impl FigurePart {
     pub(super) fn at(place: Pos2, scaling: f32, shapes: Vec<ClippedShape>) -> Self {
         Self { shapes, to: TSTransform::new(place.to_vec2(), scaling) }
     }

@@ -111,7 +111,7 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
     };
     let mut byte = 0;
     for row in &galley.rows {
-        let mut runs: Vec<Run<'_>> = Vec::new();
+        let mut runs: Vec<GlyphRun<'_>> = Vec::new();
         for glyph in &row.row.glyphs {
             let section = galley.job.sections.iter().find(|s| s.byte_range.end.0 > byte).or(galley.job.sections.last());
             let Some(section) = section else { return };
@@ -119,7 +119,7 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
             let start = row.pos.x + glyph.pos.x;
             match runs.last_mut() {
                 Some(run) if std::ptr::eq(run.format, format) => run.add(glyph.chr, start + glyph.advance_width),
-                _ => runs.push(Run {
+                _ => runs.push(GlyphRun {
                     text: glyph.chr.to_string(),
                     format,
                     from: start,
@@ -130,7 +130,7 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
             byte += glyph.chr.len_utf8();
         }
         byte += usize::from(row.ends_with_newline);
-        for Run { text, format, from, to, baseline } in runs.iter().filter(|run| !run.text.trim().is_empty()) {
+        for GlyphRun { text, format, from, to, baseline } in runs.iter().filter(|run| !run.text.trim().is_empty()) {
             svg.text(&Text {
                 text,
                 origin: (*pos).into(),
@@ -146,7 +146,7 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
     }
 }
 
-struct Run<'a> {
+struct GlyphRun<'a> {
     text: String,
     format: &'a TextFormat,
     from: f32,
@@ -154,7 +154,7 @@ struct Run<'a> {
     baseline: f32,
 }
 
-impl Run<'_> {
+impl GlyphRun<'_> {
     fn add(&mut self, letter: char, to: f32) {
         self.text.push(letter);
         self.to = to;

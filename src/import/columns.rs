@@ -6,7 +6,7 @@ use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use kalmanscope_core::import::{MappedColumn, Offset, Table, Time};
 use kalmanscope_core::{InputKind, PlantKind, Quantity};
 
-use super::draft::{Draft, Role};
+use super::draft::{ColumnRole, Draft};
 use crate::equation;
 use crate::theme::Palette;
 use crate::widgets::named;
@@ -50,36 +50,35 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
     } else if choice_ui(ui, &format!("Meaning of {name}"), &mut role, &roles) {
         draft.set_role(place, role);
     }
-    let color = if role == Role::Unused { palette.weak } else { palette.truth };
+    let color = if role == ColumnRole::Unused { palette.weak } else { palette.truth };
     draft.sparks[place].ui(ui, color);
     match role {
-        Role::Time => unit_ui(ui, &name, &mut draft.mapping.time.unit),
-        Role::Input => {
+        ColumnRole::Time => unit_ui(ui, &name, &mut draft.mapping.time.unit),
+        ColumnRole::Input => {
             if let Some(mapped) = &mut draft.mapping.input {
                 mapped_ui(ui, &name, mapped, table);
             }
         }
-        Role::Sensor(quantity) => {
+        ColumnRole::Sensor(quantity) => {
             if let Some(mapped) = draft.mapping.sensors.get_mut(&quantity) {
                 mapped_ui(ui, &name, mapped, table);
             }
         }
-        Role::Unused if draft.guesses[place].is_own_clock() => {
+        ColumnRole::Unused if draft.guesses[place].is_own_clock() => {
             ui.weak("times of the next columns");
         }
-        Role::Unused => {}
+        ColumnRole::Unused => {}
     }
 }
 
-fn roles(draft: &Draft) -> Vec<(Role, String)> {
+fn roles(draft: &Draft) -> Vec<(ColumnRole, String)> {
     let input = match draft.input {
         InputKind::Force => "the force",
         InputKind::GroundAcceleration => "the ground's acceleration",
     };
-    let quantities = draft.plant.quantities().map(|quantity: Quantity| (Role::Sensor(quantity), quantity.name()));
-    let first =
-        [(Role::Unused, "left out".to_owned()), (Role::Time, "the time".to_owned()), (Role::Input, input.to_owned())];
-    first.into_iter().chain(quantities).collect()
+    let quantities = draft.plant.quantities().map(|quantity: Quantity| (ColumnRole::Sensor(quantity), quantity.name()));
+    let first = [(ColumnRole::Unused, "left out"), (ColumnRole::Time, "the time"), (ColumnRole::Input, input)];
+    first.map(|(role, words)| (role, words.to_owned())).into_iter().chain(quantities).collect()
 }
 
 fn unit_ui(ui: &mut Ui, name: &str, unit: &mut String) {

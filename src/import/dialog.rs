@@ -6,7 +6,7 @@ use kalmanscope_core::free_decay::{Decay, NoDecay};
 use kalmanscope_core::import::{Imported, Table, ThreeAxes};
 
 use super::columns::{columns_ui, conditioning_ui, meaning_ui};
-use super::{Draft, Import, Opened, Stage};
+use super::{Draft, Import, ImportStage, Opened};
 use crate::probe;
 use crate::request::{RawFile, Request};
 use crate::text::{grouped, sentence};
@@ -19,7 +19,7 @@ const WIDTHS: [f32; 2] = [540.0, 940.0];
 /// The height of what stands around the columns \[points\].
 const AROUND: f32 = 170.0;
 
-enum Choice {
+enum DialogChoice {
     Open,
     HoldOut,
     Cancel,
@@ -36,7 +36,7 @@ impl Import {
     ) -> Option<Opened> {
         let size = ctx.content_rect().size();
         let window = Window::new("Open a measured record").collapsible(false).resizable(false);
-        let is_unfolded = matches!(&self.stage, Stage::Asking(draft) if draft.is_unfolded);
+        let is_unfolded = matches!(&self.stage, ImportStage::Asking(draft) if draft.is_unfolded);
         let width = (size.x - 40.0).min(WIDTHS[usize::from(is_unfolded)]);
         let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO);
         let choice = window.show(ctx, |ui| {
@@ -45,100 +45,100 @@ impl Import {
         });
         let choice = choice.and_then(|shown| shown.inner).flatten().or_else(|| self.pressed(ctx));
         match choice? {
-            Choice::Cancel => requests.push(Request::CancelImport),
-            Choice::Decay(Ok(csv)) => {
+            DialogChoice::Cancel => requests.push(Request::CancelImport),
+            DialogChoice::Decay(Ok(csv)) => {
                 let name = format!("{}, free decay.csv", self.name.trim_end_matches(".csv"));
                 let file = RawFile { name, bytes: csv.into_bytes(), is_measured: false };
                 requests.push(Request::ImportFile(Box::new(file)));
             }
-            Choice::Decay(Err(reason)) => self.stage = Stage::Failed(reason.to_string()),
-            Choice::HoldOut => requests.push(Request::HoldOut),
-            Choice::Open => return self.open(),
+            DialogChoice::Decay(Err(reason)) => self.stage = ImportStage::Failed(reason.to_string()),
+            DialogChoice::HoldOut => requests.push(Request::HoldOut),
+            DialogChoice::Open => return self.open(),
         }
         None
     }
 
-    fn pressed(&self, ctx: &Context) -> Option<Choice> {
+    fn pressed(&self, ctx: &Context) -> Option<DialogChoice> {
         if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
             return None;
         }
         let has_focus = ctx.memory(|memory| memory.focused().is_some());
         let [escape, enter] = ctx.input(|input| [Key::Escape, Key::Enter].map(|key| input.key_pressed(key)));
         match (escape, enter && !has_focus) {
-            (true, _) => Some(Choice::Cancel),
-            (false, true) => Some(Choice::Open),
+            (true, _) => Some(DialogChoice::Cancel),
+            (false, true) => Some(DialogChoice::Open),
             (false, false) => None,
         }
     }
 
-    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<Choice> {
+    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<DialogChoice> {
         let Self { name, stage, at_once, is_still, .. } = self;
         match stage {
-            Stage::Reading(reading) => {
+            ImportStage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
                 progress_ui(ui, palette, reading.seen, *is_still)
             }
-            Stage::Suggesting(_, suggest) => {
+            ImportStage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
                 progress_ui(ui, palette, suggest.seen, *is_still)
             }
-            Stage::Failed(reason) => {
+            ImportStage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
-                button(ui, Button::new("Close"), "Close", true).then_some(Choice::Cancel)
+                button_ui(ui, Button::new("Close"), "Close", true).then_some(DialogChoice::Cancel)
             }
-            Stage::Asking(_) if *at_once => {
+            ImportStage::Asking(_) if *at_once => {
                 ui.label(format!("Reading “{name}”"));
                 None
             }
-            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out, height),
+            ImportStage::Asking(draft) => draft.ui(ui, palette, can_hold_out, height),
         }
     }
 }
 
-fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Option<Choice> {
+fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Option<DialogChoice> {
     ui.add(ProgressBar::new(share as f32).show_percentage());
     if is_still {
         ui.colored_label(palette.warning, "It has made no progress for 10 s. Esc stops it.");
     }
-    button(ui, Button::new("Cancel"), "Cancel the import", true).then_some(Choice::Cancel)
+    button_ui(ui, Button::new("Cancel"), "Cancel the import", true).then_some(DialogChoice::Cancel)
 }
 
-fn button(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
+fn button_ui(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
     let button = named(ui.add_enabled(enabled, button), name);
     probe::remember(ui.ctx(), name, button.rect);
     button.clicked()
 }
 
-fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
+fn decay_ui(ui: &mut Ui, table: &Table) -> Option<DialogChoice> {
     const NAME: &str = "Take its free decay";
     let axes = ThreeAxes::of(table)?;
-    let is_taken = button(ui, Button::new(NAME), NAME, true);
+    let is_taken = button_ui(ui, Button::new(NAME), NAME, true);
     ui.weak("Along the axis that moves most, without gravity, from when the hand is gone until it rests.");
-    is_taken.then(|| Choice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))))
+    is_taken.then(|| DialogChoice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))))
 }
 
 impl Draft {
-    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<Choice> {
+    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool, height: f32) -> Option<DialogChoice> {
         let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
         let decay = scroll.show(ui, |ui| self.contents_ui(ui, palette)).inner;
         ui.separator();
         let buttons = ui.horizontal_wrapped(|ui| {
-            let open = button(ui, primary("Open the record", palette), "Open the record", self.is_possible());
+            let open = button_ui(ui, primary("Open the record", palette), "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
             let tests =
                 can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
-            let cancel = button(ui, Button::new("Cancel"), "Cancel the import", true);
+            let cancel = button_ui(ui, Button::new("Cancel"), "Cancel the import", true);
             match (open, tests, cancel) {
-                (true, ..) => Some(Choice::Open),
-                (_, true, _) => Some(Choice::HoldOut),
-                (.., true) => Some(Choice::Cancel),
+                (true, ..) => Some(DialogChoice::Open),
+                (_, true, _) => Some(DialogChoice::HoldOut),
+                (.., true) => Some(DialogChoice::Cancel),
                 _ => None,
             }
         });
         decay.or(buttons.inner)
     }
 
-    fn contents_ui(&mut self, ui: &mut Ui, palette: &Palette) -> Option<Choice> {
+    fn contents_ui(&mut self, ui: &mut Ui, palette: &Palette) -> Option<DialogChoice> {
         let file = std::sync::Arc::clone(&self.file);
         ui.label(RichText::new(&file.name).family(theme::strong()).size(15.0));
         match self.outcome() {

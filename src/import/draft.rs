@@ -7,7 +7,7 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::{Choices, Shared};
+use super::{ImportSettings, SharedFile};
 use crate::session::{RecordFile, Session};
 use crate::spark::Spark;
 
@@ -23,12 +23,12 @@ pub struct Draft {
     pub(super) sparks: Vec<Spark>,
     pub(super) guesses: Vec<ColumnGuess>,
     pub(super) is_unfolded: bool,
-    outcome: Option<(Choices, Result<Imported, String>)>,
-    making: Option<(Choices, Builder<'static>)>,
+    outcome: Option<(ImportSettings, Result<Imported, String>)>,
+    making: Option<(ImportSettings, Builder<'static>)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ColumnRole {
     Unused,
     Time,
     Input,
@@ -65,19 +65,19 @@ impl Draft {
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), is_unfolded: true, ..draft }
     }
 
-    pub fn role(&self, place: usize) -> Role {
+    pub fn role(&self, place: usize) -> ColumnRole {
         let name = &self.file.table.columns[place].name;
         if self.mapping.time.column.as_ref() == Some(name) {
-            return Role::Time;
+            return ColumnRole::Time;
         }
         if self.mapping.input.as_ref().is_some_and(|input| input.column == *name) {
-            return Role::Input;
+            return ColumnRole::Input;
         }
         let sensor = self.mapping.sensors.iter().find(|(_, column)| column.column == *name);
-        sensor.map_or(Role::Unused, |(quantity, _)| Role::Sensor(*quantity))
+        sensor.map_or(ColumnRole::Unused, |(quantity, _)| ColumnRole::Sensor(*quantity))
     }
 
-    pub fn set_role(&mut self, place: usize, role: Role) {
+    pub fn set_role(&mut self, place: usize, role: ColumnRole) {
         let column = &self.file.table.columns[place];
         let unit = column.unit.clone().unwrap_or_default();
         let mapping = &mut self.mapping;
@@ -90,10 +90,10 @@ impl Draft {
         mapping.sensors.retain(|_, sensor| sensor.column != column.name);
         let mapped = MappedColumn::of(&self.file.table, column.name.clone());
         match role {
-            Role::Unused => {}
-            Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
-            Role::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
-            Role::Sensor(quantity) => {
+            ColumnRole::Unused => {}
+            ColumnRole::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
+            ColumnRole::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
+            ColumnRole::Sensor(quantity) => {
                 mapping.sensors.insert(quantity, mapped);
             }
         }
@@ -114,7 +114,7 @@ impl Draft {
         let Self { file, mapping, input, hold, plant, outcome, making, is_unfolded, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
-        let begin = || Ok(Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
+        let begin = || Ok(Builder::new(SharedFile(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
         let begun = under_way.unwrap_or_else(begin);
         let built = begun.and_then(|mut builder| {
             if builder.advance(while_time)? {

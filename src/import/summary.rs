@@ -4,16 +4,16 @@ use kalmanscope_core::import::{Dimension, Imported, MappedColumn, Offset, ThreeA
 use kalmanscope_core::{InputKind, Quantity};
 
 use super::Draft;
-use super::draft::Role;
+use super::draft::ColumnRole;
 use crate::session::Session;
 use crate::text::{grouped, sentence, significant};
 
 impl Draft {
     pub(super) fn meaning(&self, place: usize) -> Option<String> {
         match self.role(place) {
-            Role::Input => self.mapping.input.as_ref().map(|mapped| self.input_words(mapped)),
-            Role::Sensor(quantity) => self.mapping.sensors.get(&quantity).map(|mapped| sensor_words(quantity, mapped)),
-            Role::Time | Role::Unused => None,
+            ColumnRole::Input => self.mapping.input.as_ref().map(|mapped| self.input_words(mapped)),
+            ColumnRole::Sensor(quantity) => self.mapping.sensors.get(&quantity).map(|one| sensor_words(quantity, one)),
+            ColumnRole::Time | ColumnRole::Unused => None,
         }
     }
 

@@ -13,7 +13,7 @@ pub const MOST: usize = 256;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Choice {
+pub struct MapChoice {
     /// The settings across and up. Those of filters have `*` for the filter's name: all filters of the map get the value.
     pub axes: [Axis; 2],
     pub measure: Measure,
@@ -24,7 +24,7 @@ pub struct Choice {
     pub precision: Precision,
 }
 
-impl Choice {
+impl MapChoice {
     /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. `None` if
     /// there is no filter, or there are no two settings to vary.
     pub fn usual(scenario: &Scenario, record: &Record, is_measured: bool, count: usize) -> Option<Self> {

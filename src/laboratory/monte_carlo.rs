@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use super::WorkState;
 use super::choice::{is_same_but_for_names, part_of};
 use super::survey::quoted;
-use crate::team::{Cells, Precision, Priority, Relay, Team};
+use crate::team::{CellBatch, Precision, Priority, Relay, Team};
 
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 
@@ -126,7 +126,7 @@ impl SeedRuns {
                 let order = (0..known.len()).filter(|seed| !known[*seed]).collect();
                 let runner = Runner::new(ensemble.clone(), Source::Simulated).map_err(|error| error.to_string())?;
                 let (precision, priority) = (Precision::Double, Priority::Seeds);
-                none.insert(Relay::new(team, Cells { runner: Arc::new(runner), order, precision, priority }, ctx))
+                none.insert(Relay::new(team, CellBatch { runner: Arc::new(runner), order, precision, priority }, ctx))
             }
         };
         let rows = work.take();

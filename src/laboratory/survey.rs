@@ -8,19 +8,19 @@ use egui::Context;
 use kalmanscope_core::setting::{Address, Change, TableInfo};
 use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
-use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 
-use super::choice::{Choice, is_same_but_for_names, part_of};
+use super::choice::{MapChoice, is_same_but_for_names, part_of};
 use super::settings;
 use crate::session::is_same;
-use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
+use crate::team::{CellBatch, Computer, Precision, Priority, Relay, Team};
 
 pub struct Survey {
     pub ensemble: Ensemble,
     source: Source,
     pub filters: Vec<u32>,
     order: Vec<usize>,
-    pub sheet: Sheet,
+    pub sheet: EnsembleRows,
     pub(super) work: Option<Relay>,
     precision: Precision,
     pub computers: Vec<Computer>,
@@ -32,7 +32,7 @@ impl Survey {
     pub(super) fn new(
         scenario: &Scenario,
         source: Source,
-        choice: &Choice,
+        choice: &MapChoice,
         before: Option<&Self>,
     ) -> Result<Self, String> {
         let filters = choice.filters();
@@ -48,7 +48,7 @@ impl Survey {
         }
         let plan = Plan { filters: (0..filters.len()).collect(), measures, axes: choice.axes.to_vec(), times: 0 };
         let ensemble = Ensemble::new(part, plan).map_err(|error| error.to_string())?;
-        let (order, sheet) = (ensemble.coarse_to_fine(), Sheet::new(&ensemble));
+        let (order, sheet) = (ensemble.coarse_to_fine(), EnsembleRows::new(&ensemble));
         let (work, computers, precision) = (None, Vec::new(), choice.precision);
         Ok(Self { ensemble, source, filters, order, sheet, work, precision, computers })
     }
@@ -99,7 +99,7 @@ impl Survey {
         Some(change)
     }
 
-    pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &Choice) -> bool {
+    pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &MapChoice) -> bool {
         let same_plan = self.filters == choice.filters()
             && self.ensemble.plan().axes == choice.axes
             && self.has(choice.measure)
@@ -159,8 +159,8 @@ impl Survey {
         }
         if self.work.is_none() {
             let runner = Runner::new(self.ensemble.clone(), self.source.clone()).map_err(|error| error.to_string())?;
-            let order = self.sheet.missing(&self.order).collect();
-            let cells = Cells { runner: Arc::new(runner), order, precision: self.precision, priority: Priority::Map };
+            let (runner, order) = (Arc::new(runner), self.sheet.missing(&self.order).collect());
+            let cells = CellBatch { runner, order, precision: self.precision, priority: Priority::Map };
             self.work = Some(Relay::new(team, cells, ctx));
         }
         let Some(work) = &mut self.work else { return Ok(false) };

@@ -16,10 +16,10 @@ fn slow() -> Laboratory {
     laboratory
 }
 
-fn choice() -> Choice {
+fn choice() -> MapChoice {
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:5", "filters.*.process_std=0.1:10:3:log"];
     let axes = axes.map(|text| Axis::parse(text).unwrap());
-    Choice {
+    MapChoice {
         axes,
         measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
         filter: 1,
@@ -140,10 +140,10 @@ fn it_rests_out_of_sight_or_stopped_and_continues_later() {
 #[test]
 fn another_score_is_shown_at_once_unless_it_needs_every_estimate() {
     let (session, mut laboratory) = followed(20);
-    laboratory.choose(Some(Choice { measure: Measure::LOG_LIKELIHOOD, ..choice() }));
+    laboratory.choose(Some(MapChoice { measure: Measure::LOG_LIKELIHOOD, ..choice() }));
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 15);
-    laboratory.choose(Some(Choice { measure: Measure::VERDICT, ..choice() }));
+    laboratory.choose(Some(MapChoice { measure: Measure::VERDICT, ..choice() }));
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 1);
     follow(&mut laboratory, &session, 20);
@@ -181,13 +181,13 @@ fn an_impossible_choice_is_refused_with_a_reason() {
     let scenario = session().scenario().clone();
     let with_axis = |text: &str| {
         let [_, y] = choice().axes;
-        Choice { axes: [Axis::parse(text).unwrap(), y], ..choice() }
+        MapChoice { axes: [Axis::parse(text).unwrap(), y], ..choice() }
     };
     for (choice, reason) in [
         (with_axis("seed=1:999:999"), "may have 256"),
         (with_axis("filters.*.mass=1:2:3"), "filters.*.mass"),
         (with_axis("filters.*.process_std.velocity=1:2:3"), "both axes"),
-        (Choice { second: Some(7), ..choice() }, "filter number 7"),
+        (MapChoice { second: Some(7), ..choice() }, "filter number 7"),
     ] {
         let error = choice.check(&scenario).unwrap_err();
         assert!(error.contains(reason), "{error}");
@@ -245,9 +245,9 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         let across = axis(&format!("record.input.gain={}:{}:3:log", 0.5 * own, 2.0 * own));
         let axes = [across, axis("filters.*.process_std=0.5:2:3:log")];
         assert!(candidates(session.scenario(), true).contains(&axes[0].key), "the menu offers it");
-        let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
+        let usual = MapChoice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
         let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
-        laboratory.choose(Some(Choice { axes, measure: Measure::NIS, ..usual }));
+        laboratory.choose(Some(MapChoice { axes, measure: Measure::NIS, ..usual }));
         follow(&mut laboratory, &session, 20);
         assert_eq!((laboratory.state.problem.as_deref(), done(&laboratory)), (None, 9));
         let opened = laboratory.shown().unwrap().with(session.scenario(), [0.5 * own, 2.0]).unwrap();
@@ -273,7 +273,7 @@ fn a_map_of_a_growing_record_is_of_one_length() {
     session.follow_live(scenario, part(200));
     session.advance(0.0);
     assert!(session.is_live());
-    let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
+    let usual = MapChoice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
     laboratory.choose(Some(usual));
     let mut editions = Vec::new();
@@ -295,7 +295,7 @@ fn a_map_of_a_filter_by_its_name_stays_when_that_changes() {
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
     let axes = ["filters.UKF.fading=1:1.1:3", "filters.*.process_std=0.1:10:3:log"];
     let axes = axes.map(|text| Axis::parse(text).unwrap());
-    let chosen = Choice { axes, second: Some(1), filter: 2, ..choice() };
+    let chosen = MapChoice { axes, second: Some(1), filter: 2, ..choice() };
     chosen.check(session.scenario()).unwrap();
     laboratory.choose(Some(chosen));
     follow(&mut laboratory, &session, 2);
@@ -309,7 +309,7 @@ fn a_map_of_a_filter_by_its_name_stays_when_that_changes() {
     let table = laboratory.shown().unwrap().to_csv();
     assert!(table.starts_with("filters.Mine.fading,filters.*.process_std,Mine."), "{table}");
     let both = ["filters.UKF.fading=1:1.1:3", "filters#2.fading=1:1.2:3"].map(|text| Axis::parse(text).unwrap());
-    let chosen = Choice { axes: both, filter: 2, ..choice() };
+    let chosen = MapChoice { axes: both, filter: 2, ..choice() };
     let problem = chosen.check(self::session().scenario()).unwrap_err();
     assert!(problem.contains("both axes of the map set `filters.UKF.fading`"), "{problem}");
 }

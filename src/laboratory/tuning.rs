@@ -15,7 +15,7 @@ use super::choice::{is_same_but_for_names, part_of};
 use super::settings::{collide, is_possible, of_filters};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
-use crate::team::{Lost, Priority, Running, Team};
+use crate::team::{Lost, Priority, RunningTask, Team};
 
 pub struct TuneResult {
     pub choice: TuneChoice,
@@ -45,10 +45,10 @@ impl TuneResult {
 struct Search {
     choice: TuneChoice,
     of: Scenario,
-    tuner: Running<Tuner, Seen>,
+    tuner: RunningTask<Tuner, TuneProgress>,
 }
 
-type Seen = (f64, Vec<Try>);
+type TuneProgress = (f64, Vec<Try>);
 
 #[derive(Default)]
 pub struct Tuning {
@@ -115,7 +115,7 @@ impl Tuning {
             tuner.try_values(&values);
         }
         let look = |tuner: &Tuner| (tuner.progress(), tuner.path().to_vec());
-        let tuner = Running::begin(team, Priority::Seeds, tuner, look);
+        let tuner = RunningTask::begin(team, Priority::Seeds, tuner, look);
         Ok(Search { choice, of, tuner })
     }
 

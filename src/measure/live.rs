@@ -25,7 +25,7 @@ const AT_ONCE: usize = 1000;
 const AGREES: f64 = 3.0;
 
 #[derive(Default)]
-pub(super) struct Live {
+pub(super) struct LiveFilter {
     following: Option<Following>,
     known: Option<[Band; 2]>,
     /// The time from which on the next decay is looked for, and that of the reading at the last look \[s\].
@@ -50,7 +50,7 @@ pub(super) struct Band {
     pub(super) band: f64,
 }
 
-impl Live {
+impl LiveFilter {
     pub(super) fn follow(&mut self, readings: &[[f64; 4]]) {
         let Some(now) = readings.last().map(|reading| reading[0]) else { return };
         if self.looked.is_none_or(|looked| now >= looked + LOOK) {
@@ -186,7 +186,7 @@ mod tests {
     fn the_estimates_follow_the_readings_and_go_on_with_another_pluck() {
         for (again, size) in [(20.0, 2.0), (15.0, 1.8), (25.2, 5.0)] {
             let readings = readings(again, size);
-            let mut live = Live::default();
+            let mut live = LiveFilter::default();
             let mut known = Vec::new();
             for count in (1..=readings.len()).step_by(6) {
                 live.follow(&readings[..count]);

@@ -6,9 +6,9 @@ use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::free_decay::Ring;
 use kalmanscope_core::import::wav;
 
-use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
+use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Reading as _, Readings, Sensor, Sound};
+use crate::sensor::{ReadingQueue, SensorDevice, SensorReading as _, Sound};
 use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
@@ -24,15 +24,15 @@ const POINTS: usize = 600;
 const FILE: &str = "heard-here.wav";
 
 pub(super) struct Listener {
-    device: Rc<dyn Sensor<Sound>>,
-    readings: Readings<Sound>,
+    device: Rc<dyn SensorDevice<Sound>>,
+    readings: ReadingQueue<Sound>,
     looked: usize,
     ring: Option<Ring>,
 }
 
 impl Listener {
-    pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
-        Self { device, readings: Readings::default(), looked: 0, ring: None }
+    pub(super) fn new(device: Rc<dyn SensorDevice<Sound>>) -> Self {
+        Self { device, readings: ReadingQueue::default(), looked: 0, ring: None }
     }
 
     fn sound(&self) -> Result<RawFile, String> {
@@ -46,7 +46,7 @@ impl Listener {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "It rings",
     beginning: "Start listening",
     ending: "Stop and identify",

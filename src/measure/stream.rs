@@ -10,9 +10,9 @@ use kalmanscope_core::{Quantity, Record, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::live::NAME;
-use super::{Instrument, Words, waiting_ui};
+use super::{Instrument, SensorWords, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Readings, Sensor};
+use crate::sensor::{ReadingQueue, SensorDevice};
 use crate::text::fixed;
 use crate::theme::Palette;
 
@@ -20,9 +20,9 @@ use crate::theme::Palette;
 const WAIT: f64 = 0.1;
 
 pub(super) struct Stream {
-    device: Rc<dyn Sensor<StreamRow>>,
+    device: Rc<dyn SensorDevice<StreamRow>>,
     scenario: Scenario,
-    readings: Readings<StreamRow>,
+    readings: ReadingQueue<StreamRow>,
     live: LiveRecord,
     record: Arc<Record>,
     /// The readings that have come, those that were refused, and why the last one was.
@@ -35,13 +35,13 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    pub(super) fn new(device: Rc<dyn Sensor<StreamRow>>, of: &Scenario) -> Self {
+    pub(super) fn new(device: Rc<dyn SensorDevice<StreamRow>>, of: &Scenario) -> Self {
         let mut scenario = of.clone();
         scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::default() });
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
         let live = LiveRecord::new(scenario.dt, scenario.input, scenario.hold, sensors).waiting(WAIT).prompt();
         let record = live.so_far();
-        let (readings, taken, refused, refusal) = (Readings::default(), 0, 0, None);
+        let (readings, taken, refused, refusal) = (ReadingQueue::default(), 0, 0, None);
         Self { device, scenario, readings, live, record, taken, refused, refusal, times: None, has_ended: false }
     }
 
@@ -61,7 +61,7 @@ impl Stream {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "Sensors of a scenario",
     beginning: "Start measuring",
     ending: "Stop",

@@ -10,10 +10,10 @@ use kalmanscope_core::{Record, Scenario};
 use kalmanscope_diagnosis::Story;
 
 use super::health::Health;
-use super::live::{Band, Live};
-use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
+use super::live::{Band, LiveFilter};
+use super::{CURVE, Instrument, SensorWords, large_ui, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Acceleration, Reading as _, Readings, Sensor};
+use crate::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading as _};
 use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
@@ -26,15 +26,15 @@ const APART: f32 = 18.0;
 const FILE: &str = "measured-here.csv";
 
 pub(super) struct Swing {
-    device: Rc<dyn Sensor<Acceleration>>,
-    readings: Readings<Acceleration>,
-    live: Live,
+    device: Rc<dyn SensorDevice<Acceleration>>,
+    readings: ReadingQueue<Acceleration>,
+    live: LiveFilter,
     health: Health,
 }
 
 impl Swing {
-    pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
-        let (readings, live, health) = (Readings::default(), Live::default(), Health::default());
+    pub(super) fn new(device: Rc<dyn SensorDevice<Acceleration>>) -> Self {
+        let (readings, live, health) = (ReadingQueue::default(), LiveFilter::default(), Health::default());
         Self { device, readings, live, health }
     }
 
@@ -48,7 +48,7 @@ impl Swing {
     }
 }
 
-const WORDS: Words = Words {
+const WORDS: SensorWords = SensorWords {
     name: "It swings",
     // iOS asks for permission at the click on this button.
     beginning: "Start measuring",

@@ -7,9 +7,9 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use egui::Context;
-use kalmanscope::sensor::{Acceleration, Reading, Readings, Sensor};
+use kalmanscope::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading};
 use kalmanscope_core::Scenario;
-use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
+use kalmanscope_sources::{Accelerations, LineReader, StreamRow, open, read_line};
 
 pub(super) struct Listening {
     pub(super) source: String,
@@ -17,7 +17,7 @@ pub(super) struct Listening {
 }
 
 pub(super) trait Parser: Clone + Send + 'static {
-    type Reading: Reading + Send;
+    type Reading: SensorReading + Send;
 
     /// The readings of a line that arrived at some time \[s\]; or the reason why no later line can have any.
     fn take(&mut self, line: &[u8], arrival: f64) -> Result<Vec<Self::Reading>, String>;
@@ -25,22 +25,22 @@ pub(super) trait Parser: Clone + Send + 'static {
     fn left_out(&self) -> (usize, &str);
 }
 
-pub(super) struct Listened<P: Parser> {
+pub(super) struct SensorListener<P: Parser> {
     name: String,
-    shared: Arc<Shared<P::Reading>>,
+    shared: Arc<SharedListener<P::Reading>>,
     parser: P,
     thread: RefCell<Option<JoinHandle<()>>>,
 }
 
-struct Shared<T>(Mutex<ListenerState<T>>);
+struct SharedListener<T>(Mutex<ListenerState<T>>);
 
 struct ListenerState<T> {
     lines: usize,
     left_out: (usize, String),
-    to: Option<(Context, Readings<T>)>,
+    to: Option<(Context, ReadingQueue<T>)>,
 }
 
-impl<T: Reading> Shared<T> {
+impl<T: SensorReading> SharedListener<T> {
     fn heard(&self) -> MutexGuard<'_, ListenerState<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -75,15 +75,15 @@ impl<T: Reading> Shared<T> {
     }
 }
 
-impl<P: Parser> Listened<P> {
+impl<P: Parser> SensorListener<P> {
     pub(super) fn new(name: &str, parser: P) -> Self {
-        let heard = ListenerState { lines: 0, left_out: (0, String::new()), to: None };
-        Self { name: name.to_owned(), shared: Arc::new(Shared(Mutex::new(heard))), parser, thread: RefCell::default() }
+        let heard = SharedListener(Mutex::new(ListenerState { lines: 0, left_out: (0, String::new()), to: None }));
+        Self { name: name.to_owned(), shared: Arc::new(heard), parser, thread: RefCell::default() }
     }
 }
 
-impl<P: Parser> Sensor<P::Reading> for Listened<P> {
-    fn begin(&self, ctx: &Context, to: &Readings<P::Reading>) {
+impl<P: Parser> SensorDevice<P::Reading> for SensorListener<P> {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<P::Reading>) {
         self.shared.heard().to = Some((ctx.clone(), to.clone()));
         let mut thread = self.thread.borrow_mut();
         if thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
@@ -129,19 +129,19 @@ impl Parser for Accelerations {
 }
 
 #[derive(Clone)]
-pub(super) struct OfScenario {
-    lines: Lines,
+pub(super) struct ScenarioParser {
+    lines: LineReader,
     left_out: usize,
     why: String,
 }
 
-impl OfScenario {
+impl ScenarioParser {
     pub(super) fn new(scenario: &Scenario) -> Self {
-        Self { lines: Lines::new(scenario), left_out: 0, why: String::new() }
+        Self { lines: LineReader::new(scenario), left_out: 0, why: String::new() }
     }
 }
 
-impl Parser for OfScenario {
+impl Parser for ScenarioParser {
     type Reading = StreamRow;
 
     fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<StreamRow>, String> {
@@ -179,8 +179,8 @@ mod tests {
     fn readings_go_to_whom_wants_them_and_the_source_stays_open() {
         let server = TcpListener::bind("127.0.0.1:0").expect("a port");
         let name = format!("tcp://{}", server.local_addr().expect("an address"));
-        let listened = Listened::new(&name, Accelerations::default());
-        let (ctx, first) = (Context::default(), Readings::default());
+        let listened = SensorListener::new(&name, Accelerations::default());
+        let (ctx, first) = (Context::default(), ReadingQueue::default());
         listened.begin(&ctx, &first);
         let (mut to, _) = server.accept().expect("it connects");
         writeln!(to, "t,ax,ay,az").expect("sent");
@@ -194,7 +194,7 @@ mod tests {
         listened.end();
         tell(50, 60);
         wait_until(|| listened.hint().starts_with("61 lines"), "lines that nobody wants");
-        let second = Readings::default();
+        let second = ReadingQueue::default();
         listened.begin(&ctx, &second);
         tell(60, 80);
         wait_until(|| second.count() == 20, "the second readings");
@@ -206,16 +206,16 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("kalmanscope-listen-{}.txt", std::process::id()));
         for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no readings")] {
             std::fs::write(&folder, text).expect("written");
-            let (ctx, to) = (Context::default(), Readings::default());
-            let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default());
+            let (ctx, to) = (Context::default(), ReadingQueue::default());
+            let listened = SensorListener::new(&folder.to_string_lossy(), Accelerations::default());
             listened.begin(&ctx, &to);
             wait_until(|| to.refusal().is_some(), words);
             let refusal = to.refusal().expect("it is refused");
             assert!(refusal.contains(words), "{refusal}");
         }
         std::fs::remove_file(folder).expect("it is there");
-        let (ctx, to) = (Context::default(), Readings::default());
-        Listened::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
+        let (ctx, to) = (Context::default(), ReadingQueue::default());
+        SensorListener::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
         wait_until(|| to.refusal().is_some_and(|refusal| refusal.contains("refused")), "nobody is there");
     }
 }

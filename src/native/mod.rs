@@ -16,12 +16,12 @@ use desktop::Desktop;
 use eframe::NativeOptions;
 use egui::{Context, ViewportBuilder};
 use kalmanscope::App;
-use kalmanscope::sensor::{Sensor, Sensors};
+use kalmanscope::sensor::{SensorDevice, Sensors};
 use kalmanscope::share::address;
 use kalmanscope_core::Scenario;
 use kalmanscope_gpu::Software;
 use kalmanscope_sources::Accelerations;
-use listen::{Listened, Listening, OfScenario};
+use listen::{Listening, ScenarioParser, SensorListener};
 
 const INVALID: u8 = 2;
 
@@ -59,10 +59,10 @@ pub(super) fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-fn begin(Arguments { target, listen }: Arguments) -> Result<Beginning, String> {
+fn begin(Arguments { target, listen }: Arguments) -> Result<LaunchPlan, String> {
     if let Some(source) = listen {
         let scenario = target.as_deref().map(read_scenario).transpose()?;
-        return Ok(Beginning { target: None, source: Some(Listening { source, scenario }) });
+        return Ok(LaunchPlan { target: None, source: Some(Listening { source, scenario }) });
     }
     if let Some(address) = target.as_deref().filter(|target| !Path::new(target).is_file())
         && address::target(address).map_err(|error| error.to_string())?.is_none()
@@ -71,7 +71,7 @@ fn begin(Arguments { target, listen }: Arguments) -> Result<Beginning, String> {
             "“{address}” is neither a file nor an address with #link=…, ?lesson=NAME or ?scenario=NAME"
         ));
     }
-    Ok(Beginning { target, source: None })
+    Ok(LaunchPlan { target, source: None })
 }
 
 fn read_scenario(file: &str) -> Result<Scenario, String> {
@@ -83,12 +83,12 @@ fn read_scenario(file: &str) -> Result<Scenario, String> {
 
 const ID: &str = "kalmanscope";
 
-struct Beginning {
+struct LaunchPlan {
     target: Option<String>,
     source: Option<Listening>,
 }
 
-fn open(Beginning { target, source }: Beginning) -> eframe::Result {
+fn open(LaunchPlan { target, source }: LaunchPlan) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title("Kalmanscope")
         .with_app_id(ID)
@@ -122,12 +122,12 @@ fn open(Beginning { target, source }: Beginning) -> eframe::Result {
 
 fn listening(app: App, Listening { source, scenario }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default()));
+        let accelerometer: Rc<dyn SensorDevice<_>> = Rc::new(SensorListener::new(&source, Accelerations::default()));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario)));
+    let stream: Rc<dyn SensorDevice<_>> = Rc::new(SensorListener::new(&source, ScenarioParser::new(&scenario)));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app

@@ -8,7 +8,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use kalmanscope::app::state::LastPicture;
-use kalmanscope::share::Picture;
+use kalmanscope::share::SavedPicture;
 use kalmanscope_cli::output;
 
 pub(super) const NAME: &str = "state.json";
@@ -51,7 +51,7 @@ impl StateFile {
 
     /// Writes a picture, if the file has another one: beside the file, which is then replaced. Returns the reason where that
     /// fails, unless the save before has failed for the same one.
-    pub(super) fn save(&mut self, picture: &Picture) -> Option<String> {
+    pub(super) fn save(&mut self, picture: &SavedPicture) -> Option<String> {
         let text = picture.lines().map_err(|error| error.to_string());
         let saved = text.and_then(|text| {
             if text != self.text {
@@ -68,12 +68,12 @@ impl StateFile {
     }
 }
 
-fn read(path: &Path) -> Result<Option<Picture>, String> {
+fn read(path: &Path) -> Result<Option<SavedPicture>, String> {
     match fs::read_to_string(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         text => text
             .map_err(|error| error.to_string())
-            .and_then(|text| Picture::of_text(&text).map(Some).map_err(|error| error.to_string())),
+            .and_then(|text| SavedPicture::of_text(&text).map(Some).map_err(|error| error.to_string())),
     }
 }
 
@@ -87,8 +87,8 @@ fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
 mod tests {
     use super::*;
 
-    fn picture(speed: f64) -> Picture {
-        Picture { speed, ..Picture::default() }
+    fn picture(speed: f64) -> SavedPicture {
+        SavedPicture { speed, ..SavedPicture::default() }
     }
 
     #[test]

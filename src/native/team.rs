@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use egui::Context;
-use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Rows, Team};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Graphics, Handle, Priority, Team};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::{Parts, Step, Threads, Wanted};
+use kalmanscope_lab::{Threads, WorkParts, WorkStep, WorkToken};
 
-struct Desktop {
+struct DesktopTeam {
     threads: Option<Threads>,
     processor: Rc<Processor>,
     ctx: Context,
@@ -21,10 +21,10 @@ pub(super) fn team(software: Software, ctx: &Context) -> Rc<dyn Team> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let count = if processors > 2 { processors - 1 } else { processors };
     let threads = Threads::new(count, 1).map_err(|error| log::warn!("Long work stays in the frames: {error}"));
-    Rc::new(Desktop { threads: threads.ok(), processor: Rc::new(Processor::new(software)), ctx: ctx.clone() })
+    Rc::new(DesktopTeam { threads: threads.ok(), processor: Rc::new(Processor::new(software)), ctx: ctx.clone() })
 }
 
-impl Team for Desktop {
+impl Team for DesktopTeam {
     fn threads(&self) -> Option<(&Threads, &Context)> {
         self.threads.as_ref().map(|threads| (threads, &self.ctx))
     }
@@ -39,18 +39,18 @@ const PORTION: usize = 1024;
 
 pub(super) struct Processor {
     software: Software,
-    state: Arc<State>,
-    thread: OnceCell<Option<(Threads, Parts<()>)>>,
+    state: Arc<AdapterState>,
+    thread: OnceCell<Option<(Threads, WorkParts<()>)>>,
 }
 
-struct State {
+struct AdapterState {
     gpu: Mutex<Option<Gpu>>,
     found: Mutex<Finding>,
 }
 
 impl Processor {
     pub(super) fn new(software: Software) -> Self {
-        let state = State { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
+        let state = AdapterState { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
         Self { software, state: Arc::new(state), thread: OnceCell::new() }
     }
 
@@ -60,7 +60,7 @@ impl Processor {
             let (software, state, ctx) = (self.software, Arc::clone(&self.state), ctx.clone());
             let search = move |_| {
                 state.search(software);
-                Step::End
+                WorkStep::End
             };
             let team = Threads::new(1, 0);
             let team = team.map_err(|error| *lock(&self.state.found) = Finding::Absent(error.to_string())).ok()?;
@@ -94,21 +94,21 @@ impl Graphics for Processor {
         lock(&self.state.found).clone()
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let (cells, state) = (cells.clone(), Arc::clone(&self.state));
         let mut next = 0;
-        let step = move |wanted: Wanted| {
+        let step = move |wanted: WorkToken| {
             let some = next..(next + PORTION).min(cells.order.len());
             next = some.end;
             // The team does the cells that are not served, which are missing in the rows.
-            state.rows(&cells, &cells.order[some], &wanted).map_or(Step::Failed, Step::Part)
+            state.rows(&cells, &cells.order[some], &wanted).map_or(WorkStep::Failed, WorkStep::Part)
         };
         let ctx = ctx.clone();
         Some(self.thread(&ctx.clone())?.begin(Priority::Map, [step], move |_| ctx.request_repaint()).into())
     }
 }
 
-impl State {
+impl AdapterState {
     fn search(&self, software: Software) {
         let finding = match pollster::block_on(Gpu::find(software)) {
             Ok(found) => {
@@ -123,11 +123,11 @@ impl State {
         *lock(&self.found) = finding;
     }
 
-    fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted) -> Option<Rows> {
+    fn rows(&self, all: &CellBatch, some: &[usize], wanted: &WorkToken) -> Option<CellRows> {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
         match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {
-            Ok((cells, numbers)) => Some(Rows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
+            Ok((cells, numbers)) => Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
             Err(GpuError::Unwanted) => None,
             Err(error) => {
                 log::warn!("The graphics processor has failed: {error}");

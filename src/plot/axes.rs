@@ -102,13 +102,13 @@ pub(crate) fn log_tick(mark: GridMark) -> String {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scale {
+pub(crate) struct ValueScale {
     /// The ends; logarithms to the base of ten where the scale is logarithmic.
     pub(crate) ends: (f64, f64),
     pub(crate) is_logarithmic: bool,
 }
 
-impl Scale {
+impl ValueScale {
     pub(crate) fn new(from: f64, to: f64, is_logarithmic: bool) -> Self {
         let ends = if is_logarithmic { (from.log10(), to.log10()) } else { (from, to) };
         Self { ends, is_logarithmic }
@@ -200,9 +200,9 @@ mod tests {
     #[test]
     fn cells_fill_the_scale() {
         for is_logarithmic in [false, true] {
-            let scale = Scale::of_cells(1.0, 16.0, 4, is_logarithmic);
+            let scale = ValueScale::of_cells(1.0, 16.0, 4, is_logarithmic);
             assert!((scale.share(1.0) - 0.125).abs() < 1e-12 && (scale.share(16.0) - 0.875).abs() < 1e-12);
         }
-        assert!((Scale::of_cells(5.0, 5.0, 1, false).share(5.0) - 0.5).abs() < 1e-12);
+        assert!((ValueScale::of_cells(5.0, 5.0, 1, false).share(5.0) - 0.5).abs() < 1e-12);
     }
 }

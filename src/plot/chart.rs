@@ -9,16 +9,16 @@ use egui_plot::PlotTransform;
 use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
 use super::decoration::{gap_shapes, strip_shapes};
-use super::handles::{Handle, handles_ui};
+use super::handles::{PlotHandle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::layers::{Drawing, Layer, Window};
 use super::medium::{Medium, cells_ui};
 use super::notes::{Note, note_shapes};
 use super::plane::{Plane, frame_ui, is_turned};
-use super::series::Series;
+use super::series::PlotSeries;
 use super::time_axis::PlotInput;
 use crate::request::Request;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::{Sheet, SheetColumn, readouts};
 use crate::trouble::Gap;
 
 #[derive(Default)]
@@ -28,11 +28,11 @@ pub(crate) struct Chart<'a> {
     pub(crate) symbol: String,
     pub(crate) name: String,
     pub(crate) unit: &'static str,
-    pub(crate) columns: Vec<Column<'a>>,
+    pub(crate) columns: Vec<SheetColumn<'a>>,
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
     pub(crate) bands: Vec<Layer<'a>>,
-    pub(crate) handles: Vec<Handle<'a>>,
+    pub(crate) handles: Vec<PlotHandle<'a>>,
     pub(crate) least: Option<(f64, f64)>,
     pub(crate) notes: Vec<Note>,
     /// Whether the axis fits the later part of a run, so that the wide band of a guess does not scale it.
@@ -42,8 +42,8 @@ pub(crate) struct Chart<'a> {
 }
 
 pub(crate) struct Curve<'a> {
-    pub(crate) line: Series<'a>,
-    pub(crate) band: Option<Series<'a>>,
+    pub(crate) line: PlotSeries<'a>,
+    pub(crate) band: Option<PlotSeries<'a>>,
     /// \[points\]
     pub(crate) width: f32,
 }
@@ -63,7 +63,7 @@ impl<'a> Chart<'a> {
         Sheet { title: self.title, unit: self.unit, columns: self.columns }
     }
 
-    fn show(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
+    fn ui(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
             Medium::Screen => {
@@ -178,7 +178,7 @@ pub(crate) fn charts_ui(
     let mut charts = charts.into_iter().skip(first);
     cells_ui(ui, shown, &mut |ui, i, last_row| {
         let Some(chart) = charts.next() else { return };
-        let response = chart.show(ui, input, last_row, requests);
+        let response = chart.ui(ui, input, last_row, requests);
         pointed = response.pointed.or(pointed);
         if response.alone {
             alone = if alone.is_none() { Some(first + i) } else { None };

@@ -11,7 +11,7 @@ use super::layers::Mark;
 use super::medium::Medium;
 use super::time_axis::PlotInput;
 use crate::request::Request;
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::text::fixed;
 
@@ -42,7 +42,7 @@ impl Cursors {
         let mut add = |time: f64, letter: &str, color, dashed| {
             lines.push(CursorLine { time, text: format!("{letter}{}", time_text(input, time)), color, dashed });
         };
-        for end in End::BOTH {
+        for end in RulerEnd::BOTH {
             if let Some(time) = ruler.time(end) {
                 add(time, &format!("{} ", end.name()), palette.accent, false);
             }
@@ -127,7 +127,7 @@ pub(super) fn cursor_gestures(
             None => Request::Seek(time - record.time_of(0)),
         });
     }
-    for end in End::BOTH {
+    for end in RulerEnd::BOTH {
         let Some(time) = input.ruler.time(end) else { continue };
         let x = transform.position_from_point_x(time);
         if !transform.frame().x_range().contains(x) {

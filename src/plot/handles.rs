@@ -12,7 +12,7 @@ use crate::widgets::hover_text;
 const RADIUS: f32 = 4.5;
 const GRASP: f32 = 10.0;
 
-pub(crate) struct Handle<'a> {
+pub(crate) struct PlotHandle<'a> {
     pub(crate) name: String,
     /// \[s\]
     pub(crate) time: f64,
@@ -26,7 +26,7 @@ type Set<'a> = Box<dyn Fn(f64, f64) -> Vec<(String, f64)> + 'a>;
 pub(super) fn handles_ui(
     ui: &Ui,
     key: &str,
-    handles: &[Handle<'_>],
+    handles: &[PlotHandle<'_>],
     transform: &PlotTransform,
     input: &PlotInput<'_>,
     requests: &mut Vec<Request>,

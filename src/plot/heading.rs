@@ -52,7 +52,7 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
     let titled = |words: String| text(ui, words.trim().to_owned(), &theme::title(), colors[1]);
     let titles = [format!("{name} {unit}"), name.to_owned(), unit].map(titled);
-    let values = Values::new(ui, symbol, readouts, [room, room - titles[0].size().x - GAP]);
+    let values = HeadingValues::new(ui, symbol, readouts, [room, room - titles[0].size().x - GAP]);
     let height = ui.spacing().interact_size.y.max(symbol_text.size().y).max(values.height());
     let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let response = place(ui, row, row.left(), &symbol_text, (symbol, 0));
@@ -64,12 +64,12 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     response
 }
 
-struct Values<'a> {
+struct HeadingValues<'a> {
     all: &'a [Readout],
     shown: Vec<(Arc<Galley>, f32)>,
 }
 
-impl<'a> Values<'a> {
+impl<'a> HeadingValues<'a> {
     fn new(ui: &Ui, symbol: &str, all: &'a [Readout], [room, beside_name]: [f32; 2]) -> Self {
         let (color, style) = (ui.visuals().text_color(), theme::readout());
         // A value keeps the largest width so far, so that nothing moves while it changes.

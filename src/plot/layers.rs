@@ -10,22 +10,22 @@ use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotItem as _, PlotPoint, Pl
 use kalmanscope_core::Record;
 
 use super::medium::{Medium, Y_AXIS};
-use super::series::{Column, Series, central_range};
+use super::series::{PlotColumn, PlotSeries, central_range};
 use super::simplify::simplify;
 
 pub(crate) enum Layer<'a> {
     Band {
-        series: Series<'a>,
+        series: PlotSeries<'a>,
         color: Color32,
         filter: Option<u32>,
     },
     Dots {
-        series: Series<'a>,
+        series: PlotSeries<'a>,
         color: Color32,
     },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line {
-        series: Series<'a>,
+        series: PlotSeries<'a>,
         color: Color32,
         width: f32,
         dashed: bool,
@@ -41,11 +41,11 @@ pub(crate) enum Layer<'a> {
 }
 
 impl<'a> Layer<'a> {
-    pub(crate) fn line(series: Series<'a>, color: Color32, width: f32) -> Self {
+    pub(crate) fn line(series: PlotSeries<'a>, color: Color32, width: f32) -> Self {
         Self::Line { series, color, width, dashed: false, bounds: false, filter: None }
     }
 
-    pub(crate) fn dashed(series: Series<'a>, color: Color32, width: f32) -> Self {
+    pub(crate) fn dashed(series: PlotSeries<'a>, color: Color32, width: f32) -> Self {
         Self::Line { series, color, width, dashed: true, bounds: false, filter: None }
     }
 
@@ -56,7 +56,7 @@ impl<'a> Layer<'a> {
         self
     }
 
-    pub(crate) fn truth(series: Series<'a>, color: Color32) -> Self {
+    pub(crate) fn truth(series: PlotSeries<'a>, color: Color32) -> Self {
         Self::Line { series, color, width: 4.0, dashed: false, bounds: true, filter: None }
     }
 
@@ -71,7 +71,7 @@ impl<'a> Layer<'a> {
         }
     }
 
-    fn columns(&self, record: &Record, window: &Window) -> Vec<Column> {
+    fn columns(&self, record: &Record, window: &Window) -> Vec<PlotColumn> {
         let count = |width: f32| (((window.size.x - Y_AXIS) / width) as usize).max(16);
         match self {
             Self::Band { series, .. } | Self::Dots { series, .. } => series.columns(record, window.times, count(AREA)),
@@ -126,7 +126,7 @@ const ALIKE: f64 = 0.2;
 pub(crate) struct Drawing {
     pub(super) marks: Vec<Mark>,
     pub(super) range: Option<(f64, f64)>,
-    painted: Mutex<Option<(Place, Vec<Shape>)>>,
+    painted: Mutex<Option<(PaintedFrame, Vec<Shape>)>>,
 }
 
 impl Drawing {
@@ -137,7 +137,7 @@ impl Drawing {
         window: &Window,
         (least, settles): (Option<(f64, f64)>, bool),
     ) -> Self {
-        let columns: Vec<Vec<Column>> = layers.iter().map(|layer| layer.columns(record, window)).collect();
+        let columns: Vec<Vec<PlotColumn>> = layers.iter().map(|layer| layer.columns(record, window)).collect();
         let last = columns.iter().filter_map(|columns| columns.last()).map(|column| column.samples.1).max();
         let has_begin = window.times.0 <= record.time(0);
         let begin = (BEGINNING * last.filter(|_| settles && has_begin).unwrap_or(0) as f64) as usize;
@@ -223,7 +223,7 @@ fn mesh(ui: &Ui, shapes: Vec<Shape>) -> Mesh {
     mesh
 }
 
-type Place = (Rect, [f64; 2], [f64; 2], f32);
+type PaintedFrame = (Rect, [f64; 2], [f64; 2], f32);
 
 /// Radius of a dot, of a dot among few, and the number of few dots \[points\].
 const DOT: f32 = 1.3;
@@ -247,24 +247,24 @@ const OF_BAND: f32 = 0.24;
 const OF_AREA: f32 = 0.38;
 
 impl Shown<'_> {
-    fn edges(&self, columns: &[Column]) -> (Vec<f64>, [Vec<f64>; 2]) {
+    fn edges(&self, columns: &[PlotColumn]) -> (Vec<f64>, [Vec<f64>; 2]) {
         let Self { record, values: (least, most), .. } = *self;
         let times = columns.iter().map(|column| record.time(column.samples.0)).collect();
-        let edges = [|column: &Column| column.low, |column: &Column| column.high]
+        let edges = [|column: &PlotColumn| column.low, |column: &PlotColumn| column.high]
             .map(|edge| columns.iter().map(|column| edge(column).clamp(least, most)).collect());
         (times, edges)
     }
 
-    fn is_dense(&self, layer: &Layer<'_>, columns: &[Column]) -> bool {
+    fn is_dense(&self, layer: &Layer<'_>, columns: &[PlotColumn]) -> bool {
         let is_line = matches!(layer, Layer::Line { filter: Some(_), dashed: false, .. });
         let climb: f64 = columns.iter().map(|column| column.high - column.low).sum();
-        let both = |two: &[Column]| (two[0].high.min(two[1].high) - two[0].low.max(two[1].low)).max(0.0);
+        let both = |two: &[PlotColumn]| (two[0].high.min(two[1].high) - two[0].low.max(two[1].low)).max(0.0);
         let overlap: f64 = columns.windows(2).map(both).sum();
         is_line && self.scale * climb > DENSE * columns.len() as f64 && overlap > ALIKE_RANGES * climb
     }
 
     /// A dense line: filled if it is the first, and as an outline if there are `before` it, so that all are seen.
-    fn area(&self, layer: &Layer<'_>, columns: &[Column], before: usize) -> Vec<Mark> {
+    fn area(&self, layer: &Layer<'_>, columns: &[PlotColumn], before: usize) -> Vec<Mark> {
         let Layer::Line { color, filter, .. } = *layer else { return Vec::new() };
         let (times, edges) = self.edges(columns);
         if before == 0 {
@@ -279,7 +279,7 @@ impl Shown<'_> {
         edges.map(outline).into()
     }
 
-    fn mark(&self, layer: &Layer<'_>, columns: &[Column]) -> Mark {
+    fn mark(&self, layer: &Layer<'_>, columns: &[PlotColumn]) -> Mark {
         let Self { record, values: (least, most), scale, .. } = *self;
         let point = |sample: usize, value: f64| PlotPoint::new(record.time(sample), value.clamp(least, most));
         match *layer {
@@ -289,12 +289,12 @@ impl Shown<'_> {
                 Mark::Band { times, edges, color: color.gamma_multiply(OF_BAND), filter }
             }
             Layer::Dots { color, .. } => {
-                let both = |c: &Column| [c.low, c.high].map(|value| point(c.samples.0, value));
+                let both = |c: &PlotColumn| [c.low, c.high].map(|value| point(c.samples.0, value));
                 Mark::Dots { points: columns.iter().flat_map(both).collect(), color }
             }
             Layer::Line { color, width, dashed, filter, .. } => {
                 let mut points = Vec::with_capacity(2 * columns.len());
-                for &Column { samples: (first, last), low, high, rising } in columns {
+                for &PlotColumn { samples: (first, last), low, high, rising } in columns {
                     let (begin, end) = if rising { (low, high) } else { (high, low) };
                     points.push(point(first, begin));
                     if scale * (high - low) > ALIKE {
@@ -316,7 +316,7 @@ impl Shown<'_> {
 const SAMPLES: usize = 10;
 const DISTANCES: usize = 8;
 
-fn parts(columns: &[Column]) -> Vec<Range<usize>> {
+fn parts(columns: &[PlotColumn]) -> Vec<Range<usize>> {
     let (Some(first), Some(last)) = (columns.first(), columns.last()) else { return Vec::new() };
     let (distances, whole) = (columns.len() - 1, last.samples.0 - first.samples.0);
     let (mut parts, mut begin) = (Vec::new(), 0);
@@ -341,7 +341,7 @@ const PIECES: usize = 250;
 const BEGINNING: f64 = 0.2;
 
 fn value_range<'a>(
-    layers: impl Iterator<Item = (&'a Layer<'a>, &'a Vec<Column>)>,
+    layers: impl Iterator<Item = (&'a Layer<'a>, &'a Vec<PlotColumn>)>,
     begin: usize,
     least: Option<(f64, f64)>,
 ) -> Option<(f64, f64)> {
@@ -371,7 +371,7 @@ mod tests {
 
     #[test]
     fn a_long_gap_breaks_a_curve_and_a_slow_clock_does_not() {
-        let column = |k: &usize| Column { samples: (*k, *k), low: 0.0, high: 0.0, rising: true };
+        let column = |k: &usize| PlotColumn { samples: (*k, *k), low: 0.0, high: 0.0, rising: true };
         let of = |samples: &[usize]| parts(&samples.iter().map(column).collect::<Vec<_>>());
         let slow: Vec<usize> = (0..50).map(|k| 14 * k).collect();
         assert_eq!(of(&slow).len(), 1);

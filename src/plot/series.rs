@@ -20,12 +20,12 @@ impl Edges for (f64, f64) {
     }
 }
 
-pub(crate) struct Series<'a> {
+pub(crate) struct PlotSeries<'a> {
     len: usize,
-    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
+    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<PlotColumn> + 'a>,
 }
 
-impl<'a> Series<'a> {
+impl<'a> PlotSeries<'a> {
     pub(crate) fn new<V: Edges, I: Iterator<Item = V>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
         Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &values)) }
     }
@@ -55,22 +55,22 @@ impl<'a> Series<'a> {
 
     /// The band of two standard deviations around zero, where the series is a variance: one root per column.
     pub(crate) fn around_zero(self) -> Self {
-        self.through(|variance| 2.0 * variance.sqrt()).mapped(|column| Column { low: -column.high, ..column })
+        self.through(|variance| 2.0 * variance.sqrt()).mapped(|column| PlotColumn { low: -column.high, ..column })
     }
 
     /// The series through a monotonic function, which is called for the extremes only.
     pub(crate) fn through(self, function: fn(f64) -> f64) -> Self {
-        self.mapped(move |column| Column { low: function(column.low), high: function(column.high), ..column })
+        self.mapped(move |column| PlotColumn { low: function(column.low), high: function(column.high), ..column })
     }
 
-    fn mapped(self, map: impl Fn(Column) -> Column + 'a) -> Self {
+    fn mapped(self, map: impl Fn(PlotColumn) -> PlotColumn + 'a) -> Self {
         let Self { len, reduce } = self;
-        let is_finite = |column: &Column| column.low.is_finite() && column.high.is_finite();
+        let is_finite = |column: &PlotColumn| column.low.is_finite() && column.high.is_finite();
         let mapped = move |range, columns| reduce(range, columns).into_iter().map(&map).filter(is_finite).collect();
         Self { len, reduce: Box::new(mapped) }
     }
 
-    pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
+    pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<PlotColumn> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }
@@ -83,7 +83,7 @@ fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usiz
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Column {
+pub(crate) struct PlotColumn {
     pub(crate) samples: (usize, usize),
     pub(crate) low: f64,
     pub(crate) high: f64,
@@ -97,7 +97,7 @@ pub(crate) fn reduce<V: Edges, I: Iterator<Item = V>>(
     range: Range<usize>,
     columns: usize,
     values: impl Fn(Range<usize>) -> I,
-) -> Vec<Column> {
+) -> Vec<PlotColumn> {
     let width = range.len().div_ceil(columns.max(1)).max(1);
     let mut reduced = Vec::with_capacity(range.len() / width + 2);
     let mut start = range.start;
@@ -113,7 +113,7 @@ pub(crate) fn reduce<V: Edges, I: Iterator<Item = V>>(
 fn column<V: Edges, I: Iterator<Item = V>>(
     samples: Range<usize>,
     values: impl Fn(Range<usize>) -> I,
-) -> Option<Column> {
+) -> Option<PlotColumn> {
     let mut all = values(samples.clone()).map(V::edges);
     let (begin, top) = all.next()?;
     let (mut low, mut high, mut end) = (begin, top, begin);
@@ -125,15 +125,15 @@ fn column<V: Edges, I: Iterator<Item = V>>(
     }
     // NaN loses every comparison, except as the first value.
     if low.is_finite() && high.is_finite() && end.is_finite() {
-        return Some(Column { samples: (samples.start, samples.end - 1), low, high, rising: begin <= end });
+        return Some(PlotColumn { samples: (samples.start, samples.end - 1), low, high, rising: begin <= end });
     }
     let all = samples.clone().zip(values(samples).map(V::edges));
     let mut finite = all.filter(|(_, (low, high))| low.is_finite() && high.is_finite());
     let (first, (low, high)) = finite.next()?;
-    let one = (low, Column { samples: (first, first), low, high, rising: true });
+    let one = (low, PlotColumn { samples: (first, first), low, high, rising: true });
     let (_, column) = finite.fold(one, |(begin, column), (k, (low, high))| {
         let (samples, rising) = ((column.samples.0, k), begin <= low);
-        (begin, Column { samples, low: column.low.min(low), high: column.high.max(high), rising })
+        (begin, PlotColumn { samples, low: column.low.min(low), high: column.high.max(high), rising })
     });
     Some(column)
 }

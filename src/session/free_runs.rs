@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
 
 use super::Session;
-use crate::team::{Lost, Priority, Running};
+use crate::team::{Lost, Priority, RunningTask};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ModelTime {
@@ -16,34 +16,34 @@ pub enum ModelTime {
     Over(f64, f64),
 }
 
-type Of = (u64, usize, ModelTime);
+type FreeRunKey = (u64, usize, ModelTime);
 
 #[derive(Default)]
 pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
-    made: Vec<Made>,
-    next: Option<Next>,
-    lost: Option<Of>,
+    made: Vec<CachedFreeRun>,
+    next: Option<NextFreeRun>,
+    lost: Option<FreeRunKey>,
 }
 
-struct Made {
+struct CachedFreeRun {
     filter: u32,
-    of: Of,
+    of: FreeRunKey,
     run: FreeRun,
     held_out: Vec<Option<Fit>>,
 }
 
-struct Next {
+struct NextFreeRun {
     filter: u32,
-    of: Of,
-    runs: Running<Runs>,
+    of: FreeRunKey,
+    runs: RunningTask<Runs>,
 }
 
-type Under = (Arc<Record>, kalmanscope_core::Running);
+type StartedRun = (Arc<Record>, kalmanscope_core::Running);
 
 struct Runs {
-    on_screen: Under,
-    held_out: Option<Under>,
+    on_screen: StartedRun,
+    held_out: Option<StartedRun>,
 }
 
 impl FreeRuns {
@@ -66,7 +66,7 @@ impl Session {
         *self.made_free_run(place)?.held_out.get(sensor)?
     }
 
-    fn made_free_run(&self, place: usize) -> Option<&Made> {
+    fn made_free_run(&self, place: usize) -> Option<&CachedFreeRun> {
         let run = self.study.run();
         let id = run.estimates().get(place)?.id();
         let made = self.free.made.iter().find(|made| made.filter == id)?;
@@ -83,7 +83,7 @@ impl Session {
         self.free_due().is_some()
     }
 
-    fn free_due(&self) -> Option<(usize, Of)> {
+    fn free_due(&self) -> Option<(usize, FreeRunKey)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.
         let is_still = run.done() == run.samples() && !run.is_live() && !self.behind() && run.record().forgotten() == 0;
@@ -110,7 +110,7 @@ impl Session {
                 Ok(None) => return self.free.next = Some(next),
                 Err(Lost) => return self.free.lost = Some(of),
             };
-            let made = Made { filter, of, run, held_out };
+            let made = CachedFreeRun { filter, of, run, held_out };
             self.free.made.retain(|before| before.filter != filter);
             self.free.made.push(made);
             self.drawn += 1;
@@ -120,7 +120,7 @@ impl Session {
         }
     }
 
-    fn begin_free_run(&self, place: usize, of: Of) -> Option<Next> {
+    fn begin_free_run(&self, place: usize, of: FreeRunKey) -> Option<NextFreeRun> {
         let run = self.study.run();
         let (settings, estimates) = (run.scenario().filters.get(place)?, run.estimates().get(place)?);
         let last = estimates.len().checked_sub(1)?;
@@ -139,8 +139,8 @@ impl Session {
         };
         let held_out = self.library.held_out().map(|(_, record)| under(Arc::clone(record)));
         let runs = Runs { on_screen: under(record), held_out };
-        let runs = Running::begin(&*self.team, Priority::Hand, runs, Runs::progress);
-        Some(Next { filter: estimates.id(), of, runs })
+        let runs = RunningTask::begin(&*self.team, Priority::Hand, runs, Runs::progress);
+        Some(NextFreeRun { filter: estimates.id(), of, runs })
     }
 }
 
@@ -157,7 +157,7 @@ impl Task for Runs {
     }
 
     fn finish(self) -> Self::Outcome {
-        let finish = |(record, running): Under| running.finish(&record);
+        let finish = |(record, running): StartedRun| running.finish(&record);
         (finish(self.on_screen), self.held_out.map_or_else(Vec::new, |run| finish(run).fits))
     }
 }

@@ -21,20 +21,20 @@ pub struct RecordFile {
 #[derive(Default)]
 pub struct Library {
     files: Vec<Arc<RecordFile>>,
-    made: Vec<Made>,
+    made: Vec<CachedRecord>,
     pub reasons: Vec<String>,
     pub problem: Option<String>,
     held_out: Option<(String, Arc<Record>)>,
-    live: Option<Live>,
+    live: Option<LiveRecording>,
 }
 
-struct Live {
+struct LiveRecording {
     mapping: Mapping,
     record: Arc<Record>,
     has_ended: bool,
 }
 
-struct Made {
+struct CachedRecord {
     mapping: Mapping,
     input: InputKind,
     hold: Hold,
@@ -72,7 +72,7 @@ impl Library {
             return Ok(if live.has_ended { Source::Measured(record) } else { Source::Live(record) });
         }
         let is_same =
-            |made: &Made| made.mapping == *mapping && made.input == scenario.input && made.hold == scenario.hold;
+            |one: &CachedRecord| one.mapping == *mapping && one.input == scenario.input && one.hold == scenario.hold;
         if let Some(place) = self.made.iter().position(is_same) {
             let made = self.made.remove(place);
             let record = Arc::clone(&made.record);
@@ -94,7 +94,7 @@ impl Library {
         }
         let record = Arc::new(built.record);
         let (mapping, input, hold) = (mapping.clone(), scenario.input, scenario.hold);
-        self.made.push(Made { mapping, input, hold, record: Arc::clone(&record), remarks: built.remarks });
+        self.made.push(CachedRecord { mapping, input, hold, record: Arc::clone(&record), remarks: built.remarks });
         if self.made.len() > KEPT + 1 {
             self.made.remove(0);
         }
@@ -112,7 +112,7 @@ impl Library {
     }
 
     pub(super) fn set_live(&mut self, mapping: Mapping, record: Arc<Record>) {
-        self.live = Some(Live { mapping, record, has_ended: false });
+        self.live = Some(LiveRecording { mapping, record, has_ended: false });
     }
 
     pub(super) fn lengthen(&mut self, record: Arc<Record>) {

@@ -3,18 +3,18 @@
 use kalmanscope_core::{Spectrogram, Task as _, Windows};
 
 use super::Session;
-use crate::team::{Priority, Running};
+use crate::team::{Priority, RunningTask};
 
 const EVERY: usize = 200;
 
-type Of = (u64, usize);
+type SpectrogramKey = (u64, usize);
 
 #[derive(Default)]
 pub(super) struct Spectrograms {
     is_wanted: bool,
     /// `None` in it if there were too few samples.
-    made: Option<(Of, Option<Spectrogram>)>,
-    next: Option<(Of, Running<Windows>)>,
+    made: Option<(SpectrogramKey, Option<Spectrogram>)>,
+    next: Option<(SpectrogramKey, RunningTask<Windows>)>,
 }
 
 impl Session {
@@ -22,7 +22,7 @@ impl Session {
         self.spectrograms.is_wanted = is_wanted;
     }
 
-    pub fn spectrogram(&self) -> Option<(Of, &Spectrogram)> {
+    pub fn spectrogram(&self) -> Option<(SpectrogramKey, &Spectrogram)> {
         let (of, spectrogram) = self.spectrograms.made.as_ref()?;
         Some((*of, spectrogram.as_ref()?))
     }
@@ -51,7 +51,7 @@ impl Session {
             let has_sensor = !run.record().sensors().is_empty();
             match has_sensor.then(|| Spectrogram::windows(run.record(), 0, run.len())).flatten() {
                 Some(windows) => {
-                    *next = Some((of, Running::begin(&*self.team, Priority::Hand, windows, Windows::progress)));
+                    *next = Some((of, RunningTask::begin(&*self.team, Priority::Hand, windows, Windows::progress)));
                 }
                 None => *made = Some((of, None)),
             }

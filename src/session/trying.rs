@@ -5,7 +5,7 @@ use kalmanscope_diagnosis::Verdict;
 use kalmanscope_diagnosis::{Remedy, Search};
 
 use super::Session;
-use crate::team::{Priority, Running};
+use crate::team::{Priority, RunningTask};
 
 #[derive(Default)]
 pub(super) struct Trying {
@@ -17,7 +17,7 @@ pub(super) struct Trying {
 pub struct Attempt {
     filter: u32,
     of: (u64, usize),
-    search: Option<Running<Search, Seen>>,
+    search: Option<RunningTask<Search, SearchProgress>>,
     pub progress: f64,
     pub before: Option<Verdict>,
     /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
@@ -26,7 +26,7 @@ pub struct Attempt {
     is_complete: bool,
 }
 
-type Seen = (f64, Option<Verdict>, Vec<Remedy>);
+type SearchProgress = (f64, Option<Verdict>, Vec<Remedy>);
 
 impl Attempt {
     pub fn is_under_way(&self) -> bool {
@@ -34,7 +34,7 @@ impl Attempt {
     }
 
     fn is_beside(&self) -> bool {
-        self.search.as_ref().is_some_and(Running::is_beside)
+        self.search.as_ref().is_some_and(RunningTask::is_beside)
     }
 
     pub(crate) fn picture(&self) -> u64 {
@@ -129,7 +129,7 @@ impl Session {
         let search = self.diagnosis(place)?.search(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
         let of = (self.generation, run.done());
         let look = |search: &Search| (search.progress(), search.before().cloned(), search.remedies());
-        let search = Running::begin(&*self.team, Priority::Causes, search, look);
+        let search = RunningTask::begin(&*self.team, Priority::Causes, search, look);
         let (remedies, verdict, is_complete) =
             before.map_or((Vec::new(), None, false), |attempt| (attempt.remedies, attempt.before, attempt.is_complete));
         Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, remedies, is_complete })

@@ -8,11 +8,11 @@
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, LESSONS};
 use thiserror::Error;
 
-use super::{LinkError, MARK, Picture};
+use super::{LinkError, MARK, SavedPicture};
 
 #[derive(Clone, Debug, PartialEq)]
-pub enum Target {
-    Picture(Box<Picture>),
+pub enum LinkTarget {
+    Picture(Box<SavedPicture>),
     Scenario(BuiltIn),
     Lesson(usize, usize),
 }
@@ -29,16 +29,16 @@ pub enum AddressError {
     Step { step: String, lesson: String, steps: usize },
 }
 
-pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
+pub fn target(address: &str) -> Result<Option<LinkTarget>, AddressError> {
     if let Some((_, link)) = address.split_once(MARK) {
-        return Ok(Some(Target::Picture(Box::new(Picture::read(link.trim_end())?))));
+        return Ok(Some(LinkTarget::Picture(Box::new(SavedPicture::read(link.trim_end())?))));
     }
     if let Some(name) = value(address, "lesson") {
         let (place, step) = lesson(name, value(address, "step"))?;
-        return Ok(Some(Target::Lesson(place, step)));
+        return Ok(Some(LinkTarget::Lesson(place, step)));
     }
     let built_in = value(address, "scenario").map(scenario).transpose()?;
-    Ok(built_in.map(Target::Scenario))
+    Ok(built_in.map(LinkTarget::Scenario))
 }
 
 pub fn is_embedded(address: &str) -> bool {

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::outline::Outline;
 use crate::laboratory::Choices;
-use crate::layout::Layout;
+use crate::layout::ViewLayout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
@@ -23,7 +23,7 @@ const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
-pub struct Picture {
+pub struct SavedPicture {
     #[serde(with = "toml")]
     pub scenario: Scenario,
     pub views: Option<Outline>,
@@ -58,14 +58,14 @@ pub enum PictureError {
     Impossible(String),
 }
 
-impl Default for Picture {
+impl Default for SavedPicture {
     fn default() -> Self {
-        Self::new(BuiltIn::FIRST.scenario().unwrap_or_default(), &Layout::default(), Mode::default(), 0.0)
+        Self::new(BuiltIn::FIRST.scenario().unwrap_or_default(), &ViewLayout::default(), Mode::default(), 0.0)
     }
 }
 
-impl Picture {
-    pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
+impl SavedPicture {
+    pub(crate) fn new(scenario: Scenario, layout: &ViewLayout, mode: Mode, time: f64) -> Self {
         Self {
             scenario,
             views: Outline::of(layout.tree()),
@@ -80,8 +80,8 @@ impl Picture {
         }
     }
 
-    pub(crate) fn layout(&self) -> Layout {
-        Layout::of_outline(self.views.as_ref(), self.enlarged)
+    pub(crate) fn layout(&self) -> ViewLayout {
+        ViewLayout::of_outline(self.views.as_ref(), self.enlarged)
     }
 
     pub fn line(&self) -> Result<String, PictureError> {

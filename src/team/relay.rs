@@ -4,13 +4,13 @@ use std::rc::Rc;
 
 use egui::Context;
 
-use super::{Cells, Finding, Frames, Handle, Lost, Precision, Rows, Team};
+use super::{CellBatch, CellRows, Finding, Frames, Handle, Lost, Precision, Team};
 
 pub struct Relay {
     team: Rc<dyn Team>,
     next: By,
-    work: Option<Handle<Rows>>,
-    cells: Cells,
+    work: Option<Handle<CellRows>>,
+    cells: CellBatch,
     is_done: Vec<bool>,
     ctx: Context,
 }
@@ -25,7 +25,7 @@ enum By {
 impl Relay {
     /// Cells to be run by a team, and its graphics processor if single precision will do. The context is woken when
     /// rows have come.
-    pub fn new(team: &Rc<dyn Team>, cells: Cells, ctx: &Context) -> Self {
+    pub fn new(team: &Rc<dyn Team>, cells: CellBatch, ctx: &Context) -> Self {
         let graphics = team.graphics().filter(|_| cells.precision == Precision::Fastest);
         // The first map begins the search, and its result runs the next ones.
         let is_ready = graphics.is_some_and(|graphics| graphics.find(ctx) == Finding::Ready);
@@ -35,7 +35,7 @@ impl Relay {
         Self { team: Rc::clone(team), next, work: None, cells, is_done, ctx: ctx.clone() }
     }
 
-    pub fn take(&mut self) -> Vec<Rows> {
+    pub fn take(&mut self) -> Vec<CellRows> {
         let mut rows = Vec::new();
         loop {
             let is_lost = self.work.as_mut().is_none_or(|work| all(work, &mut rows).is_err());
@@ -50,7 +50,7 @@ impl Relay {
     fn begin(&mut self) {
         let Self { team, next, cells, is_done, ctx, .. } = self;
         let order = cells.order.iter().copied().filter(|cell| !is_done[*cell]).collect();
-        let cells = Cells { order, ..cells.clone() };
+        let cells = CellBatch { order, ..cells.clone() };
         (self.work, *next) = match next {
             By::Graphics => (team.graphics().and_then(|graphics| graphics.cells(&cells, ctx)), By::Team),
             By::Team => (team.cells(&cells, ctx), By::Frames),
@@ -59,7 +59,7 @@ impl Relay {
     }
 }
 
-fn all(work: &mut Handle<Rows>, rows: &mut Vec<Rows>) -> Result<(), Lost> {
+fn all(work: &mut Handle<CellRows>, rows: &mut Vec<CellRows>) -> Result<(), Lost> {
     while let Some(new) = work.take()? {
         rows.push(new);
     }
@@ -73,7 +73,7 @@ mod tests {
 
     use kalmanscope_core::{Axis, Scenario, Source};
     use kalmanscope_diagnosis::Measure;
-    use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
+    use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Priority, Runner};
 
     use super::*;
     use crate::team::Budget;
@@ -87,12 +87,12 @@ mod tests {
     struct Failing(usize);
 
     impl Team for Failing {
-        fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
-            let (Cells { runner, mut order, .. }, mut left) = (cells.clone(), self.0);
+        fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
+            let (CellBatch { runner, mut order, .. }, mut left) = (cells.clone(), self.0);
             Some(Handle::new(move || {
                 left = left.checked_sub(1).ok_or(Lost)?;
                 let cells = vec![order.remove(0)];
-                Ok(Some(Rows { numbers: runner.rows(&cells), cells, by: Computer::Workers(1) }))
+                Ok(Some(CellRows { numbers: runner.rows(&cells), cells, by: Computer::Workers(1) }))
             }))
         }
     }
@@ -100,7 +100,7 @@ mod tests {
     struct WithGraphics(Rc<Played>);
 
     impl Team for WithGraphics {
-        fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+        fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
             Frames(Budget::Pieces(1)).cells(cells, ctx)
         }
 
@@ -118,8 +118,8 @@ mod tests {
             self.finding.borrow().clone()
         }
 
-        fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
-            let (Cells { runner, mut order, .. }, mut portions) = (cells.clone(), self.portions);
+        fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
+            let (CellBatch { runner, mut order, .. }, mut portions) = (cells.clone(), self.portions);
             let mut is_over = false;
             Some(Handle::new(move || {
                 // One portion a frame.
@@ -129,7 +129,7 @@ mod tests {
                 portions = portions.checked_sub(1).ok_or(Lost)?;
                 is_over = true;
                 let cells: Vec<usize> = order.drain(..order.len().min(2)).collect();
-                Ok(Some(Rows { numbers: runner.rows(&cells), cells, by: named() }))
+                Ok(Some(CellRows { numbers: runner.rows(&cells), cells, by: named() }))
             }))
         }
     }
@@ -146,11 +146,11 @@ mod tests {
     }
 
     fn run(team: &Rc<dyn Team>, precision: Precision) -> Vec<(Computer, usize)> {
-        let (ensemble, ctx) = (ensemble(), Context::default());
+        let (ensemble, ctx, order) = (ensemble(), Context::default(), (0..10).collect());
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
-        let cells = Cells { runner: Arc::clone(&runner), order: (0..10).collect(), precision, priority: Priority::Map };
+        let cells = CellBatch { runner: Arc::clone(&runner), order, precision, priority: Priority::Map };
         let mut work = Relay::new(team, cells, &ctx);
-        let (mut sheet, mut by) = (Sheet::new(&ensemble), Vec::new());
+        let (mut sheet, mut by) = (EnsembleRows::new(&ensemble), Vec::new());
         for _ in 0..40 {
             for rows in work.take() {
                 sheet.fill(&rows.cells, &rows.numbers);

@@ -4,27 +4,27 @@ use kalmanscope_core::Task;
 
 use super::{Handle, Lost, Priority, Report, Team, waking};
 
-pub struct Running<T: Task, L = f64> {
-    place: Place<T, L>,
+pub struct RunningTask<T: Task, L = f64> {
+    place: TaskPlace<T, L>,
     look: fn(&T) -> L,
     pub seen: L,
 }
 
 /// The place of a task. One that is not in the frames has a worker, so nobody waits for a task that nobody does.
-enum Place<T: Task, L> {
+enum TaskPlace<T: Task, L> {
     Here(T),
     /// At a worker; the frames begin the second one if that worker fails.
     Beside(Handle<Report<L, T::Outcome>>, Option<T>),
     Over,
 }
 
-impl<T: Task, L> Running<T, L> {
+impl<T: Task, L> RunningTask<T, L> {
     pub fn here(task: T, look: fn(&T) -> L) -> Self {
-        Self { seen: look(&task), place: Place::Here(task), look }
+        Self { seen: look(&task), place: TaskPlace::Here(task), look }
     }
 
     pub fn in_worker(worker: Handle<Report<L, T::Outcome>>, task: T, look: fn(&T) -> L) -> Self {
-        Self { seen: look(&task), place: Place::Beside(worker, Some(task)), look }
+        Self { seen: look(&task), place: TaskPlace::Beside(worker, Some(task)), look }
     }
 
     pub fn begin(team: &dyn Team, priority: Priority, task: T, look: fn(&T) -> L) -> Self
@@ -37,38 +37,38 @@ impl<T: Task, L> Running<T, L> {
             Some((threads, ctx)) => {
                 let seen = look(&task);
                 let worker = threads.task(priority, task, look, waking(ctx)).into();
-                Self { place: Place::Beside(worker, None), look, seen }
+                Self { place: TaskPlace::Beside(worker, None), look, seen }
             }
             None => Self::here(task, look),
         }
     }
 
     pub fn is_beside(&self) -> bool {
-        matches!(self.place, Place::Beside(..))
+        matches!(self.place, TaskPlace::Beside(..))
     }
 
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<Option<T::Outcome>, Lost> {
-        while let Place::Beside(worker, spare) = &mut self.place {
+        while let TaskPlace::Beside(worker, spare) = &mut self.place {
             match worker.take() {
                 Ok(Some(Report::Look(seen))) => self.seen = seen,
                 Ok(Some(Report::Done(outcome))) => {
-                    self.place = Place::Over;
+                    self.place = TaskPlace::Over;
                     return Ok(Some(outcome));
                 }
                 Ok(None) => return Ok(None),
-                Err(Lost) => self.place = spare.take().map_or(Place::Over, Place::Here),
+                Err(Lost) => self.place = spare.take().map_or(TaskPlace::Over, TaskPlace::Here),
             }
         }
-        if let Place::Here(task) = &mut self.place {
+        if let TaskPlace::Here(task) = &mut self.place {
             let is_done = task.advance(while_time);
             self.seen = (self.look)(task);
             if !is_done {
                 return Ok(None);
             }
         }
-        match std::mem::replace(&mut self.place, Place::Over) {
-            Place::Here(task) => Ok(Some(task.finish())),
-            Place::Beside(..) | Place::Over => Err(Lost),
+        match std::mem::replace(&mut self.place, TaskPlace::Over) {
+            TaskPlace::Here(task) => Ok(Some(task.finish())),
+            TaskPlace::Beside(..) | TaskPlace::Over => Err(Lost),
         }
     }
 }
@@ -94,8 +94,8 @@ mod tests {
             Handle::new(move || reports.next().ok_or(Lost))
         });
         let mut task = match there {
-            Some(there) => Running::in_worker(there, file(), Task::progress),
-            None => Running::here(file(), Task::progress),
+            Some(there) => RunningTask::in_worker(there, file(), Task::progress),
+            None => RunningTask::here(file(), Task::progress),
         };
         let mut shares = vec![task.seen];
         loop {

@@ -8,13 +8,13 @@ use egui_plot::{Bar, BarChart, HLine, LineStyle};
 use crate::plot::medium::{Medium, cells_ui};
 use crate::plot::plane::Plane;
 use crate::request::Request;
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 use crate::session::Wanted;
 use crate::view::{View, ViewContext};
 use kalmanscope_core::diagnostics::{Depth, Whiteness};
 
 fn span(context: &ViewContext<'_>) -> Option<Range<usize>> {
-    let [a, b] = End::BOTH.map(|end| context.ruler.time(end).map(|time| context.session.sample_at(time)));
+    let [a, b] = RulerEnd::BOTH.map(|end| context.ruler.time(end).map(|time| context.session.sample_at(time)));
     let (a, b) = (a?, b?);
     (a != b).then(|| a.min(b)..a.max(b) + 1)
 }

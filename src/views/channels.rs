@@ -5,9 +5,9 @@ use kalmanscope_core::{Channel, Quantity, Signal};
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::notes::Note;
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::session::{Bound, Wanted};
-use crate::sheet::{Column, plus_minus};
+use crate::sheet::{SheetColumn, plus_minus};
 use crate::text::{decimals, error_in_hertz, fixed, in_hertz, significant};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
@@ -98,29 +98,29 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     chart.handles = handles::of_channel(channel, context);
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
-        chart.layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
+        chart.layers.push(Layer::Dots { series: PlotSeries::of(&z[..run.len()]), color: palette.measured });
         chart.layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
     }
     if let Some(truth) = record.truth(channel) {
-        let series = Series::of(&truth[..run.len()]);
+        let series = PlotSeries::of(&truth[..run.len()]);
         chart.layers.extend(visible.truth.then(|| Layer::truth(series, palette.truth)));
-        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
+        let column = SheetColumn::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
         chart.columns.push(column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit())));
     }
     let truth_before = session.before().and_then(|before| before.truth(channel)).filter(|_| visible.truth);
-    chart.layers.extend(truth_before.map(|truth| Layer::dashed(Series::of(truth), palette.weak, 1.2)));
+    chart.layers.extend(truth_before.map(|truth| Layer::dashed(PlotSeries::of(truth), palette.weak, 1.2)));
     let before = context.before().filter_map(|before| Some(before.canonical_means(before.place(channel)?)));
-    chart.layers.extend(before.map(|means| Layer::line(Series::of(means), palette.weak, 1.2)));
+    chart.layers.extend(before.map(|means| Layer::line(PlotSeries::of(means), palette.weak, 1.2)));
     for (place, of, at) in context.estimating(channel) {
         let (means, variances) = (of.canonical_means(at), of.variances(at));
-        let band = Some(Series::around(means, variances));
-        let curve = Curve { line: Series::of(means), band, width: line_width(place, ESTIMATE) };
+        let band = Some(PlotSeries::around(means, variances));
+        let curve = Curve { line: PlotSeries::of(means), band, width: line_width(place, ESTIMATE) };
         context.add(&mut chart, of, curve, move |k| Some(plus_minus(means[k], of.std(k, at), decimals)));
         chart.aside(move |k| in_hertz(means[k], channel.unit()));
     }
     for of in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
         let Some(at) = of.place(channel) else { continue };
-        chart.layers.push(Layer::dashed(Series::of(of.canonical_means(at)), context.color(of), 1.4));
+        chart.layers.push(Layer::dashed(PlotSeries::of(of.canonical_means(at)), context.color(of), 1.4));
     }
     chart
 }
@@ -163,8 +163,8 @@ fn error_chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     for (place, of, at) in context.estimating(channel) {
         let (means, variances) = (of.canonical_means(at), of.variances(at));
         let error = move |k: usize| means[k] - truth[k];
-        let line = Series::each(means.len(), error);
-        let curve = Curve { line, band: Some(Series::of(variances).around_zero()), width: line_width(place, 2.0) };
+        let line = PlotSeries::each(means.len(), error);
+        let curve = Curve { line, band: Some(PlotSeries::of(variances).around_zero()), width: line_width(place, 2.0) };
         context.add(&mut chart, of, curve, move |k| Some(plus_minus(error(k), of.std(k, at), decimals)));
         chart.aside(move |k| error_in_hertz(error(k), channel.unit(), decimals));
     }
@@ -172,7 +172,7 @@ fn error_chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
         let Some((_, of)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
-            let series = Series::each(bound.len(), move |k| sign * bound.std(k, at));
+            let series = PlotSeries::each(bound.len(), move |k| sign * bound.std(k, at));
             chart.layers.push(Layer::dashed(series, context.color(of), 1.0));
         }
     }

@@ -6,7 +6,7 @@ use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::session::Wanted;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
@@ -80,7 +80,7 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
         }
     }
     for (place, of, diagnostics) in context.diagnostics() {
-        let line = Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples));
+        let line = PlotSeries::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples));
         let curve = Curve { line: line.through(f64::log10), band: None, width: line_width(place, 2.0) };
         let ratio = move |k: usize| within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree();
         context.add(&mut chart, of, curve, move |k| (k < diagnostics.len()).then(|| significant(ratio(k), 3)));

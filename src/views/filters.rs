@@ -9,7 +9,7 @@ use kalmanscope_lab::channels;
 
 use crate::controls::Edits;
 use crate::controls::filter::color_of;
-use crate::controls::number::{Named, field};
+use crate::controls::number::{Named, field_ui};
 use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::{View, ViewContext};
@@ -58,7 +58,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-struct Row {
+struct ParameterRow {
     key: String,
     symbol: String,
     name: String,
@@ -66,15 +66,15 @@ struct Row {
     scale: f64,
 }
 
-fn rows(scenario: &Scenario) -> Vec<Row> {
+fn rows(scenario: &Scenario) -> Vec<ParameterRow> {
     let mut rows = Vec::new();
     for info in of_filter().filter(|info| info.is_varied) {
         let SettingInfo { key, symbol, name, unit, allowed, slider: (_, scale), .. } = *info;
         let symbol = if unit.is_empty() { symbol.to_owned() } else { format!("{symbol} [{unit}]") };
-        rows.push(Row { key: key.to_owned(), symbol, name: name.to_owned(), least: allowed.least(), scale });
+        rows.push(ParameterRow { key: key.to_owned(), symbol, name: name.to_owned(), least: allowed.least(), scale });
     }
     let mut add = |table: &TableInfo, entry: Entry, scale: f64| {
-        rows.push(Row {
+        rows.push(ParameterRow {
             key: format!("{}.{}", table.key, entry.key()),
             symbol: format!("{} {}", table.symbol, entry.symbol()),
             name: format!("{} of {}", table.name, entry.name()),
@@ -93,7 +93,7 @@ fn rows(scenario: &Scenario) -> Vec<Row> {
     rows
 }
 
-fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Address, [&'static str; 2]> {
+fn address(row: &ParameterRow, scenario: &Scenario, filter: &FilterSettings) -> Result<Address, [&'static str; 2]> {
     let address = Address::parse(scenario, &filter.address(&row.key));
     let address = address.map_err(|_| ["–", "This filter does not have the number"])?;
     let is_std = address.table().is_some_and(|table| table.factor.is_some());
@@ -103,7 +103,7 @@ fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Ad
     Ok(address)
 }
 
-fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
+fn row_ui(ui: &mut Ui, row: &ParameterRow, edits: &mut Edits<'_>, palette: &Palette) {
     let scenario = edits.scenario;
     let mut first = None;
     for place in 0..scenario.filters.len() {
@@ -131,7 +131,7 @@ fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
                     ui.visuals_mut().widgets.inactive.bg_fill = tint;
                 }
                 let key = format!("filters#{id}: {}", row.name);
-                field(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
+                field_ui(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
             });
             if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
             {
@@ -144,7 +144,7 @@ fn row_ui(ui: &mut Ui, row: &Row, edits: &mut Edits<'_>, palette: &Palette) {
     }
 }
 
-fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
+fn same_ui(ui: &mut Ui, filter: u32, row: &ParameterRow, value: f64, name: &str) {
     let dragged = Dragged { row: row.name.clone(), value };
     let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));
     let (sign, grip) = (source.inner, source.response);

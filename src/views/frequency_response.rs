@@ -14,7 +14,7 @@ use crate::plot::plane::Plane;
 use crate::request::Request;
 use crate::text::{in_hertz, significant};
 use crate::view::{View, ViewContext};
-use curves::Curves;
+use curves::ResponseCurves;
 
 /// Height of the heading above the plot \[points\].
 const HEADING: f32 = 22.0;
@@ -40,7 +40,7 @@ pub(super) static VIEW: View = View {
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let k = axis.readout(session);
-    let curves = Curves::at(ui, session, k, |id| visible.filter(id));
+    let curves = ResponseCurves::at(ui, session, k, |id| visible.filter(id));
     let drawn = Drawn::new(&curves, context);
     let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
     let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
@@ -58,7 +58,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     None
 }
 
-fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
+fn readouts(curves: &ResponseCurves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
     let ViewContext { session, palette, visible, .. } = *context;
     let frequency = curves.frequencies[i];
     let hint = "The frequency under the pointer, else that of the peak".to_owned();
@@ -79,27 +79,27 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
 }
 
 struct Drawn<'a> {
-    curves: &'a Curves,
+    curves: &'a ResponseCurves,
     frequencies: Vec<f64>,
     truth: Option<Vec<f64>>,
-    filters: Vec<Filter>,
+    filters: Vec<FilterResponse>,
 }
 
-struct Filter {
+struct FilterResponse {
     color: Color32,
     mean: Vec<f64>,
     band: Option<[Vec<f64>; 2]>,
 }
 
 impl<'a> Drawn<'a> {
-    fn new(curves: &'a Curves, context: &ViewContext<'_>) -> Self {
+    fn new(curves: &'a ResponseCurves, context: &ViewContext<'_>) -> Self {
         let visible = context.visible;
         let of_filter = |(believed, estimates): (&Option<Arc<Believed>>, &Estimates)| {
             let Believed { mean, band } = believed.as_deref()?;
             let band = band.as_ref().filter(|_| visible.bands);
             let band = band.and_then(|(low, high)| Some([logarithms(low)?, logarithms(high)?]));
             let color = context.color(estimates);
-            Some(Filter { color, mean: logarithms(mean)?, band })
+            Some(FilterResponse { color, mean: logarithms(mean)?, band })
         };
         Self {
             curves,
@@ -134,7 +134,7 @@ impl<'a> Drawn<'a> {
         let Self { curves: _, frequencies, truth, filters } = self;
         let palette = context.palette;
         self.draw_spectrum(plot, context);
-        for Filter { color, mean: _, band } in filters {
+        for FilterResponse { color, mean: _, band } in filters {
             let fill = color.gamma_multiply(0.22);
             if let Some([low, high]) = band {
                 let edge = Stroke::new(0.7, fill.gamma_multiply(0.8));
@@ -190,7 +190,7 @@ fn logarithms(values: &[f64]) -> Option<Vec<f64>> {
     values.iter().map(logarithm).collect()
 }
 
-impl Curves {
+impl ResponseCurves {
     fn nearest(&self, logarithm: f64) -> usize {
         let after = self.frequencies.partition_point(|w| w.log10() < logarithm);
         let distance = |i: usize| (self.frequencies[i].log10() - logarithm).abs();

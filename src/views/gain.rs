@@ -5,7 +5,7 @@ use kalmanscope_core::{Channel, Estimates, Quantity};
 
 use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::request::Request;
 use crate::sheet::Sheet;
 use crate::text::significant;
@@ -80,7 +80,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Char
     };
     for (_, of, at) in context.estimating(channel) {
         let value = move |k: usize| change(of, (sensor, at), is_measured, k);
-        let curve = Curve { line: Series::each(of.len(), value), band: None, width: 1.2 };
+        let curve = Curve { line: PlotSeries::each(of.len(), value), band: None, width: 1.2 };
         context.add(&mut chart, of, curve, move |k| Some(significant(value(k), 3)));
     }
     chart

@@ -3,20 +3,20 @@
 use kalmanscope_core::setting::INITIAL_MEAN;
 use kalmanscope_core::{Channel, Signal};
 
-use crate::plot::handles::Handle;
+use crate::plot::handles::PlotHandle;
 use crate::text::significant;
 use crate::view::ViewContext;
 
 /// The least value of a positive channel that a handle sets.
 const LEAST: f64 = 1e-6;
 
-pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Handle<'a>> {
+pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<PlotHandle<'a>> {
     let session = context.session;
     let record = session.run().record();
     let mut handles = Vec::new();
     let has_truth = context.visible.truth && !session.is_measured();
     if let Some(Signal::Step(step)) = session.scenario().plant.parameter(channel).filter(|_| has_truth) {
-        handles.push(Handle {
+        handles.push(PlotHandle {
             name: format!("time and size of the change of the {}", channel.name()),
             time: record.time_of(0) + step.at,
             value: step.to,
@@ -40,7 +40,7 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
             continue;
         }
         let address = filter.address(&format!("{}.{}", INITIAL_MEAN.key, channel.key()));
-        handles.push(Handle {
+        handles.push(PlotHandle {
             name: format!("{}'s guess of the {}", filter.name, channel.name()),
             time: record.time_of(0),
             value: filter.initial_mean[channel],

@@ -7,7 +7,7 @@ use kalmanscope_core::{Estimates, FilterSettings, Quantity};
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
@@ -81,8 +81,8 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
     for &of in filters {
         let innovation = move |k: usize| of.innovation(k)[sensor];
         let std = move |k: usize| variance(of, sensor, k).sqrt();
-        let band = Series::each(of.len(), move |k| variance(of, sensor, k)).around_zero();
-        let curve = Curve { line: Series::each(of.len(), innovation), band: Some(band), width: 0.8 };
+        let band = PlotSeries::each(of.len(), move |k| variance(of, sensor, k)).around_zero();
+        let curve = Curve { line: PlotSeries::each(of.len(), innovation), band: Some(band), width: 0.8 };
         context.add(&mut chart, of, curve, move |k| {
             let [text, band] = [innovation(k), 2.0 * std(k)].map(|x| significant(x, 3));
             innovation(k).is_finite().then(|| format!("{text} ±{band}"))
@@ -184,8 +184,8 @@ fn drawn<'a>(
     let truth = truth.map(|value| Layer::Level { value, color: context.palette.truth, label: "truth" });
     let mut chart = Chart { layers: truth.into_iter().collect(), ..chart };
     for &of in filters {
-        let band = Series::each(of.len(), move |k| (at(of, k)[0], at(of, k)[2]));
-        let curve = Curve { line: Series::each(of.len(), move |k| at(of, k)[1]), band: Some(band), width: 1.2 };
+        let band = PlotSeries::each(of.len(), move |k| (at(of, k)[0], at(of, k)[2]));
+        let curve = Curve { line: PlotSeries::each(of.len(), move |k| at(of, k)[1]), band: Some(band), width: 1.2 };
         context.add(&mut chart, of, curve, move |k| words(of, k));
     }
     chart

@@ -9,15 +9,15 @@ mod scale;
 use egui::{Label, Rect, Sense, Stroke, TextStyle, Ui, Vec2, pos2, vec2};
 use kalmanscope_diagnosis::ValueKind;
 
-use crate::laboratory::{Choice, Laboratory, Survey};
+use crate::laboratory::{Laboratory, MapChoice, Survey};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::view::{View, ViewContext};
 use head::head_ui;
-use marks::Path;
+use marks::TuningPath;
 use panel::PanelView;
-use picture::{Place, arrange};
-use scale::End;
+use picture::{PanelPlace, arrange};
+use scale::CellEnd;
 
 /// Room for the line of the progress \[points\].
 const PROGRESS: f32 = 3.0;
@@ -35,7 +35,7 @@ pub(super) static VIEW: View = View {
 };
 
 fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-    let (laboratory, choice, survey) = contents(ui, context)?;
+    let (laboratory, choice, survey) = contents_ui(ui, context)?;
     let medium = Medium::of(ui.ctx());
     if medium == Medium::Screen {
         head_ui(ui, context, laboratory, choice, requests);
@@ -48,17 +48,17 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
     medium.note_plots(ui.ctx(), panels.len());
     let has_truth = !marks::truths(survey.axes(), context).is_empty();
-    let path = laboratory.tuning.path_in(survey).map(|(filter, points)| Path { filter, points });
+    let path = laboratory.tuning.path_in(survey).map(|(filter, points)| TuningPath { filter, points });
     let path = path.filter(|path| path.points.len() > 1);
     let is_never = choice.measure.info().kind == ValueKind::Time;
-    let any = |end: End| panels.iter().any(|panel| panel.has(end));
+    let any = |end: CellEnd| panels.iter().any(|panel| panel.has(end));
     let marks = [
         (true, "dot: setting on screen"),
         (panels.iter().any(|panel| !panel.contour.is_empty()), "line: around it the mean NIS leaves its 99 % interval"),
         (has_truth, "dashed: truth"),
         (path.is_some(), "white path: Tune for me"),
-        (any(End::Lost), "pale: lost the truth"),
-        (any(End::Stopped), "grey: stopped"),
+        (any(CellEnd::Lost), "pale: lost the truth"),
+        (any(CellEnd::Stopped), "grey: stopped"),
         (is_never, "grey: never settled"),
     ];
     let words = marks.into_iter().filter(|(is_there, _)| *is_there).map(|(_, text)| text);
@@ -67,7 +67,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     let legend = ui.painter().layout(words, font, context.palette.weak, room.width() - 8.0);
     let bottom = (room.bottom() - legend.size().y).max(room.top() + PROGRESS);
     let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
-    for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
+    for PanelPlace { at, room, has_bar } in arrange(ui, area, &panels, survey) {
         let is_old = laboratory.is_shown_old();
         let view =
             PanelView { panel: &panels[at], survey, measure: choice.measure, path: path.as_ref(), is_old, has_bar };
@@ -77,7 +77,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
+fn contents_ui<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a MapChoice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state.problem.as_deref() {
         ui.weak(problem);

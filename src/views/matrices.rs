@@ -44,9 +44,9 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     None
 }
 
-fn header(ui: &mut Ui, names: &[&str]) {
+fn header_ui(ui: &mut Ui, names: &[&str]) {
     for name in names {
-        at_right(ui, RichText::new(*name).small().weak());
+        right_aligned_ui(ui, RichText::new(*name).small().weak());
     }
     ui.end_row();
 }
@@ -67,21 +67,21 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, context: &ViewConte
             let gains: Vec<String> = estimates.sensors().iter().map(|q| format!("K for e({})", q.symbol())).collect();
             let mut names = vec!["", "y before", "± σ", "y⁻ predicted", "± σ⁻", "+ K e", "y after", "± σ"];
             names.extend(gains.iter().map(String::as_str));
-            header(ui, &names);
+            header_ui(ui, &names);
             for (i, channel) in estimates.channels().iter().enumerate() {
                 let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
                 let predicted_std = (std * std + known(i)).sqrt();
                 name_ui(ui, channel.symbol(), context.unit(channel.unit()), channel.name());
                 let before = k.checked_sub(1);
-                number(ui, before.map(|k| estimates.mean(k)[i]));
-                number(ui, before.map(|k| estimates.std(k, i)));
-                number(ui, before.map(|_| mean - shift(i)));
-                number(ui, before.map(|_| predicted_std));
-                number(ui, before.map(|_| shift(i)));
-                number(ui, Some(mean));
-                number(ui, Some(std));
+                number_ui(ui, before.map(|k| estimates.mean(k)[i]));
+                number_ui(ui, before.map(|k| estimates.std(k, i)));
+                number_ui(ui, before.map(|_| mean - shift(i)));
+                number_ui(ui, before.map(|_| predicted_std));
+                number_ui(ui, before.map(|_| shift(i)));
+                number_ui(ui, Some(mean));
+                number_ui(ui, Some(std));
                 for sensor in 0..m {
-                    number(ui, before.map(|_| gain[sensor * n + i]));
+                    number_ui(ui, before.map(|_| gain[sensor * n + i]));
                 }
                 ui.end_row();
             }
@@ -95,14 +95,14 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, con
         return;
     }
     Grid::new(("sensors", estimates.id())).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
-        header(ui, &["", "z measured", "h(y⁻) expected", "e = z − h(y⁻)", "√S", "e / √S"]);
+        header_ui(ui, &["", "z measured", "h(y⁻) expected", "e = z − h(y⁻)", "√S", "e / √S"]);
         for (sensor, quantity) in estimates.sensors().iter().enumerate() {
             let z = record.measured_quantity(*quantity).map(|z| z[k]);
             let e = estimates.innovation(k)[sensor];
             let std = estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
             name_ui(ui, quantity.symbol(), context.unit(quantity.unit()), quantity.key());
             for value in [z, z.map(|z| z - e), Some(e), Some(std), Some(e / std)] {
-                number(ui, value);
+                number_ui(ui, value);
             }
             ui.end_row();
         }
@@ -111,12 +111,12 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, con
     ui.weak(format!("NIS {} · log likelihood {}", significant(nis, 4), significant(log_likelihood, 4)));
 }
 
-fn number(ui: &mut Ui, value: Option<f64>) {
+fn number_ui(ui: &mut Ui, value: Option<f64>) {
     let text = value.map_or(String::new(), |x| significant(x, 4));
-    at_right(ui, RichText::new(text).monospace().size(12.0));
+    right_aligned_ui(ui, RichText::new(text).monospace().size(12.0));
 }
 
-fn at_right(ui: &mut Ui, text: RichText) {
+fn right_aligned_ui(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
 }
 

@@ -5,8 +5,8 @@ use kalmanscope_core::{Estimates, Quantity, Record};
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
-use crate::plot::series::Series;
-use crate::sheet::{Column, Sheet};
+use crate::plot::series::PlotSeries;
+use crate::sheet::{Sheet, SheetColumn};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::weights;
@@ -75,22 +75,22 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        columns: vec![Column::new("measured", palette.measured, move |k| number(*all.get(k)?))],
+        columns: vec![SheetColumn::new("measured", palette.measured, move |k| number(*all.get(k)?))],
         ..Chart::default()
     };
     if visible.measured {
-        chart.layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
+        chart.layers.push(Layer::Dots { series: PlotSeries::of(all), color: palette.measured });
         chart.layers.extend(weights::layers(quantity, all, context));
     }
     for (place, of) in context.filters() {
         let Some(values) = predicted(of, session.run().record(), quantity) else { continue };
         let len = of.len().min(all.len());
-        let curve = Curve { line: Series::each(len, values), band: None, width: line_width(place, PREDICTED) };
+        let curve = Curve { line: PlotSeries::each(len, values), band: None, width: line_width(place, PREDICTED) };
         context.add(&mut chart, of, curve, move |k| number((k < len).then(|| values(k))?));
     }
     for (place, of) in context.filters() {
         if let Some(free) = session.free_run(place) {
-            chart.layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), context.color(of), 1.4));
+            chart.layers.push(Layer::dashed(PlotSeries::of(&free.predicted[sensor]), context.color(of), 1.4));
         }
     }
     let k = axis.readout(session);
@@ -110,7 +110,7 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> C
         let Some(free) = session.free_run(place) else { continue };
         let color = context.color(estimates);
         let len = free.predicted[sensor].len().min(all.len());
-        let error = Series::each(len, move |k| all[k] - free.predicted[sensor][k]);
+        let error = PlotSeries::each(len, move |k| all[k] - free.predicted[sensor][k]);
         layers.push(Layer::line(error, color, 1.0).of(estimates.id()));
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);

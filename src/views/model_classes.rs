@@ -8,9 +8,9 @@ use kalmanscope_core::{Channel, Estimates, Evidence, ModelClasses};
 
 use crate::plot::chart::Chart;
 use crate::plot::layers::Layer;
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::session::Wanted;
-use crate::sheet::{Column, plus_minus};
+use crate::sheet::{SheetColumn, plus_minus};
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 
@@ -108,13 +108,13 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
         let (low, high) = (below(class), below(class + 1));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
         let (color, filter, len) = (context.color(estimates), Some(estimates.id()), classes.len);
-        chart.bands.push(Layer::Band { series: Series::made::<(f64, f64)>(len, edges), color, filter });
+        chart.bands.push(Layer::Band { series: PlotSeries::made::<(f64, f64)>(len, edges), color, filter });
         if class > 0 {
-            chart.layers.push(Layer::line(Series::made(len, below(class)), context.palette.weak, 1.0));
+            chart.layers.push(Layer::line(PlotSeries::made(len, below(class)), context.palette.weak, 1.0));
         }
         let own = Rc::clone(classes);
         let percent = move |k: usize| ModelClasses::in_percent(own.at(k).probabilities()[class]);
-        chart.columns.push(Column::new(estimates.name(), color, move |k| (k < len).then(|| percent(k))));
+        chart.columns.push(SheetColumn::new(estimates.name(), color, move |k| (k < len).then(|| percent(k))));
     }
     chart
 }
@@ -142,19 +142,19 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
     if visible.bands {
         let (low, high) = (of(-2.0), of(2.0));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        let series = Series::made::<(f64, f64)>(classes.len, edges);
+        let series = PlotSeries::made::<(f64, f64)>(classes.len, edges);
         chart.bands.push(Layer::Band { series, color: palette.weak, filter: None });
     }
     let decimals = decimals(channel);
     if let Some(truth) = run.record().truth(channel) {
         if visible.truth {
-            chart.layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
+            chart.layers.push(Layer::line(PlotSeries::of(&truth[..run.len()]), palette.truth, 4.0));
         }
-        chart.columns.push(Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
+        chart.columns.push(SheetColumn::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
     }
-    chart.layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.weak, 2.0));
+    chart.layers.push(Layer::line(PlotSeries::made(classes.len, of(0.0)), palette.weak, 2.0));
     let own = Rc::clone(classes);
-    chart.columns.push(Column::new("average", palette.weak, move |k| {
+    chart.columns.push(SheetColumn::new("average", palette.weak, move |k| {
         let (mean, std) = (k < own.len).then(|| own.average(channel, k, &own.at(k)))??;
         Some(plus_minus(mean, std, decimals))
     }));

@@ -10,7 +10,7 @@ use crate::plot::medium::{Medium, cells_ui};
 use crate::request::Request;
 use crate::session::Wanted;
 use crate::view::{View, ViewContext};
-use over_time::Chart;
+use over_time::TimeChart;
 
 pub(super) static VIEW: View = View {
     name: "Monte Carlo",
@@ -40,7 +40,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     };
     let curves = curves::of(ui.ctx(), seeds, runs, context);
     head::legend_ui(ui, &curves, context, seeds);
-    let charts: Vec<Chart> = Chart::ALL.into_iter().filter(|chart| chart.is_in(&curves)).collect();
+    let charts: Vec<TimeChart> = TimeChart::ALL.into_iter().filter(|chart| chart.is_in(&curves)).collect();
     let count = charts.len() + usize::from(curves.parameter.is_some());
     cells_ui(ui, count, &mut |ui, at, _| match charts.get(at) {
         Some(chart) => chart.ui(ui, &curves, context),

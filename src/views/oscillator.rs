@@ -8,9 +8,9 @@ mod stage;
 use egui::{Align2, FontId, Rect, Sense, Stroke, Ui, WidgetInfo, vec2};
 use kalmanscope_core::{Channel, Run};
 
-use self::figures::Figure;
+use self::figures::PlantFigure;
 use self::scene::Scene;
-use self::stage::{Peak, Stage, masses};
+use self::stage::{Peak, SceneFrame, masses};
 use crate::request::Request;
 use crate::session::Mode;
 use crate::view::{View, ViewContext};
@@ -85,10 +85,10 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let eased = ui.ctx().animate_value_with_time(response.id, stage::rounded(needed) as f32, time);
     let zoom = f64::from(eased).max(needed);
 
-    let stage = Stage::new(rect, masses, 2_f64.powf(zoom));
+    let stage = SceneFrame::new(rect, masses, 2_f64.powf(zoom));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
-    let figure = Figure::of(run.scenario(), masses);
-    if figure == Figure::Masses {
+    let figure = PlantFigure::of(run.scenario(), masses);
+    if figure == PlantFigure::Masses {
         scene.masses(peak.force);
     }
     let equation = run.scenario().plant.kind.equation();

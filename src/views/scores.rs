@@ -118,7 +118,7 @@ fn reason_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32) {
     });
 }
 
-struct Row {
+struct ScoreRow {
     name: String,
     hint: &'static str,
     values: Vec<Option<f64>>,
@@ -130,7 +130,7 @@ struct Row {
     alike: f64,
 }
 
-impl Row {
+impl ScoreRow {
     fn distance(&self, value: f64) -> f64 {
         if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
     }
@@ -146,8 +146,8 @@ impl Row {
     }
 }
 
-fn rows(summaries: &[Summary], before: &[Option<Summary>], session: &Session) -> Vec<Row> {
-    let row = |name: String, hint, ideal, alike, of: &dyn Fn(&Summary) -> Option<f64>| Row {
+fn rows(summaries: &[Summary], before: &[Option<Summary>], session: &Session) -> Vec<ScoreRow> {
+    let row = |name: String, hint, ideal, alike, of: &dyn Fn(&Summary) -> Option<f64>| ScoreRow {
         name,
         hint,
         ideal,
@@ -200,14 +200,14 @@ fn rows(summaries: &[Summary], before: &[Option<Summary>], session: &Session) ->
         let hint = "Of the filter as a model, if one of them is right and all were equally probable at first";
         let name = "probability of the model [%]".to_owned();
         let before = || vec![None; summaries.len()];
-        rows.push(Row { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });
+        rows.push(ScoreRow { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });
         let best = classes.likeliest().map_or(f64::NAN, |class| summaries[class].log_evidence());
         let of = |summary: &Summary| Some(summary.log_evidence() - best).filter(|ln| ln.is_finite());
         let values = summaries.iter().map(of).collect();
         let hint =
             "Logarithm of the Bayes factor over the likeliest model: below -5, the readings are clearly against it";
         let name = "ln Bayes factor".to_owned();
-        rows.push(Row { name, hint, values, before: before(), ideal: 0.0, alike: 1.0 });
+        rows.push(ScoreRow { name, hint, values, before: before(), ideal: 0.0, alike: 1.0 });
     }
     rows
 }
@@ -229,7 +229,7 @@ fn last_change(session: &Session) -> Option<f64> {
     plant.kind.channels().iter().filter_map(at).filter(|at| *at < end).reduce(f64::max)
 }
 
-fn as_text(summaries: &[Summary], rows: &[Row]) -> String {
+fn as_text(summaries: &[Summary], rows: &[ScoreRow]) -> String {
     let names: Vec<&str> = summaries.iter().map(|s| s.name.as_str()).collect();
     let mut text = format!("\t{}\n", names.join("\t"));
     let verdicts = summaries.iter().map(|s| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));

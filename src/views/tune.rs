@@ -4,9 +4,9 @@ use egui::{Button, ComboBox, Grid, ProgressBar, ScrollArea, Ui, UiBuilder, vec2}
 use egui_plot::{Line, Points};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario};
-use kalmanscope_lab::tune::{Goal, Remark};
+use kalmanscope_lab::tune::{Goal, TuneRemark};
 
-use crate::controls::number::field;
+use crate::controls::number::field_ui;
 use crate::laboratory::{TuneChoice, TuneResult, Tuning, of_filters, part_of, setting_label, setting_name};
 use crate::plot::medium::Medium;
 use crate::plot::plane::Plane;
@@ -103,7 +103,7 @@ pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {
 pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
     let tuned = &result.tuned;
     let [first, .., last] = &tuned.path[..] else {
-        ui.label(Remark::NoBetter.to_string());
+        ui.label(TuneRemark::NoBetter.to_string());
         return;
     };
     let goal = result.choice.goal;
@@ -169,10 +169,10 @@ fn score_text(goal: Goal, score: f64, scenario: &Scenario) -> String {
     }
 }
 
-fn said(remark: &Remark, scenario: &Scenario) -> String {
+fn said(remark: &TuneRemark, scenario: &Scenario) -> String {
     match remark {
-        Remark::Flat(key) => Remark::Flat(setting_name(key, scenario)).to_string(),
-        Remark::Edge(key) => Remark::Edge(setting_name(key, scenario)).to_string(),
+        TuneRemark::Flat(key) => TuneRemark::Flat(setting_name(key, scenario)).to_string(),
+        TuneRemark::Edge(key) => TuneRemark::Edge(setting_name(key, scenario)).to_string(),
         other => other.to_string(),
     }
 }
@@ -265,7 +265,7 @@ fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) 
     for (value, end) in [(&mut axis.from, "least"), (&mut axis.to, "largest")] {
         let name = format!("{end} {}", setting_name(key, part));
         let scale = value.abs().max(1e-9);
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &name));
+        ui.allocate_ui(size, |ui| field_ui(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &name));
     }
     // Ignores half-typed, impossible ranges.
     if axis.check().is_err() || axis.from >= axis.to {

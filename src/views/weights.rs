@@ -4,7 +4,7 @@ use kalmanscope_core::{Estimates, Quantity, Robust};
 
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
-use crate::plot::series::Series;
+use crate::plot::series::PlotSeries;
 use crate::view::ViewContext;
 
 /// Limits the samples that are counted in a frame.
@@ -38,7 +38,7 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
                 let weight = weight(estimates, sensor, k);
                 if weight < below && weight >= least { measured[k] } else { f64::NAN }
             };
-            let series = Series::each(estimates.len().min(measured.len()), value);
+            let series = PlotSeries::each(estimates.len().min(measured.len()), value);
             Layer::Dots { series, color: context.color(estimates).gamma_multiply(opacity) }
         })
     };

@@ -56,7 +56,7 @@ pub(super) fn download() -> Deliver {
     })
 }
 
-fn give(file: &export::File) -> Result<(), JsValue> {
+fn give(file: &export::ExportFile) -> Result<(), JsValue> {
     let document = web_sys::window().and_then(|window| window.document()).ok_or("there is no document")?;
     let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(file.contents.as_slice()));
     let options = BlobPropertyBag::new();

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope::sensor::{Readings, Sensor, Sound};
+use kalmanscope::sensor::{ReadingQueue, SensorDevice, Sound};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -20,16 +20,16 @@ const PROCESSOR: &str = "listen";
 
 pub(super) struct Microphone {
     devices: MediaDevices,
-    shared: Rc<Shared>,
+    shared: Rc<SharedMicrophone>,
 }
 
 #[derive(Default)]
-struct Shared {
-    listening: RefCell<Option<Listening>>,
+struct SharedMicrophone {
+    listening: RefCell<Option<AudioCapture>>,
     turn: Cell<u32>,
 }
 
-struct Listening {
+struct AudioCapture {
     stream: MediaStream,
     context: AudioContext,
     node: AudioWorkletNode,
@@ -47,8 +47,8 @@ impl Microphone {
     }
 }
 
-impl Sensor<Sound> for Microphone {
-    fn begin(&self, ctx: &Context, to: &Readings<Sound>) {
+impl SensorDevice<Sound> for Microphone {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<Sound>) {
         self.end();
         let turn = self.shared.turn.get();
         let (devices, shared, ctx, to) = (self.devices.clone(), Rc::clone(&self.shared), ctx.clone(), to.clone());
@@ -57,7 +57,7 @@ impl Sensor<Sound> for Microphone {
                 Ok(stream) => stream,
                 Err(error) => return to.refuse(reason(&error), &ctx),
             };
-            match Listening::begin(&stream, &ctx, &to).await {
+            match AudioCapture::begin(&stream, &ctx, &to).await {
                 Ok(listening) if shared.turn.get() == turn => *shared.listening.borrow_mut() = Some(listening),
                 Ok(_) => {}
                 Err(error) => {
@@ -89,8 +89,8 @@ async fn stream(devices: &MediaDevices) -> Result<MediaStream, JsValue> {
     JsFuture::from(devices.get_user_media_with_constraints(&constraints)?).await?.dyn_into()
 }
 
-impl Listening {
-    async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
+impl AudioCapture {
+    async fn begin(stream: &MediaStream, ctx: &Context, to: &ReadingQueue<Sound>) -> Result<Self, JsValue> {
         let context = AudioContext::new()?;
         let begun = Self::within(&context, stream, ctx, to).await;
         if begun.is_err() {
@@ -103,7 +103,7 @@ impl Listening {
         context: &AudioContext,
         stream: &MediaStream,
         ctx: &Context,
-        to: &Readings<Sound>,
+        to: &ReadingQueue<Sound>,
     ) -> Result<Self, JsValue> {
         JsFuture::from(context.audio_worklet()?.add_module(&format!("{WORKLET}{}", version()))?).await?;
         let node = AudioWorkletNode::new(context, PROCESSOR)?;
@@ -122,7 +122,7 @@ impl Listening {
     }
 }
 
-impl Drop for Listening {
+impl Drop for AudioCapture {
     fn drop(&mut self) {
         if let Ok(port) = self.node.port() {
             port.set_onmessage(None);

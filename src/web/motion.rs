@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::{Context, pos2};
-use kalmanscope::sensor::{Acceleration, Readings, Sensor};
+use kalmanscope::sensor::{Acceleration, ReadingQueue, SensorDevice};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -14,26 +14,26 @@ use super::object::{call, get};
 
 const BEGIN: &str = "Start measuring";
 
-pub(super) struct Motion {
-    shared: Rc<Shared>,
+pub(super) struct MotionSensor {
+    shared: Rc<SharedMotion>,
     _clicks: Closure<dyn FnMut(MouseEvent)>,
 }
 
 type Listener = Closure<dyn FnMut(DeviceMotionEvent)>;
 
 #[derive(Default)]
-struct Shared {
+struct SharedMotion {
     listener: RefCell<Option<Listener>>,
     asked: RefCell<Option<js_sys::Promise>>,
     /// Counts beginnings and ends: a permission that comes after an end begins nothing.
     turn: Cell<u32>,
 }
 
-impl Motion {
+impl MotionSensor {
     pub(super) fn of_page(ctx: &Context) -> Option<Self> {
         let window = web_sys::window()?;
         get(&window, "DeviceMotionEvent").filter(|kind| !kind.is_undefined())?;
-        let shared: Rc<Shared> = Rc::default();
+        let shared: Rc<SharedMotion> = Rc::default();
         let clicks = {
             let (shared, ctx) = (Rc::clone(&shared), ctx.clone());
             // Safari answers the question only inside the event of a tap, before the frame that sees the tap.
@@ -54,8 +54,8 @@ fn ask() -> Option<js_sys::Promise> {
     call(&kind, "requestPermission", &[]).ok()?.dyn_into().ok()
 }
 
-impl Sensor<Acceleration> for Motion {
-    fn begin(&self, ctx: &Context, to: &Readings<Acceleration>) {
+impl SensorDevice<Acceleration> for MotionSensor {
+    fn begin(&self, ctx: &Context, to: &ReadingQueue<Acceleration>) {
         self.end();
         let Some(window) = web_sys::window() else { return };
         if !window.is_secure_context() {
@@ -91,7 +91,7 @@ impl Sensor<Acceleration> for Motion {
     }
 }
 
-fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings<Acceleration>) {
+fn listen(window: &Window, shared: &SharedMotion, ctx: &Context, to: &ReadingQueue<Acceleration>) {
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {
         let Some(told) = event.acceleration_including_gravity() else { return };

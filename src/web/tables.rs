@@ -1,7 +1,7 @@
 //! Writes the tables of the screen into the page, beside the canvas, where screen readers find them.
 
 use kalmanscope::App;
-use kalmanscope::twin::{Part, Table, Twin};
+use kalmanscope::twin::{Twin, TwinPart, TwinTable};
 use wasm_bindgen::JsValue;
 use web_sys::{Document, Element};
 use web_time::{Duration, Instant};
@@ -63,11 +63,11 @@ impl Tables {
         Ok(())
     }
 
-    fn add_part(&mut self, part: &Part) -> Result<(), JsValue> {
+    fn add_part(&mut self, part: &TwinPart) -> Result<(), JsValue> {
         let section = self.add(&self.home.clone(), "section")?;
         self.add_text(&section, "h2", &part.name)?;
         self.add_text(&section, "p", &part.about)?;
-        for Table { caption, columns, rows } in &part.tables {
+        for TwinTable { caption, columns, rows } in &part.tables {
             let table = self.add(&section, "table")?;
             self.add_text(&table, "caption", caption)?;
             let head = self.add(&self.add(&table, "thead")?, "tr")?;
@@ -104,7 +104,7 @@ impl Tables {
 }
 
 fn shape(twin: &Twin) -> Vec<Vec<(usize, usize)>> {
-    let size = |table: &Table| (table.columns.len(), table.rows.len());
+    let size = |table: &TwinTable| (table.columns.len(), table.rows.len());
     twin.parts.iter().map(|part| part.tables.iter().map(size).collect()).collect()
 }
 
@@ -112,7 +112,7 @@ fn texts(twin: &Twin) -> impl Iterator<Item = &String> {
     twin.parts.iter().flat_map(|part| [&part.name, &part.about].into_iter().chain(part.tables.iter().flat_map(cells)))
 }
 
-fn cells(table: &Table) -> impl Iterator<Item = &String> {
-    let Table { caption, columns, rows } = table;
+fn cells(table: &TwinTable) -> impl Iterator<Item = &String> {
+    let TwinTable { caption, columns, rows } = table;
     std::iter::once(caption).chain(columns).chain(rows.iter().flatten())
 }

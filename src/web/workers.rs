@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::Array;
-use kalmanscope::team::{Cells, Computer, Graphics, Handle, Lost, Report, Rows, Team};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Graphics, Handle, Lost, Report, Team};
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Record, Scenario, Tape};
@@ -18,18 +18,18 @@ use kalmanscope_worker::{
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use worker::{AT_ONCE, Left, Program, Worker, WorkerTask};
+use worker::{AT_ONCE, Program, RemainingWork, Worker, WorkerTask};
 
 const MOST: usize = 8;
 
 struct Workers {
-    state: Rc<RefCell<State>>,
-    processor: Rc<graphics::Processor>,
+    state: Rc<RefCell<PoolState>>,
+    processor: Rc<graphics::WorkerProcessor>,
     ctx: Context,
 }
 
 #[derive(Default)]
-struct State {
+struct PoolState {
     workers: Vec<Worker>,
     tasks: Vec<WorkerTask>,
     last: u32,
@@ -37,7 +37,7 @@ struct State {
 }
 
 pub(super) fn team(software: bool, ctx: &Context) -> Rc<dyn Team> {
-    let processor = Rc::new(graphics::Processor::new(software));
+    let processor = Rc::new(graphics::WorkerProcessor::new(software));
     Rc::new(Workers { state: Rc::default(), processor, ctx: ctx.clone() })
 }
 
@@ -48,27 +48,27 @@ impl Team for Workers {
 
     fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Handle<Tape>> {
         let message = |number| filter_message(number, scenario, place, record);
-        self.begin(Left::Samples(record.len()), &message, |part, _| tape(part))
+        self.begin(RemainingWork::Samples(record.len()), &message, |part, _| tape(part))
     }
 
     fn load(&self, bytes: &[u8]) -> Option<Handle<Report<f64, Result<Loaded, String>>>> {
-        self.begin(Left::Outcome, &|number| file_message(number, bytes), |part, _| report(part, loaded))
+        self.begin(RemainingWork::Outcome, &|number| file_message(number, bytes), |part, _| report(part, loaded))
     }
 
     fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
         let message = |number| suggest_message(number, scenario, record);
-        self.begin(Left::Outcome, &message, |part, _| report(part, suggestion))
+        self.begin(RemainingWork::Outcome, &message, |part, _| report(part, suggestion))
     }
 
-    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
         let message = |number| cells_message(number, &cells.runner);
-        self.begin(Left::cells(cells.clone(), full()), &message, |part, workers| {
-            rows(part).map(|(cells, numbers)| Rows { cells, numbers, by: Computer::Workers(workers) })
+        self.begin(RemainingWork::cells(cells.clone(), full()), &message, |part, workers| {
+            rows(part).map(|(cells, numbers)| CellRows { cells, numbers, by: Computer::Workers(workers) })
         })
     }
 
     fn graphics(&self) -> Option<Rc<dyn Graphics>> {
-        Some(Rc::<graphics::Processor>::clone(&self.processor))
+        Some(Rc::<graphics::WorkerProcessor>::clone(&self.processor))
     }
 
     fn usual_count(&self) -> usize {
@@ -81,21 +81,21 @@ impl Workers {
     /// `read` reads a part, given the number of workers. `None` if there can be no workers.
     fn begin<T: 'static>(
         &self,
-        left: Left,
+        left: RemainingWork,
         message: &dyn Fn(u32) -> Array,
         read: impl Fn(&JsValue, usize) -> Option<T> + 'static,
     ) -> Option<Handle<T>> {
         let number = self.give(left, message)?;
-        let task = Task { state: Rc::clone(&self.state), number };
+        let task = PoolTask { state: Rc::clone(&self.state), number };
         Some(Handle::new(move || {
             let Some((part, workers)) = task.take()? else { return Ok(None) };
             read(&part, workers).map(Some).ok_or(Lost)
         }))
     }
 
-    fn give(&self, left: Left, message: &dyn Fn(u32) -> Array) -> Option<u32> {
+    fn give(&self, left: RemainingWork, message: &dyn Fn(u32) -> Array) -> Option<u32> {
         let mut present = self.state.borrow_mut();
-        let is_for_all = matches!(left, Left::Cells { .. });
+        let is_for_all = matches!(left, RemainingWork::Cells { .. });
         if is_for_all {
             // The workers have one map at a time.
             present.end(WorkerTask::is_for_all);
@@ -105,7 +105,7 @@ impl Workers {
         if present.broken.is_some() {
             return None;
         }
-        let State { workers, tasks, last, .. } = &mut *present;
+        let PoolState { workers, tasks, last, .. } = &mut *present;
         let load = |worker: &&Worker| {
             (tasks.iter().filter(|task| task.is_of(worker)).count(), tasks.iter().any(|task| task.is_at(worker)))
         };
@@ -122,12 +122,12 @@ fn report<T>(part: &JsValue, outcome: impl FnOnce(&JsValue) -> Option<T>) -> Opt
     part.as_f64().map(Report::Look).or_else(|| outcome(part).map(Report::Done))
 }
 
-struct Task {
-    state: Rc<RefCell<State>>,
+struct PoolTask {
+    state: Rc<RefCell<PoolState>>,
     number: u32,
 }
 
-impl Task {
+impl PoolTask {
     fn take(&self) -> Result<Option<(JsValue, usize)>, Lost> {
         let state = self.state.borrow();
         let task = state.tasks.iter().find(|task| task.number == self.number).ok_or(Lost)?;
@@ -138,13 +138,13 @@ impl Task {
     }
 }
 
-impl Drop for Task {
+impl Drop for PoolTask {
     fn drop(&mut self) {
         self.state.borrow_mut().give_up(self.number);
     }
 }
 
-impl State {
+impl PoolState {
     fn feed(&mut self, place: usize) {
         let Self { workers, tasks, .. } = self;
         let Some(worker) = workers.get(place) else { return };
@@ -197,8 +197,8 @@ impl State {
     }
 }
 
-fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
-    let State { workers, broken, .. } = present;
+fn muster(state: &Rc<RefCell<PoolState>>, present: &mut PoolState, count: usize) {
+    let PoolState { workers, broken, .. } = present;
     if broken.is_some() {
         return;
     }
@@ -216,12 +216,12 @@ fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
     present.sweep();
 }
 
-fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+fn listener(state: &Rc<RefCell<PoolState>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
     let state = Rc::downgrade(state);
     move |event| {
         let Some(state) = state.upgrade() else { return };
         let mut state = state.borrow_mut();
-        let State { workers, tasks, .. } = &mut *state;
+        let PoolState { workers, tasks, .. } = &mut *state;
         let is_it = |worker: &Worker| worker.number == number && !worker.is_over;
         let Some(place) = workers.iter().position(is_it) else { return };
         let worker = &mut workers[place];

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use kalmanscope::App;
-use kalmanscope::laboratory::Choice;
-use kalmanscope::layout::Layout;
+use kalmanscope::laboratory::MapChoice;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Robust, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
-use kalmanscope_lab::{Ensemble, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Runner};
 use serde_json::Value;
 
 use crate::files::downloaded;
@@ -74,7 +74,7 @@ async fn has_the_bits_of_this_machine(page: &Page) {
     assert_eq!(map["cells"], Value::from(ensemble.cells()));
     assert!(ensemble.cells() >= 32 * 32);
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
-    let mut sheet = Sheet::new(&ensemble);
+    let mut sheet = EnsembleRows::new(&ensemble);
     let runner = Runner::new(ensemble, Source::Simulated).unwrap();
     sheet.fill(&cells, &runner.rows(&cells));
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));
@@ -83,9 +83,9 @@ async fn has_the_bits_of_this_machine(page: &Page) {
 /// A link that opens the usual map of a scenario's first filter. The map has `cells` rows and as many columns.
 fn map_of(scenario: Scenario, cells: usize) -> String {
     let mut app = App::with_scenario(scenario).unwrap();
-    *app.layout_mut() = Layout::column(&[ViewKind::Map]);
+    *app.layout_mut() = ViewLayout::column(&[ViewKind::Map]);
     let run = app.session().run();
-    let choice = Choice::usual(run.scenario(), run.record(), false, cells).unwrap();
+    let choice = MapChoice::usual(run.scenario(), run.record(), false, cells).unwrap();
     app.laboratory.choose(Some(choice));
     // A picture that moves takes time from the workers where there is no graphics processor.
     app.session_mut().set_mode(Mode::Whole);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use kalmanscope::App;
-use kalmanscope::layout::Layout;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
 use kalmanscope_core::Scenario;
@@ -19,7 +19,7 @@ pub(crate) fn picture() -> (String, String) {
     let mut scenario = Scenario::default();
     (scenario.seed, scenario.duration, scenario.filters[1].fading) = (77, 20.0, 1.02);
     let mut app = App::with_scenario(scenario).expect("it can be run");
-    *app.layout_mut() = Layout::column(&[ViewKind::States, ViewKind::Phase]);
+    *app.layout_mut() = ViewLayout::column(&[ViewKind::States, ViewKind::Phase]);
     let session = app.session_mut();
     session.set_mode(Mode::Live);
     session.pause();

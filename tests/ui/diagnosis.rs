@@ -173,7 +173,7 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
 #[test]
 fn a_click_on_a_line_finds_its_filter_though_another_one_has_its_colour() {
     let mut screen = screen(Vec2::new(1280.0, 800.0), Theme::Light);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Errors]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Errors]);
     let mut scenario = Scenario::default();
     scenario.filters[1].color = scenario.filters[0].color;
     scenario.filters[1].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;

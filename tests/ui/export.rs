@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use kalmanscope::export::File;
+use kalmanscope::export::ExportFile;
 use kalmanscope::inbox::Done;
 use kalmanscope::request::FigureFormat;
 use serde_json::Value;
@@ -12,24 +12,24 @@ use super::files::{drop_file, drop_path};
 use super::records::{dialects, drop_record};
 use super::*;
 
-pub(super) type Files = Rc<RefCell<Vec<File>>>;
+pub(super) type Files = Rc<RefCell<Vec<ExportFile>>>;
 
 pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     let files = Files::default();
     let kept = Rc::clone(&files);
-    let deliver = move |file: File, done: Done| {
+    let deliver = move |file: ExportFile, done: Done| {
         done(Ok(file.name.clone()));
         kept.borrow_mut().push(file);
     };
     let mut screen = started(size, Theme::Light, |app, _| app.delivering(Box::new(deliver)));
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    *screen.state_mut().layout_mut() = ViewLayout::of(Arrangement::Teach);
     show_whole(&mut screen, Scenario::from_toml("duration = 20.0").expect("it is valid"));
     screen.state_mut().session_mut().seek(10.0);
     screen.run_steps(4);
     (screen, files)
 }
 
-fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
+fn exported(screen: &mut Screen, files: &Files, entry: &str) -> ExportFile {
     click(screen, "Export");
     match entry.strip_suffix(" (SVG)") {
         Some(size) => {
@@ -78,7 +78,7 @@ fn no_frame_makes_a_whole_report_and_escape_stops_it() {
     assert!(files.borrow().is_empty());
 }
 
-fn text(file: File) -> String {
+fn text(file: ExportFile) -> String {
     String::from_utf8(file.contents).expect("it is text")
 }
 

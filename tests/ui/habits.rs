@@ -164,7 +164,7 @@ fn filters_keep_their_colours_when_others_go() {
 fn scores_name_their_units_and_what_they_are_measured_from() {
     let mut screen = workbench();
     screen.state_mut().session_mut().set_mode(Mode::Live);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Scores]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Scores]);
     screen.state_mut().session_mut().seek(20.0);
     screen.run_steps(3);
     assert!(screen.query_by_label("ωₙ RMSE, last third [rad/s]").is_some());

@@ -40,7 +40,7 @@ fn a_natural_frequency_is_told_in_hertz_too() {
     screen.hover_at(value);
     screen.run_steps(60);
     screen.get_by_label("truth: 6.000 (0.9549 Hz)");
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Parameters]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Parameters]);
     screen.set_size(Vec2::new(2200.0, 800.0));
     screen.run_steps(3);
     screen.get_by_label("6.000 (0.9549 Hz)");

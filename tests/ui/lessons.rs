@@ -1,6 +1,6 @@
 //! The screen of a lesson's step, its question, and the way from lesson to lesson.
 
-use kalmanscope_lessons::{Lesson, Step};
+use kalmanscope_lessons::{Lesson, LessonStep};
 
 use super::*;
 
@@ -94,7 +94,7 @@ pub(crate) fn is_enabled(screen: &Screen, label: &str) -> bool {
     !screen.get_by_label(label).accesskit_node().is_disabled()
 }
 
-fn reveal(screen: &mut Screen, step: &Step) {
+fn reveal(screen: &mut Screen, step: &LessonStep) {
     let skip = step.question.as_ref().map(|_| "Show me");
     for label in skip.into_iter().chain(step.change.as_ref().map(|change| change.label.as_str())) {
         // On a phone it may have to be scrolled to.

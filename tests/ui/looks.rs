@@ -8,7 +8,7 @@ use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
-use kalmanscope::layout::Layout;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::team::Frames;
@@ -45,7 +45,7 @@ fn screens_look_as_they_did() {
     ] {
         let mut screen = started(size, theme);
         if !["first-light", "preview"].contains(&name) {
-            *screen.state_mut().layout_mut() = Layout::of(arrangement);
+            *screen.state_mut().layout_mut() = ViewLayout::of(arrangement);
         }
         let session = screen.state_mut().session_mut();
         session.toggle_play();

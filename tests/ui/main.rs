@@ -43,9 +43,9 @@ use egui::{Key, Modifiers, Theme, Vec2, accesskit};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
-use kalmanscope::layout::Layout;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::{Arrangement, ViewKind};
-use kalmanscope::ruler::End;
+use kalmanscope::ruler::RulerEnd;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal};
@@ -70,7 +70,7 @@ fn started(size: Vec2, theme: Theme, with: impl FnOnce(App, &egui::Context) -> A
 /// A screen whose frames compute all there is to compute: what it shows does not depend on the machine's speed.
 fn screen(size: Vec2, theme: Theme) -> Screen {
     let mut screen = started(size, theme, |app, _| app);
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    *screen.state_mut().layout_mut() = ViewLayout::of(Arrangement::Teach);
     screen.state_mut().show_all_settings(true);
     let session = screen.state_mut().session_mut();
     session.set_budget(Budget::Unlimited);
@@ -122,7 +122,7 @@ fn undo(screen: &mut Screen) {
 }
 
 fn show(screen: &mut Screen, views: &[ViewKind]) {
-    *screen.state_mut().layout_mut() = Layout::column(views);
+    *screen.state_mut().layout_mut() = ViewLayout::column(views);
     screen.run_steps(4);
 }
 

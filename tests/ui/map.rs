@@ -5,8 +5,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::{Context, Pos2};
-use kalmanscope::laboratory::Choice;
-use kalmanscope::team::{Cells, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
+use kalmanscope::laboratory::MapChoice;
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Team};
 use kalmanscope_core::{Axis, Source};
 use kalmanscope_diagnosis::Measure;
 use kalmanscope_lab::{Ensemble, Plan, Runner};
@@ -19,13 +19,13 @@ fn laboratory(second: Option<u32>) -> Screen {
 
 fn laboratory_by(team: Rc<dyn Team>, second: Option<u32>) -> Screen {
     let mut screen = started(DESKTOP, Theme::Light, |app, _| app.working_with(team));
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Laboratory);
+    *screen.state_mut().layout_mut() = ViewLayout::of(Arrangement::Laboratory);
     show_whole(&mut screen, Scenario { duration: 5.0, ..Scenario::default() });
     screen.state_mut().session_mut().seek(5.0);
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
     let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
-    screen.state_mut().laboratory.choose(Some(Choice {
+    screen.state_mut().laboratory.choose(Some(MapChoice {
         axes,
         measure,
         filter: 1,
@@ -142,7 +142,7 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
 fn out_of_sight_the_laboratory_rests() {
     let mut screen = laboratory(None);
     let done = screen.state().laboratory.state.version;
-    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    *screen.state_mut().layout_mut() = ViewLayout::of(Arrangement::Teach);
     set_scenario(&mut screen, Scenario { duration: 6.0, ..Scenario::default() });
     assert_eq!(screen.state().laboratory.state.version, done);
     show(&mut screen, &[ViewKind::Map]);
@@ -195,16 +195,16 @@ impl Graphics for Card {
         if self.is_lost.get() { Finding::Lost("it was pulled out".to_owned()) } else { Finding::Ready }
     }
 
-    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
-        let Cells { runner, order, .. } = cells.clone();
+    fn cells(&self, cells: &CellBatch, _: &Context) -> Option<Handle<CellRows>> {
+        let CellBatch { runner, order, .. } = cells.clone();
         let numbers = runner.rows(&order);
-        let mut rows = Some(Rows { cells: order, numbers, by: Computer::Graphics(Arc::from("the card")) });
+        let mut rows = Some(CellRows { cells: order, numbers, by: Computer::Graphics(Arc::from("the card")) });
         Some(Handle::new(move || rows.take().map(Some).ok_or(Lost)))
     }
 }
 
 impl Team for Card {
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         Frames(Budget::Unlimited).cells(cells, ctx)
     }
 

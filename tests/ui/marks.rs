@@ -4,7 +4,7 @@ use super::hand::{click_at, in_plot, whole};
 use super::*;
 
 pub(super) fn marks(screen: &Screen) -> [Option<f64>; 2] {
-    End::BOTH.map(|end| screen.state().ruler().time(end))
+    RulerEnd::BOTH.map(|end| screen.state().ruler().time(end))
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
+use kalmanscope::sensor::{Acceleration, ReadingQueue, SensorDevice, SensorReading as _, Sensors, Sound};
 use kalmanscope_core::setting::Change;
 
 use super::files::drop_file;
@@ -14,7 +14,7 @@ use super::sounds::ring;
 use super::*;
 
 /// A device that is played by the test.
-pub(crate) struct Device<T>(pub(crate) RefCell<Option<Readings<T>>>);
+pub(crate) struct Device<T>(pub(crate) RefCell<Option<ReadingQueue<T>>>);
 
 impl<T> Device<T> {
     pub(crate) fn new() -> Rc<Self> {
@@ -22,8 +22,8 @@ impl<T> Device<T> {
     }
 }
 
-impl<T> Sensor<T> for Device<T> {
-    fn begin(&self, _: &egui::Context, to: &Readings<T>) {
+impl<T> SensorDevice<T> for Device<T> {
+    fn begin(&self, _: &egui::Context, to: &ReadingQueue<T>) {
         *self.0.borrow_mut() = Some(to.clone());
     }
 
@@ -53,7 +53,7 @@ pub(crate) fn with_sensors(size: Vec2, sensors: Sensors) -> Screen {
 }
 
 /// Begins by a button. Returns where readings go.
-fn begin<T: Clone>(screen: &mut Screen, device: &Device<T>, button: &str) -> Readings<T> {
+fn begin<T: Clone>(screen: &mut Screen, device: &Device<T>, button: &str) -> ReadingQueue<T> {
     click(screen, button);
     device.0.borrow().clone().expect("it has begun")
 }
@@ -152,7 +152,7 @@ fn a_ring_is_heard_and_identified() {
     for size in [PHONE, DESKTOP] {
         let device = Device::new();
         let sensors = Sensors {
-            accelerometer: Some(Device::new() as Rc<dyn Sensor<Acceleration>>),
+            accelerometer: Some(Device::new() as Rc<dyn SensorDevice<Acceleration>>),
             microphone: Some(Rc::clone(&device) as Rc<_>),
             ..Sensors::default()
         };

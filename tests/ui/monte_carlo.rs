@@ -13,7 +13,7 @@ use super::*;
 fn monte_carlo(scenario: Scenario, seeds: usize) -> Screen {
     let team = Rc::new(Frames(Budget::Unlimited));
     let mut screen = started(DESKTOP, Theme::Light, |app, _| app.working_with(team));
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::MonteCarlo]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::MonteCarlo]);
     show_whole(&mut screen, scenario);
     screen.state_mut().session_mut().seek(5.0);
     screen.state_mut().laboratory.seeds.choose(SeedChoice { seeds, ..SeedChoice::default() });

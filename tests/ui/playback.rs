@@ -85,7 +85,7 @@ fn settings_survive() {
 fn a_choice_about_a_filter_that_is_gone_does_not_make_the_session_unreadable() {
     let mut screen = screen(DESKTOP, Theme::Light);
     show(&mut screen, &[ViewKind::Tune, ViewKind::Map]);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::States]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::States]);
     let mut fewer = scenario(&screen).clone();
     fewer.filters.remove(0);
     set_scenario(&mut screen, fewer.clone());

@@ -206,7 +206,7 @@ fn a_day_can_be_set_and_is_live_only() {
     assert!(screen.query_by_label_contains("computing, ").is_none());
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     for arrangement in Arrangement::ALL {
-        *screen.state_mut().layout_mut() = Layout::of(arrangement);
+        *screen.state_mut().layout_mut() = ViewLayout::of(arrangement);
         screen.run_steps(8);
     }
     screen.remove_cursor();

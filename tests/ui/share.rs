@@ -44,7 +44,7 @@ fn unusual(mode: Mode) -> Screen {
     let mut scenario = Scenario::default();
     (scenario.seed, scenario.duration, scenario.filters[1].fading) = (77, 20.0, 1.02);
     state.session_mut().set_scenario(scenario);
-    *state.layout_mut() = Layout::column(&[ViewKind::States, ViewKind::Phase, ViewKind::Innovations]);
+    *state.layout_mut() = ViewLayout::column(&[ViewKind::States, ViewKind::Phase, ViewKind::Innovations]);
     state.session_mut().set_mode(mode);
     state.session_mut().pause();
     state.session_mut().seek(13.37);
@@ -75,7 +75,7 @@ fn another_screen_shows_the_same_picture_with_the_same_bits() {
         assert_eq!(checksum(&other), checksum(&one));
         let session = other.state().session();
         assert_eq!((session.mode(), session.position(), session.playing()), (mode, 1337, false));
-        assert_eq!((session.speed(), other.state().ruler().time(End::A)), (0.25, Some(13.37)));
+        assert_eq!((session.speed(), other.state().ruler().time(RulerEnd::A)), (0.25, Some(13.37)));
         let hidden = [LegendEntry::Truth, LegendEntry::Filter(1)];
         assert_eq!(other.state().picture().hidden, hidden);
         assert_eq!(copy(&mut other), link, "the link to the picture of a link is that link");

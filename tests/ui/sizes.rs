@@ -109,7 +109,7 @@ fn a_third_view_leaves_the_oscillator_its_height_on_a_phone() {
 fn views_have_a_least_height_and_the_rows_scroll() {
     let rows = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations, ViewKind::Scores];
     let mut screen = screen(DESKTOP, Theme::Light);
-    *screen.state_mut().layout_mut() = Layout::column(&rows);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&rows);
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     screen.run_steps(5);
     for plot in PlantKind::SDOF.channels().iter().filter(|channel| channel.is_parameter()) {
@@ -136,7 +136,7 @@ fn views_have_a_least_height_and_the_rows_scroll() {
 #[test]
 fn a_table_that_scrolls_leaves_the_timeline_alone() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map, ViewKind::Tune, ViewKind::Filters]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Map, ViewKind::Tune, ViewKind::Filters]);
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     screen.state_mut().session_mut().pause();
     screen.run_steps(5);

@@ -2,16 +2,16 @@
 
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Readings, Sensor, Sensors};
+use kalmanscope::sensor::{ReadingQueue, SensorDevice, Sensors};
 use kalmanscope_core::{Record, Run, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::measure::Device;
 use super::*;
 
-fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>, Readings<StreamRow>) {
+fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>, ReadingQueue<StreamRow>) {
     let device = Device::new();
-    let stream: (Rc<dyn Sensor<StreamRow>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
+    let stream: (Rc<dyn SensorDevice<StreamRow>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
     let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
     let mut screen = started(DESKTOP, Theme::Light, |app, ctx| {
         let mut app = app.measuring_with(sensors);

@@ -6,7 +6,7 @@ use super::*;
 
 fn tune() -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Tune]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Tune]);
     let mut wrong = Scenario { duration: 10.0, ..Scenario::default() };
     wrong.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 5.0);
     show_whole(&mut screen, wrong);

@@ -1,7 +1,7 @@
 //! The screen in words and tables: the numbers of the plots, verdicts and news.
 
 use kalmanscope::text::significant;
-use kalmanscope::twin::{Part, Table, Twin};
+use kalmanscope::twin::{Twin, TwinPart, TwinTable};
 use kalmanscope_core::ModelClasses;
 
 use super::records::drop_record;
@@ -17,11 +17,11 @@ fn at_rest() -> Screen {
     screen
 }
 
-fn part<'a>(twin: &'a Twin, name: &str) -> &'a Part {
+fn part<'a>(twin: &'a Twin, name: &str) -> &'a TwinPart {
     twin.parts.iter().find(|part| part.name == name).unwrap_or_else(|| panic!("there is no {name} in {twin:?}"))
 }
 
-fn cell<'a>(table: &'a Table, row: &str, column: &str) -> &'a str {
+fn cell<'a>(table: &'a TwinTable, row: &str, column: &str) -> &'a str {
     let column = table.columns.iter().position(|name| name == column).expect("the column exists");
     &table.rows.iter().find(|cells| cells[0] == row).expect("the row exists")[column]
 }
@@ -62,7 +62,7 @@ fn every_view_over_time_has_tables() {
         (ViewKind::Classes, "probabilities of the model classes"),
         (ViewKind::Gain, "gain of the displacement by the displacement sensor"),
     ] {
-        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
+        *screen.state_mut().layout_mut() = ViewLayout::column(&[kind]);
         screen.run_steps(20);
         let twin = screen.state().twin();
         let part = part(&twin, view(kind).name);
@@ -98,7 +98,7 @@ fn filters_that_learn_their_noise_show_it_under_the_innovations() {
 #[test]
 fn filters_that_are_shown_are_model_classes() {
     let mut screen = at_rest();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Classes]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Classes]);
     screen.run_steps(20);
     let twin = screen.state().twin();
     let table = &part(&twin, "Which model").tables[0];
@@ -165,7 +165,7 @@ fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
     run.record().write_csv(&mut file).expect("memory");
     let mut screen = screen(DESKTOP, Theme::Light);
     drop_record(&mut screen, "record.csv", &file);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Measured, ViewKind::Innovations, ViewKind::Gain]);
+    *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Measured, ViewKind::Innovations, ViewKind::Gain]);
     let mut swapped = scenario(&screen).clone();
     assert_eq!(swapped.sensors.len(), 2);
     swapped.sensors.reverse();

@@ -43,7 +43,7 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
     for kind in ViewKind::ALL {
         let name = view(kind).name;
         for arrangement in Arrangement::ALL {
-            *screen.state_mut().layout_mut() = Layout::of(arrangement);
+            *screen.state_mut().layout_mut() = ViewLayout::of(arrangement);
             let shown = screen.state_mut().layout_mut().shown().contains(&kind);
             screen.state_mut().layout_mut().toggle(kind);
             screen.run_steps(2);

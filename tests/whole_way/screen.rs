@@ -8,7 +8,7 @@ use egui::{
     Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, Theme, TouchPhase, Vec2,
 };
 use kalmanscope::App;
-use kalmanscope::layout::Layout;
+use kalmanscope::layout::ViewLayout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::{Budget, Mode, RecordFile};
 use kalmanscope_core::Scenario;
@@ -42,7 +42,7 @@ impl Screen {
         let scenario = Scenario { duration: 1.0, ..Scenario::default() };
         let mut app = App::with_scenario(scenario).expect("the first scenario can be run");
         app.session_mut().set_budget(BUDGET);
-        *app.layout_mut() = Layout::column(&ViewKind::ALL);
+        *app.layout_mut() = ViewLayout::column(&ViewKind::ALL);
         Self { app, ctx, frame: eframe::Frame::_new_kittest(), frames: 0 }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_cli::{Parts, Results, causes, pages, report, run_scenario, svg, write_estimates};
+use kalmanscope_cli::{ReportParts, Results, causes, pages, report, run_scenario, svg, write_estimates};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Record, Run, Scenario};
 use kalmanscope_diagnosis::{Analysis, Wanted};
@@ -63,7 +63,7 @@ fn results(run: &Run) {
     let results = stage("results", || Results::of_run(run, &analysis, causes).with_free_runs(run, &records));
     require_legible(&stage("table", || results.table(true)));
     let figures = stage("figures", || pages(run));
-    let parts = Parts { title: "case", figures: &figures, ..Parts::default() };
+    let parts = ReportParts { title: "case", figures: &figures, ..ReportParts::default() };
     if let Some(page) = stage("report", || accepted(report(&results, &parts))) {
         // The scenario stands last, as it is in its file.
         require_legible(page.split("<h2>Scenario</h2>").next().unwrap_or_default());

@@ -16,7 +16,7 @@ use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Axis, FilterKind, PlantKind, Quantity, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Ensemble, MonteCarlo, Plan, Priority, RunVerdicts, Runner, Sheet, Threads, channels};
+use kalmanscope_lab::{Ensemble, EnsembleRows, MonteCarlo, Plan, Priority, RunVerdicts, Runner, Threads, channels};
 
 /// Cells along each axis of the maps, and of the largest one, and samples of a simulated record.
 const SIDE: usize = 128;
@@ -155,7 +155,7 @@ fn monte_carlo(team: &Threads) {
 
 fn fill(team: &Threads, runner: &Arc<Runner>) -> (Duration, Duration) {
     let begin = Instant::now();
-    let mut sheet = Sheet::new(runner.ensemble());
+    let mut sheet = EnsembleRows::new(runner.ensemble());
     let work = team.rows(Priority::Map, runner, runner.ensemble().coarse_to_fine(), |_| {});
     let mut first = None;
     while let Some(slice) = work.wait() {

@@ -24,7 +24,7 @@ pub struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
     pub(crate) pipelines: Mutex<HashMap<String, ComputePipeline>>,
-    pub(crate) trouble: Trouble,
+    pub(crate) trouble: AdapterFault,
 }
 
 impl Gpu {
@@ -40,7 +40,7 @@ impl Gpu {
         let descriptor = DeviceDescriptor { required_limits: limits(&adapter), ..DeviceDescriptor::default() };
         let device = adapter.request_device(&descriptor).await;
         let (device, queue) = device.map_err(|error| GpuError::Failed(error.to_string()))?;
-        let trouble = Trouble::default();
+        let trouble = AdapterFault::default();
         let reporter = trouble.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| reporter.report(error.to_string())));
         let reporter = trouble.clone();
@@ -166,9 +166,9 @@ pub enum GpuError {
 }
 
 #[derive(Clone, Default)]
-pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
+pub(crate) struct AdapterFault(Arc<Mutex<Option<String>>>);
 
-impl Trouble {
+impl AdapterFault {
     fn report(&self, text: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
     }

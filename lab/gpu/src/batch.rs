@@ -7,9 +7,9 @@ use kalmanscope_core::{Channel, Record, Scenario};
 use kalmanscope_lab::{CellRun, Runner};
 
 use crate::adapter::{Gpu, GpuError, LARGEST_BUFFER};
-use crate::layout::{LARGEST, State, Tape, known, outcome, put_cell};
-use crate::program::Job;
-use crate::shader::Program;
+use crate::layout::{LARGEST, RecordTape, RunState, known, outcome, put_cell};
+use crate::program::GpuJob;
+use crate::shader::ShaderProgram;
 
 const MOST_RUNS: usize = 1 << 16;
 const MOST_SAMPLES: usize = 2_000_000;
@@ -39,7 +39,7 @@ pub fn serves(run: &GpuRun<'_>) -> bool {
 /// The program of a run in WGSL. `None` if the graphics processor does not serve the run.
 pub fn program(run: &GpuRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
-    Program::new(&setup.design, &setup.channels, known).map(|program| program.text)
+    ShaderProgram::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
 /// `None` if single precision cannot hold the numbers.
@@ -56,14 +56,14 @@ fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
 }
 
 #[derive(PartialEq)]
-struct Kind {
+struct BatchKind {
     design: Design,
     channels: Vec<Channel>,
     known: usize,
     samples: usize,
 }
 
-struct Member<'a> {
+struct BatchMember<'a> {
     place: usize,
     setup: Setup,
     record: &'a Record,
@@ -71,10 +71,10 @@ struct Member<'a> {
 }
 
 struct Batch<'a> {
-    kind: Kind,
-    program: Option<Program>,
-    members: Vec<Member<'a>>,
-    tapes: Vec<Tape>,
+    kind: BatchKind,
+    program: Option<ShaderProgram>,
+    members: Vec<BatchMember<'a>>,
+    tapes: Vec<RecordTape>,
 }
 
 impl Gpu {
@@ -142,12 +142,12 @@ impl Gpu {
             }
             let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
             let (runs, length, dt) = (members.len() as u32, kind.samples as u32, kind.design.dt);
-            let job = Job { program, runs, length, dt, samples, cells };
+            let job = GpuJob { program, runs, length, dt, samples, cells };
             let states = self.run(&job, is_wanted).await?;
-            let of = |(member, state): &(&Member<'_>, &State)| {
+            let of = |(member, state): &(&BatchMember<'_>, &RunState)| {
                 outcome(&member.setup, member.record, &tapes[member.tape], state)
             };
-            let done: Vec<(&Member<'_>, &State)> = members.iter().zip(&states).collect();
+            let done: Vec<(&BatchMember<'_>, &RunState)> = members.iter().zip(&states).collect();
             let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
             for (member, outcome) in members.iter().zip(of_batch) {
                 outcomes[member.place] = Some(outcome);
@@ -160,7 +160,7 @@ impl Gpu {
 impl Batch<'_> {
     fn has_room(&self) -> bool {
         let words = (LARGEST_BUFFER / 4) as usize;
-        self.program.as_ref().is_none_or(|Program { shape, .. }| {
+        self.program.as_ref().is_none_or(|ShaderProgram { shape, .. }| {
             let most_runs = MOST_RUNS.min(words / shape.state());
             let most_samples = MOST_SAMPLES.min(words / shape.sample());
             self.members.len() < most_runs
@@ -176,15 +176,15 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
         let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
         let is_its = |batch: &&mut Batch<'_>| {
-            let Kind { design, channels, known: others, samples: length } = &batch.kind;
+            let BatchKind { design, channels, known: others, samples: length } = &batch.kind;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
         let batch = match batches.iter_mut().rev().find(is_its) {
             Some(batch) => batch,
             None => {
-                let program = Program::new(&setup.design, &setup.channels, known);
+                let program = ShaderProgram::new(&setup.design, &setup.channels, known);
                 let (design, channels) = (setup.design.clone(), setup.channels.clone());
-                let kind = Kind { design, channels, known, samples };
+                let kind = BatchKind { design, channels, known, samples };
                 batches.push(Batch { kind, program, members: Vec::new(), tapes: Vec::new() });
                 let Some(batch) = batches.last_mut() else { continue };
                 batch
@@ -193,19 +193,19 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
         if batch.program.is_none() {
             continue;
         }
-        let same = |member: &&Member<'_>| {
+        let same = |member: &&BatchMember<'_>| {
             let (other, own) = (&member.setup, &setup);
             std::ptr::eq(member.record, run.record) && (&other.columns, &other.delays) == (&own.columns, &own.delays)
         };
         let tape = match batch.members.iter().rev().find(same) {
             Some(member) => member.tape,
             None => {
-                let Some(tape) = Tape::new(&setup, run.record, known) else { continue };
+                let Some(tape) = RecordTape::new(&setup, run.record, known) else { continue };
                 batch.tapes.push(tape);
                 batch.tapes.len() - 1
             }
         };
-        batch.members.push(Member { place, setup, record: run.record, tape });
+        batch.members.push(BatchMember { place, setup, record: run.record, tape });
     }
     batches.retain(|batch| !batch.members.is_empty());
     batches

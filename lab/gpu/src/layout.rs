@@ -8,7 +8,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, FilterError, Record, Stop};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shape {
+pub(crate) struct StateShape {
     pub(crate) size: usize,
     pub(crate) sensors: usize,
     /// The number of components, from the first on, with a known truth.
@@ -19,7 +19,7 @@ pub(crate) struct Shape {
 const SUMS: usize = 10;
 const TRACKED: usize = 6;
 
-impl Shape {
+impl StateShape {
     pub(crate) fn triangle(self) -> usize {
         self.size * (self.size + 1) / 2
     }
@@ -58,7 +58,7 @@ pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Tracked {
+struct ErrorTally {
     squares: f64,
     recent: f64,
     inside: u32,
@@ -66,10 +66,10 @@ struct Tracked {
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct State {
+pub(crate) struct RunState {
     mean: Vec<f64>,
     variance: Vec<f64>,
-    tracked: Vec<Tracked>,
+    tracked: Vec<ErrorTally>,
     nis: f64,
     nees: f64,
     ln_determinants: f64,
@@ -80,8 +80,8 @@ pub(crate) struct State {
     reason: u32,
 }
 
-impl State {
-    pub(crate) fn read(shape: Shape, words: &[u32]) -> Self {
+impl RunState {
+    pub(crate) fn read(shape: StateShape, words: &[u32]) -> Self {
         let n = shape.size;
         let number = |at: usize| f64::from(f32::from_bits(words[at]));
         // The sum of a number in two parts.
@@ -94,7 +94,7 @@ impl State {
         let first = root + shape.triangle();
         let tracked = |place: usize| {
             let at = first + TRACKED * place;
-            Tracked {
+            ErrorTally {
                 squares: both(at, at + 1),
                 recent: both(at + 2, at + 3),
                 inside: words[at + 4],
@@ -124,7 +124,7 @@ pub(crate) fn bits(number: f64) -> u32 {
 /// Limits numbers: the squares of greater ones are not single precision any more.
 pub(crate) const LARGEST: f64 = 1e15;
 
-pub(crate) struct Tape {
+pub(crate) struct RecordTape {
     pub(crate) words: Vec<u32>,
     /// The number of measurements, and of samples with one, up to each sample.
     pub(crate) measured: Vec<[u32; 2]>,
@@ -139,7 +139,7 @@ pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
     (channels.iter().filter(knows).count() == known).then_some(known)
 }
 
-impl Tape {
+impl RecordTape {
     /// With the truth of the first channels. `None` if a number is infinite or too large, or a truth is missing.
     pub(crate) fn new(setup: &Setup, record: &Record, known: usize) -> Option<Self> {
         let truth: Vec<&[f64]> = setup.channels[..known].iter().filter_map(|&channel| record.truth(channel)).collect();
@@ -166,7 +166,7 @@ impl Tape {
     }
 }
 
-pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &Tape, state: &State) -> Outcome {
+pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &RecordTape, state: &RunState) -> Outcome {
     let stop = (state.stopped > 0).then(|| Stop { sample: state.stopped as usize, reason: reason(state.reason) });
     let samples = stop.map_or(record.len(), |stop| stop.sample);
     let [degrees, measured] = tape.measured[samples - 1];
@@ -186,14 +186,14 @@ pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &Tape, state: &State
 }
 
 fn channels(
-    (setup, record, tape): (&Setup, &Record, &Tape),
-    state: &State,
+    (setup, record, tape): (&Setup, &Record, &RecordTape),
+    state: &RunState,
     samples: usize,
 ) -> Vec<(Channel, ChannelSums)> {
     let known = state.tracked.len();
     let recent = samples.saturating_sub(record.len() * 4 / 5) as u32;
     let frequency = setup.channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY);
-    let of = |(place, tracked): (usize, &Tracked)| {
+    let of = |(place, tracked): (usize, &ErrorTally)| {
         let channel = setup.channels[place];
         let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
         // In canonical form, in which the natural frequency is not negative.

@@ -8,8 +8,8 @@ use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, MapMode};
 
 use crate::adapter::{Gpu, GpuError};
-use crate::layout::{State, bits};
-use crate::shader::{GROUP, Program};
+use crate::layout::{RunState, bits};
+use crate::shader::{GROUP, ShaderProgram};
 
 /// Drivers reset a device that is busy with one dispatch for seconds, and pictures of the system wait.
 const DISPATCH: Duration = Duration::from_millis(50);
@@ -24,8 +24,8 @@ const MOST_PROGRAMS: usize = 24;
 #[cfg(not(target_arch = "wasm32"))]
 const PATIENCE: Duration = Duration::from_secs(90);
 
-pub(crate) struct Job<'a> {
-    pub(crate) program: &'a Program,
+pub(crate) struct GpuJob<'a> {
+    pub(crate) program: &'a ShaderProgram,
     pub(crate) runs: u32,
     /// The number of samples, and the time between them \[s\].
     pub(crate) length: u32,
@@ -41,7 +41,7 @@ struct Buffers {
 }
 
 impl Gpu {
-    pub(crate) async fn run(&self, job: &Job<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<State>, GpuError> {
+    pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<RunState>, GpuError> {
         let pipeline = self.pipeline(&job.program.text);
         self.trouble.check()?;
         let buffers = self.buffers(job, &pipeline);
@@ -62,7 +62,7 @@ impl Gpu {
         self.read(&buffers.states, job).await
     }
 
-    fn buffers(&self, job: &Job<'_>, pipeline: &ComputePipeline) -> Buffers {
+    fn buffers(&self, job: &GpuJob<'_>, pipeline: &ComputePipeline) -> Buffers {
         let filled = |words: &[u32]| {
             let buffer = self.buffer(words.len() as u64 * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST);
             self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
@@ -108,7 +108,7 @@ impl Gpu {
         pipeline
     }
 
-    fn dispatch(&self, job: &Job<'_>, pipeline: &ComputePipeline, buffers: &Buffers, begin: u32, end: u32) {
+    fn dispatch(&self, job: &GpuJob<'_>, pipeline: &ComputePipeline, buffers: &Buffers, begin: u32, end: u32) {
         let recent = job.length * 4 / 5;
         let settings = [begin, end, job.runs, recent, bits(job.dt), 0, 0, 0];
         self.queue.write_buffer(&buffers.settings, 0, bytemuck::cast_slice(&settings));
@@ -123,7 +123,7 @@ impl Gpu {
     }
 
     async fn done(&self) -> Result<(), GpuError> {
-        let signal = Signal::new();
+        let signal = OneShot::new();
         let setter = Arc::clone(&signal);
         self.queue.on_submitted_work_done(move || setter.set(()));
         self.wait()?;
@@ -132,13 +132,13 @@ impl Gpu {
         self.trouble.check()
     }
 
-    async fn read(&self, states: &Buffer, job: &Job<'_>) -> Result<Vec<State>, GpuError> {
+    async fn read(&self, states: &Buffer, job: &GpuJob<'_>) -> Result<Vec<RunState>, GpuError> {
         let size = size_of_states(job);
         let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(states, 0, &copy, 0, size);
         self.queue.submit([encoder.finish()]);
-        let signal = Signal::new();
+        let signal = OneShot::new();
         let setter = Arc::clone(&signal);
         copy.slice(..).map_async(MapMode::Read, move |result| setter.set(result));
         self.wait()?;
@@ -147,7 +147,7 @@ impl Gpu {
         let view = copy.slice(..).get_mapped_range().map_err(failed)?;
         let words: &[u32] = bytemuck::cast_slice(&view);
         let shape = job.program.shape;
-        Ok(words.chunks_exact(shape.state()).map(|words| State::read(shape, words)).collect())
+        Ok(words.chunks_exact(shape.state()).map(|words| RunState::read(shape, words)).collect())
     }
 
     /// Runs callbacks: natively by waiting for the device; a browser runs them by itself.
@@ -164,7 +164,7 @@ impl Gpu {
     }
 }
 
-fn size_of_states(job: &Job<'_>) -> u64 {
+fn size_of_states(job: &GpuJob<'_>) -> u64 {
     u64::from(job.runs) * job.program.shape.state() as u64 * 4
 }
 
@@ -172,9 +172,9 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-struct Signal<T>(Mutex<(Option<T>, Option<Waker>)>);
+struct OneShot<T>(Mutex<(Option<T>, Option<Waker>)>);
 
-impl<T> Signal<T> {
+impl<T> OneShot<T> {
     fn new() -> Arc<Self> {
         Arc::new(Self(Mutex::new((None, None))))
     }

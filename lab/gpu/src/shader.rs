@@ -4,8 +4,8 @@ use kalmanscope_core::internals::Reading;
 use kalmanscope_core::internals::engine::{Design, Method, Node, Notes};
 use kalmanscope_core::{Channel, Propagation};
 
-use crate::layout::Shape;
-use crate::text::{Text, literal, unrolled};
+use crate::layout::StateShape;
+use crate::text::{ShaderText, literal, unrolled};
 
 /// As in `main.wgsl`.
 pub(crate) const GROUP: u32 = 64;
@@ -25,12 +25,12 @@ const COMMON: [&str; 8] = [
 ];
 
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Program {
+pub(crate) struct ShaderProgram {
     pub(crate) text: String,
-    pub(crate) shape: Shape,
+    pub(crate) shape: StateShape,
 }
 
-impl Program {
+impl ShaderProgram {
     /// The first `known` channels have a known truth. `None` if the plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
         let Design { model, method, readings, .. } = design;
@@ -38,7 +38,7 @@ impl Program {
             return None;
         }
         let notes = Notes::of(model, readings)?;
-        let shape = Shape { size: model.size, sensors: readings.len(), known };
+        let shape = StateShape { size: model.size, sensors: readings.len(), known };
         let is_linear = readings.iter().all(Reading::is_of_components);
         let mut text = constants(design, channels, shape)?;
         let mut parts = COMMON.to_vec();
@@ -82,7 +82,7 @@ impl Program {
     }
 }
 
-fn whole(design: &Design, channels: &[Channel], shape: Shape) -> [(&'static str, usize); 17] {
+fn whole(design: &Design, channels: &[Channel], shape: StateShape) -> [(&'static str, usize); 17] {
     let Design { model, method, substeps, white, .. } = design;
     let (n, moving, sensors, known) = (shape.size, model.moving(), shape.sensors.max(1), shape.known.max(1));
     [
@@ -106,7 +106,7 @@ fn whole(design: &Design, channels: &[Channel], shape: Shape) -> [(&'static str,
     ]
 }
 
-fn constants(design: &Design, channels: &[Channel], shape: Shape) -> Option<String> {
+fn constants(design: &Design, channels: &[Channel], shape: StateShape) -> Option<String> {
     let Design { method, has_slope, .. } = design;
     let whole = whole(design, channels, shape);
     let mut text: String = whole.iter().map(|(name, number)| format!("const {name} = {number}u;\n")).collect();
@@ -140,7 +140,7 @@ fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[N
     if notes.builder.is_too_long() {
         return None;
     }
-    let text = Text { builder: &notes.builder, size };
+    let text = ShaderText { builder: &notes.builder, size };
     let values = text.values(name, &format!("array<f32, {count}>"), &outputs)?;
     let mut all = values + &text.values(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries)?;
     if name == "readings" {
@@ -176,7 +176,7 @@ fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
 
 fn apart(notes: &Notes, name: &str, count: &str, nodes: &[Node]) -> Option<String> {
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
-    let text = Text { builder: &notes.builder, size: notes.size };
+    let text = ShaderText { builder: &notes.builder, size: notes.size };
     let array = format!("array<f32, {count}>");
     Some(text.values(name, &array, &outputs)? + &text.differences(&format!("{name}_apart"), &array, &outputs)?)
 }

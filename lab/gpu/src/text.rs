@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use kalmanscope_core::internals::engine::{Builder, Function, Node, Operation};
 
 /// Operations on a state `y` of some components and a force `f`, which is the input after them.
-pub(crate) struct Text<'a> {
+pub(crate) struct ShaderText<'a> {
     pub(crate) builder: &'a Builder,
     pub(crate) size: usize,
 }
 
-impl Text<'_> {
+impl ShaderText<'_> {
     /// `NAME(y, f)`: numbers at their places in an array, zeros elsewhere. `None` if a constant does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
         let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");

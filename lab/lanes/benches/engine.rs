@@ -14,7 +14,7 @@ use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Scenario};
-use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
 const RUNS: usize = 8;
@@ -104,7 +104,7 @@ fn measure(
     for repeat in 0..REPEATS {
         let one = &runs[repeat % RUNS];
         least[0] = least[0].min(time(|| Outcome::of(one.scenario, one.place, one.record)));
-        for (least, level) in least[1..].iter_mut().zip([Level::Baseline, Level::Avx2]) {
+        for (least, level) in least[1..].iter_mut().zip([InstructionSet::Baseline, InstructionSet::Avx2]) {
             *least = least.min(time(|| outcomes_with(level, &runs, &[])) / RUNS as f64);
         }
     }

@@ -64,7 +64,7 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
 /// # Errors
 /// Those of [`Setup::new`], for the first run that has one.
 pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
-    outcomes_with(Level::best(), runs, &[])
+    outcomes_with(InstructionSet::best(), runs, &[])
 }
 
 /// [`outcomes`] with these instructions, or the best ones below them that the processor has, and with looks at the filters at
@@ -72,7 +72,7 @@ pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
 ///
 /// # Errors
 /// Those of [`outcomes`].
-pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+pub fn outcomes_with(level: InstructionSet, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
     let setups: Result<Vec<Option<Setup>>, RunError> =
         runs.iter().map(|run| Setup::new(run.scenario, run.place, run.record)).collect();
     let setups = setups?;
@@ -118,14 +118,14 @@ type Numbers = engine::LanePair;
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
+pub enum InstructionSet {
     /// The instructions that every processor of the target has: SSE2 on x86-64. In a page, those of WebAssembly with vectors.
     Baseline,
     /// AVX2.
     Avx2,
 }
 
-impl Level {
+impl InstructionSet {
     /// Those that this processor has, the best one last.
     pub fn available() -> Vec<Self> {
         [Self::Baseline, Self::Avx2].into_iter().filter(|level| level.is_available()).collect()

@@ -7,7 +7,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Record, Scenario, Signal,
 };
-use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with};
 
 pub(crate) struct Draw(pub(crate) u64);
 
@@ -162,7 +162,7 @@ pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     let last = runs[0].record.len() - 1;
     let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
     let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
-    for level in Level::available() {
+    for level in InstructionSet::available() {
         let lanes = outcomes_with(level, runs, &samples).unwrap();
         assert_eq!(lanes.len(), singles.len());
         for (place, (lane, single)) in lanes.iter().zip(&singles).enumerate() {
@@ -174,7 +174,7 @@ pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
 
 pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
     let runs = runs_of(scenario, record);
-    for (place, lane) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().enumerate() {
+    for (place, lane) in outcomes_with(InstructionSet::best(), &runs, &[]).unwrap().iter().enumerate() {
         let alone = Outcome::of(scenario, place, record).unwrap();
         assert_eq!(bits(lane), bits(&alone), "{what}, filter {place}");
     }

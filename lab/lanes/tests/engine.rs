@@ -12,7 +12,7 @@ use kalmanscope_core::{
     Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
     Signal, Values, simulate,
 };
-use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with, serves};
 
 use crate::common::{Draw, PLANTS, bits, check, check_alone, ensemble, runs_of, truth};
 
@@ -177,7 +177,7 @@ fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) ->
         }
         single.nees.samples
     };
-    outcomes_with(Level::best(), &runs, &samples).unwrap().into_iter().enumerate().map(compare).collect()
+    outcomes_with(InstructionSet::best(), &runs, &samples).unwrap().into_iter().enumerate().map(compare).collect()
 }
 
 fn troubled(plant: &PlantKind, kind: FilterKind) -> (Scenario, Record) {
@@ -265,7 +265,7 @@ fn other_filters_run_by_themselves() {
     assert_eq!(served, [true, true, true, false, false, true, false, false], "substeps go in lanes");
     check_alone(&scenario, &record, "all kinds");
     let missing = LaneRun { place: 9, ..runs[0] };
-    assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing], &[]).is_err());
+    assert!(serves(&missing).is_err() && outcomes_with(InstructionSet::best(), &[runs[0], missing], &[]).is_err());
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
             (bad.initial_std, bad.process_std) = (Values::ZERO, Values::ZERO);
         }
         let runs = runs_of(&scenario, &record);
-        let lanes = outcomes_with(Level::best(), &runs, &[]).unwrap();
+        let lanes = outcomes_with(InstructionSet::best(), &runs, &[]).unwrap();
         let singles: Vec<Outcome> = (0..3).map(|place| Outcome::of(&scenario, place, &record).unwrap()).collect();
         for (lane, single) in lanes.iter().zip(&singles) {
             assert_eq!((lane.stop, lane.samples), (single.stop, single.samples), "{kind:?} {std} {frequency}");
@@ -336,7 +336,7 @@ fn filters_of_equations_go_side_by_side() {
             let single =
                 |setup| engine::outcomes::<f64, _>(Baseline, &[engine::Run { setup, record: &record }], &[]).remove(0);
             let singles: Vec<Outcome> = setups.iter().map(single).collect();
-            for level in Level::available() {
+            for level in InstructionSet::available() {
                 for (lane, single) in outcomes_with(level, &runs, &[]).unwrap().iter().zip(&singles) {
                     assert_eq!(bits(lane), bits(single), "{name} {kind:?} at {level:?}");
                 }

@@ -15,23 +15,23 @@ const NOISE: f64 = 1e-2;
 
 /// A point, in standard deviations of the initial belief.
 #[derive(Clone)]
-struct Point {
+struct Particle {
     at: Vec<f64>,
     log_likelihood: f64,
 }
 
 pub(super) struct Population {
     random: Normal,
-    points: Vec<Point>,
+    points: Vec<Particle>,
     /// The exponent of the likelihood, from 0 to 1, now and first.
     temperature: f64,
     first: f64,
     log_evidence: f64,
-    stage: Stage,
+    stage: SamplerStage,
 }
 
 #[derive(Clone, Copy)]
-enum Stage {
+enum SamplerStage {
     Drawn,
     /// The half of the points that tries to move, the sweeps that have ended, and the moves so far.
     Moving {
@@ -47,37 +47,37 @@ impl Population {
     pub(super) fn new(count: usize, parameters: usize, seed: u64) -> Self {
         let mut random = Normal::from_seed(seed);
         let mut point = || (0..parameters).map(|_| random.sample()).collect();
-        let points = (0..count).map(|_| Point { at: point(), log_likelihood: f64::NAN }).collect();
-        Self { random, points, temperature: 0.0, first: 1.0, log_evidence: 0.0, stage: Stage::Drawn }
+        let points = (0..count).map(|_| Particle { at: point(), log_likelihood: f64::NAN }).collect();
+        Self { random, points, temperature: 0.0, first: 1.0, log_evidence: 0.0, stage: SamplerStage::Drawn }
     }
 
     /// The points whose likelihoods are wanted next; none at the end.
     pub(super) fn wanted(&mut self) -> Vec<Vec<f64>> {
         match self.stage {
-            Stage::Drawn => self.points.iter().map(|point| point.at.clone()).collect(),
-            Stage::Moving { half, .. } => self.proposals(half),
-            Stage::Done | Stage::Failed => Vec::new(),
+            SamplerStage::Drawn => self.points.iter().map(|point| point.at.clone()).collect(),
+            SamplerStage::Moving { half, .. } => self.proposals(half),
+            SamplerStage::Done | SamplerStage::Failed => Vec::new(),
         }
     }
 
     pub(super) fn take(&mut self, wanted: Vec<Vec<f64>>, log_likelihoods: &[f64]) {
         match self.stage {
-            Stage::Drawn => {
+            SamplerStage::Drawn => {
                 for (point, &log_likelihood) in self.points.iter_mut().zip(log_likelihoods) {
                     point.log_likelihood = log_likelihood;
                 }
                 self.heat();
             }
-            Stage::Moving { half, sweeps, moves } => {
+            SamplerStage::Moving { half, sweeps, moves } => {
                 let moves = moves + self.accept(half, wanted, log_likelihoods);
-                self.stage = Stage::Moving { half: 1 - half, sweeps: sweeps + half as u32, moves };
+                self.stage = SamplerStage::Moving { half: 1 - half, sweeps: sweeps + half as u32, moves };
                 let is_last = usize::from(self.temperature == 1.0);
                 let has_moved = moves as f64 >= MOVES[is_last] * self.points.len() as f64;
                 if half == 1 && (has_moved || sweeps + 1 >= TRIES[is_last]) {
                     self.heat();
                 }
             }
-            Stage::Done | Stage::Failed => {}
+            SamplerStage::Done | SamplerStage::Failed => {}
         }
     }
 
@@ -87,38 +87,38 @@ impl Population {
 
     /// ln p(z), once all is done; `None` before and where no draw has a likelihood.
     pub(super) fn log_evidence(&self) -> Option<f64> {
-        matches!(self.stage, Stage::Done).then_some(self.log_evidence)
+        matches!(self.stage, SamplerStage::Done).then_some(self.log_evidence)
     }
 
     pub(super) fn progress(&self, of_wanted: f64) -> f64 {
         const DRAWN: f64 = 0.1;
         const HOT: f64 = 0.8;
         match self.stage {
-            Stage::Drawn => DRAWN * of_wanted,
-            Stage::Moving { .. } if self.temperature < 1.0 => {
+            SamplerStage::Drawn => DRAWN * of_wanted,
+            SamplerStage::Moving { .. } if self.temperature < 1.0 => {
                 DRAWN + (HOT - DRAWN) * (1.0 - libm::log(self.temperature) / libm::log(self.first))
             }
-            Stage::Moving { moves, .. } => {
+            SamplerStage::Moving { moves, .. } => {
                 let share = moves as f64 / (MOVES[1] * self.points.len() as f64);
                 HOT + (1.0 - HOT) * share.min(1.0)
             }
-            Stage::Done | Stage::Failed => 1.0,
+            SamplerStage::Done | SamplerStage::Failed => 1.0,
         }
     }
 
     fn heat(&mut self) {
         if self.temperature == 1.0 {
-            self.stage = Stage::Done;
+            self.stage = SamplerStage::Done;
             return;
         }
         let possible = self.points.iter().filter(|point| point.log_likelihood.is_finite());
         let count = possible.clone().count();
         if count == 0 {
-            self.stage = Stage::Failed;
+            self.stage = SamplerStage::Failed;
             return;
         }
         let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-        let weight = |point: &Point, by: f64| libm::exp(by * (point.log_likelihood - highest));
+        let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
         // The number of points that would do as much if they counted the same.
         let effective = |by: f64| {
             let weights = self.points.iter().map(|point| weight(point, by));
@@ -142,7 +142,7 @@ impl Population {
             self.first = self.temperature;
         }
         self.draw_again(&weights);
-        self.stage = Stage::Moving { half: 0, sweeps: 0, moves: 0 };
+        self.stage = SamplerStage::Moving { half: 0, sweeps: 0, moves: 0 };
     }
 
     /// Source: Kitagawa (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models.
@@ -163,7 +163,7 @@ impl Population {
 
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
         let Self { random, points, .. } = self;
-        let others: Vec<&Point> = points.iter().skip(1 - half).step_by(2).collect();
+        let others: Vec<&Particle> = points.iter().skip(1 - half).step_by(2).collect();
         let (parameters, count) = (others[0].at.len(), others.len());
         let usual = 2.38 / libm::sqrt(2.0 * parameters as f64);
         let std = |i: usize| {
@@ -173,7 +173,7 @@ impl Population {
         };
         let stds: Vec<f64> = (0..parameters).map(std).collect();
         let pick = |random: &mut Normal, below: usize| ((random.uniform() * below as f64) as usize).min(below - 1);
-        let mut propose = |point: &Point| {
+        let mut propose = |point: &Particle| {
             let a = pick(random, count);
             let b = (a + 1 + pick(random, count - 1)) % count;
             let by = if random.uniform() < LEAPS { 1.0 } else { usual };
@@ -195,7 +195,7 @@ impl Population {
             let by_likelihood = *temperature * (log_likelihood - point.log_likelihood);
             let by_belief = 0.5 * (square(&point.at) - square(&at));
             if libm::log(random.uniform()) < by_likelihood + by_belief {
-                *point = Point { at, log_likelihood };
+                *point = Particle { at, log_likelihood };
                 moves += 1;
             }
         }

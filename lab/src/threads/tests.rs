@@ -4,7 +4,7 @@ use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
 
 use super::*;
-use crate::{Ensemble, Plan, Sheet};
+use crate::{Ensemble, EnsembleRows, Plan};
 
 fn runner() -> Arc<Runner> {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };
@@ -25,7 +25,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for threads in [1, 2, 5] {
         let team = Threads::new(threads, 0).unwrap();
         let work = team.rows(Priority::Map, &runner, runner.ensemble().coarse_to_fine(), |_| {});
-        let mut sheet = Sheet::new(runner.ensemble());
+        let mut sheet = EnsembleRows::new(runner.ensemble());
         while let Some(Slice { cells, rows }) = work.wait() {
             sheet.fill(&cells, &rows);
         }
@@ -56,13 +56,13 @@ fn the_hand_comes_before_the_map_and_the_map_before_causes() {
     let (begun, seen) = (Arc::new(Barrier::new(2)), Arc::new(Mutex::new(Vec::new())));
     // The only thread is busy until all work waits.
     let gate = Arc::clone(&begun);
-    let busy = team.begin(Priority::Hand, [move |_| (gate.wait(), Step::Last(())).1], |_| {});
+    let busy = team.begin(Priority::Hand, [move |_| (gate.wait(), WorkStep::Last(())).1], |_| {});
     let work = [Priority::Causes, Priority::Map, Priority::Seeds, Priority::Hand].map(|priority| {
         let (seen, mut left) = (Arc::clone(&seen), 2);
         let step = move |_| {
             seen.lock().unwrap().push(priority);
             left -= 1;
-            if left > 0 { Step::Part(()) } else { Step::Last(()) }
+            if left > 0 { WorkStep::Part(()) } else { WorkStep::Last(()) }
         };
         team.begin(priority, [step], |_| {})
     });
@@ -79,9 +79,9 @@ fn a_thread_for_the_hand_does_not_wait_for_a_map() {
     let team = Threads::new(1, 1).unwrap();
     let (begun, ended) = (Arc::new(Barrier::new(2)), Arc::new(Barrier::new(2)));
     let (begin, end) = (Arc::clone(&begun), Arc::clone(&ended));
-    let map = team.begin(Priority::Map, [move |_| (begin.wait(), end.wait(), Step::Last(1)).2], |_| {});
+    let map = team.begin(Priority::Map, [move |_| (begin.wait(), end.wait(), WorkStep::Last(1)).2], |_| {});
     begun.wait();
-    assert_eq!(team.begin(Priority::Hand, [|_| Step::Last(2)], |_| {}).wait(), Some(2));
+    assert_eq!(team.begin(Priority::Hand, [|_| WorkStep::Last(2)], |_| {}).wait(), Some(2));
     ended.wait();
     assert_eq!(map.wait(), Some(1));
 }
@@ -89,11 +89,11 @@ fn a_thread_for_the_hand_does_not_wait_for_a_map() {
 #[test]
 fn work_that_fails_is_lost_and_the_team_goes_on() {
     let team = Threads::new(1, 0).unwrap();
-    let failed = team.begin(Priority::Hand, [|_| Step::<u8>::Failed], |_| {});
-    let broken = team.begin(Priority::Hand, [|_| -> Step<u8> { panic!("a test of a panic") }], |_| {});
+    let failed = team.begin(Priority::Hand, [|_| WorkStep::<u8>::Failed], |_| {});
+    let broken = team.begin(Priority::Hand, [|_| -> WorkStep<u8> { panic!("a test of a panic") }], |_| {});
     assert_eq!((failed.wait(), broken.wait()), (None, None));
     assert_eq!((failed.take(), broken.take()), (Err(Lost), Err(Lost)));
-    assert_eq!(team.begin(Priority::Hand, [|_| Step::Last(3)], |_| {}).wait(), Some(3));
+    assert_eq!(team.begin(Priority::Hand, [|_| WorkStep::Last(3)], |_| {}).wait(), Some(3));
 }
 
 #[test]
@@ -101,9 +101,9 @@ fn work_that_waits_when_the_team_ends_is_lost() {
     let team = Threads::new(1, 0).unwrap();
     let (begun, ended) = (Arc::new(Barrier::new(2)), Arc::new(Barrier::new(2)));
     let (begin, end) = (Arc::clone(&begun), Arc::clone(&ended));
-    let busy = team.begin(Priority::Hand, [move |_| (begin.wait(), end.wait(), Step::Part(1)).2], |_| {});
+    let busy = team.begin(Priority::Hand, [move |_| (begin.wait(), end.wait(), WorkStep::Part(1)).2], |_| {});
     let (sender, woken) = mpsc::channel();
-    let waits = team.begin(Priority::Map, [|_| Step::Last(2)], move |is_over| sender.send(is_over).unwrap());
+    let waits = team.begin(Priority::Map, [|_| WorkStep::Last(2)], move |is_over| sender.send(is_over).unwrap());
     begun.wait();
     drop(team);
     assert_eq!((woken.recv(), waits.take()), (Ok(true), Err(Lost)));

@@ -130,7 +130,7 @@ const TURN: f64 = 2.0;
 
 /// A warning about a result.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Remark {
+pub enum TuneRemark {
     /// No values are better than the scenario's own.
     NoBetter,
     /// The record has little information on this setting: half and twice the value are as good.
@@ -141,7 +141,7 @@ pub enum Remark {
     Inconsistent(Goal, VerdictKind),
 }
 
-impl fmt::Display for Remark {
+impl fmt::Display for TuneRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoBetter => f.write_str("No values are better than the present ones."),
@@ -165,13 +165,13 @@ impl fmt::Display for Remark {
     }
 }
 
-pub(super) fn remarks(cost: &Cost, path: &[Try], verdict: Option<VerdictKind>) -> Vec<Remark> {
+pub(super) fn remarks(cost: &Cost, path: &[Try], verdict: Option<VerdictKind>) -> Vec<TuneRemark> {
     let mut remarks = Vec::new();
-    let [_, .., best] = path else { return vec![Remark::NoBetter] };
+    let [_, .., best] = path else { return vec![TuneRemark::NoBetter] };
     for (place, axis) in cost.axes.iter().enumerate() {
         let share = axis.share_of(best.values[place]);
         if !(EDGE..=1.0 - EDGE).contains(&share) {
-            remarks.push(Remark::Edge(axis.key.clone()));
+            remarks.push(TuneRemark::Edge(axis.key.clone()));
             continue;
         }
         let turned = |factor: f64| {
@@ -183,12 +183,12 @@ pub(super) fn remarks(cost: &Cost, path: &[Try], verdict: Option<VerdictKind>) -
             best.score + cost.of_scenario(&cost.with_values(&values))
         };
         if turned(TURN).max(turned(1.0 / TURN)) < cost.goal.indifferent() {
-            remarks.push(Remark::Flat(axis.key.clone()));
+            remarks.push(TuneRemark::Flat(axis.key.clone()));
         }
     }
     let is_bad = |kind: &VerdictKind| {
         !matches!(kind, VerdictKind::Consistent | VerdictKind::Recovered | VerdictKind::NotIdentifiable)
     };
-    remarks.extend(verdict.filter(is_bad).map(|kind| Remark::Inconsistent(cost.goal, kind)));
+    remarks.extend(verdict.filter(is_bad).map(|kind| TuneRemark::Inconsistent(cost.goal, kind)));
     remarks
 }

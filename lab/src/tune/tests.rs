@@ -52,7 +52,7 @@ fn the_result_says_where_the_record_does_not_tell_a_setting() {
     axes[1] = Axis::parse("filters.EKF.initial_std.displacement=1e-7:1e-5:2:log").unwrap();
     let tuned = tune(calm, axes, Goal::Likelihood);
     let key = "filters.EKF.initial_std.displacement";
-    let is_told = |remark: &Remark| matches!(remark, Remark::Flat(of) | Remark::Edge(of) if of == key);
+    let is_told = |remark: &TuneRemark| matches!(remark, TuneRemark::Flat(of) | TuneRemark::Edge(of) if of == key);
     assert!(tuned.remarks.iter().any(is_told), "{:?}", tuned.remarks);
 }
 
@@ -62,11 +62,11 @@ fn the_result_says_that_a_value_is_at_an_end() {
     axes[0] = Axis::parse("filters.EKF.sensor_std.displacement=0.05:0.5:2:log").unwrap();
     let tuned = tune(scenario(2), axes, Goal::Likelihood);
     assert!(
-        tuned.remarks.contains(&Remark::Edge("filters.EKF.sensor_std.displacement".to_owned())),
+        tuned.remarks.contains(&TuneRemark::Edge("filters.EKF.sensor_std.displacement".to_owned())),
         "{:?}",
         tuned.remarks
     );
-    let said = tuned.remarks.iter().map(Remark::to_string).collect::<String>();
+    let said = tuned.remarks.iter().map(TuneRemark::to_string).collect::<String>();
     assert!(said.contains("widen the range"), "{said}");
 }
 
@@ -77,7 +77,7 @@ fn the_likelihood_of_a_wrong_model_is_not_believed() {
     scenario.plant.disturbance_std = 0.0;
     scenario.filters[0].input_delay = 12;
     let tuned = tune(scenario, axes()[..1].to_vec(), Goal::Likelihood);
-    assert!(tuned.remarks.iter().any(|remark| matches!(remark, Remark::Inconsistent(..))), "{:?}", tuned.remarks);
+    assert!(tuned.remarks.iter().any(|remark| matches!(remark, TuneRemark::Inconsistent(..))), "{:?}", tuned.remarks);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document}
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
-use crate::scope::{Portioned, Whole, Words, answer, count, fail, hear, numbers};
+use crate::scope::{Portioned, WholeTask, Words, answer, count, fail, hear, numbers};
 
 /// The message that gives a worker an ensemble, of which it is to run cells.
 pub fn cells_message(number: u32, runner: &Runner) -> Array {
@@ -35,9 +35,9 @@ pub fn runner(words: &Words) -> Result<Runner, String> {
     Runner::new(ensemble, source).map_err(|error| error.to_string())
 }
 
-struct Rows(Runner);
+struct CellWork(Runner);
 
-impl Portioned for Rows {
+impl Portioned for CellWork {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
         let cells = cells(portion);
         rows_part(&cells, &self.0.rows(&cells), handed_over)
@@ -67,7 +67,7 @@ pub fn rows(part: &JsValue) -> Option<(Vec<usize>, Vec<f64>)> {
     Some((cells(&part.get(0)), part.get(1).dyn_into::<Float64Array>().ok()?.to_vec()))
 }
 
-struct Filter {
+struct FilterWork {
     record: Record,
     pass: Pass,
 }
@@ -78,7 +78,7 @@ pub fn filter_message(number: u32, scenario: &Scenario, place: usize, record: &R
     Array::of5(&"filter".into(), &number.into(), &scenario.into(), &filtered(record), &(place as u32).into())
 }
 
-impl Filter {
+impl FilterWork {
     fn new(words: &Words) -> Result<Self, String> {
         let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
         let place = words.get(4).as_f64().unwrap_or(f64::NAN) as usize;
@@ -87,7 +87,7 @@ impl Filter {
     }
 }
 
-impl Portioned for Filter {
+impl Portioned for FilterWork {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
         let mut tape = Tape::default();
         self.pass.follow(&self.record, self.pass.done() + count(portion), &mut tape);
@@ -248,10 +248,10 @@ pub fn serve() {
 
 fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
     Ok(match kind {
-        "cells" => Box::new(Rows(runner(words)?)),
-        "filter" => Box::new(Filter::new(words)?),
-        "file" => Box::new(Whole::new(file(words), loaded_message)),
-        "suggest" => Box::new(Whole::new(suggest(words)?, suggestion_message)),
+        "cells" => Box::new(CellWork(runner(words)?)),
+        "filter" => Box::new(FilterWork::new(words)?),
+        "file" => Box::new(WholeTask::new(file(words), loaded_message)),
+        "suggest" => Box::new(WholeTask::new(suggest(words)?, suggestion_message)),
         _ => return Err(format!("`{kind}` is no task")),
     })
 }

@@ -68,18 +68,18 @@ pub(crate) trait Portioned {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue;
 }
 
-pub(crate) struct Whole<T: Task> {
+pub(crate) struct WholeTask<T: Task> {
     task: Option<T>,
     message: fn(&T::Outcome, &Array) -> JsValue,
 }
 
-impl<T: Task> Whole<T> {
+impl<T: Task> WholeTask<T> {
     pub(crate) fn new(task: T, message: fn(&T::Outcome, &Array) -> JsValue) -> Self {
         Self { task: Some(task), message }
     }
 }
 
-impl<T: Task> Portioned for Whole<T> {
+impl<T: Task> Portioned for WholeTask<T> {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
         let Some(task) = &mut self.task else { return JsValue::NULL };
         let mut left = count(portion);

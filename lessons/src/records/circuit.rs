@@ -27,10 +27,10 @@ const LINES: u32 = 60;
 pub(crate) fn file(seed: u64) -> String {
     let mut random = Random::new(seed);
     let h = 1.0 / (RATE * FINE as f64);
-    let mut sines: Vec<Sine> = (0..LINES)
-        .map(|line| Sine::new(TAU * 3.0 * (f64::from(line) + random.uniform()) * h, TAU * random.uniform()))
+    let mut sines: Vec<SineGenerator> = (0..LINES)
+        .map(|line| SineGenerator::new(TAU * 3.0 * (f64::from(line) + random.uniform()) * h, TAU * random.uniform()))
         .collect();
-    let mut input = || 0.008 * sines.iter_mut().map(Sine::next).sum::<f64>();
+    let mut input = || 0.008 * sines.iter_mut().map(SineGenerator::next).sum::<f64>();
     let mut circuit = Oscillator::new(NATURAL_FREQUENCY, DAMPING_RATIO);
     let mut text = "\"V1\",\"V2\"\n".to_owned();
     let mut now = input();
@@ -49,12 +49,12 @@ pub(crate) fn file(seed: u64) -> String {
 
 /// A sine with an angle that grows by the same step each time. A step takes four products, less time than computing a
 /// sine.
-struct Sine {
+struct SineGenerator {
     now: [f64; 2],
     step: [f64; 2],
 }
 
-impl Sine {
+impl SineGenerator {
     fn new(step: f64, phase: f64) -> Self {
         let both = |angle: f64| [libm::sin(angle), libm::cos(angle)];
         Self { now: both(phase), step: both(step) }

@@ -1,7 +1,7 @@
 use std::rc::Rc;
 
 use super::*;
-use crate::laboratory::{Choice, Laboratory};
+use crate::laboratory::{Laboratory, MapChoice};
 use crate::team::{Frames, Precision};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Channel, Quantity};
@@ -74,7 +74,7 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let part = part_of(session.scenario(), &[1]);
     let axis = |(key, count): (&str, usize)| Axis::usual(&Address::parse(&part, key).unwrap(), &part, count);
     let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
-    laboratory.choose(Some(Choice {
+    laboratory.choose(Some(MapChoice {
         axes: axes.map(axis),
         measure,
         filter: 1,

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope::session::{Budget, Mode, ModelTime, Session};
-use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay};
+use kalmanscope::team::{CellBatch, Finding, Lost, Precision, Priority, Relay};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source};
 use kalmanscope_diagnosis::{Measure, Wanted};
-use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 
 use super::*;
 
@@ -129,11 +129,11 @@ fn ensemble(side: usize) -> Ensemble {
     Ensemble::new(scenario, plan).expect("it is possible")
 }
 
-fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (Sheet, HashMap<String, usize>) {
+fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (EnsembleRows, HashMap<String, usize>) {
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it can be run");
-    let (runner, order) = (Arc::new(runner), ensemble.coarse_to_fine());
-    let mut work = Relay::new(team, Cells { runner, order, precision, priority: Priority::Map }, &Context::default());
-    let (mut sheet, mut by, begin) = (Sheet::new(ensemble), HashMap::new(), Instant::now());
+    let (runner, order, priority) = (Arc::new(runner), ensemble.coarse_to_fine(), Priority::Map);
+    let mut work = Relay::new(team, CellBatch { runner, order, precision, priority }, &Context::default());
+    let (mut sheet, mut by, begin) = (EnsembleRows::new(ensemble), HashMap::new(), Instant::now());
     while !sheet.is_complete() {
         for rows in work.take() {
             sheet.fill(&rows.cells, &rows.numbers);
@@ -158,7 +158,7 @@ fn rows(ensemble: &Ensemble) -> Vec<f64> {
     Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible").rows(&cells)
 }
 
-fn all(sheet: &Sheet) -> Vec<f64> {
+fn all(sheet: &EnsembleRows) -> Vec<f64> {
     (0..sheet.len()).flat_map(|cell| sheet.row(cell).expect("it is known").to_vec()).collect()
 }
 

@@ -5,28 +5,28 @@ use serde_json::{Value, json};
 use super::*;
 use crate::laboratory::SeedChoice;
 use crate::request::Arrangement;
-use crate::ruler::End;
+use crate::ruler::RulerEnd;
 
-fn picture() -> Picture {
+fn picture() -> SavedPicture {
     let mut scenario = Scenario { seed: 5, ..Scenario::default() };
     scenario.number_filters();
-    let mut picture = Picture::new(scenario, &Layout::of(Arrangement::Compare), Mode::Whole, 7.25);
-    picture.ruler.place(End::A, 1.5);
+    let mut picture = SavedPicture::new(scenario, &ViewLayout::of(Arrangement::Compare), Mode::Whole, 7.25);
+    picture.ruler.place(RulerEnd::A, 1.5);
     picture.hidden = vec![LegendEntry::Truth, LegendEntry::Filter(picture.scenario.filters[1].id)];
     picture.enlarged = Some(ViewKind::Scores);
     picture.laboratory.seeds = Some(SeedChoice::default());
     let habits = Habits { presenting: true, dark: Some(false), all_settings: true, ..Habits::default() };
-    Picture { speed: 0.25, habits: Some(habits), ..picture }
+    SavedPicture { speed: 0.25, habits: Some(habits), ..picture }
 }
 
 fn text() -> Value {
     serde_json::from_str(&picture().lines().expect("it can be written")).expect("it is JSON")
 }
 
-fn read(text: &Value) -> Result<Picture, String> {
+fn read(text: &Value) -> Result<SavedPicture, String> {
     let text = text.to_string();
-    let read = Picture::of_text(&text).map_err(|error| error.to_string());
-    let file = Picture::of_file(text.as_bytes()).map(|read| read.map_err(|error| error.to_string()));
+    let read = SavedPicture::of_text(&text).map_err(|error| error.to_string());
+    let file = SavedPicture::of_file(text.as_bytes()).map(|read| read.map_err(|error| error.to_string()));
     assert!(file.is_none_or(|file| file == read), "a file is read as any text");
     read
 }
@@ -37,20 +37,20 @@ fn all_comes_back_from_a_line_from_lines_and_from_a_link() {
     assert_eq!(read(&text()), Ok(picture.clone()));
     let line = picture.line().expect("it can be written");
     assert!(!line.contains('\n'));
-    assert_eq!(Picture::of_text(&line).expect("it can be read"), picture);
+    assert_eq!(SavedPicture::of_text(&line).expect("it can be read"), picture);
     let fragment = picture.fragment().expect("it is short");
     let link = fragment.strip_prefix(crate::share::MARK).expect("it is a link");
-    assert_eq!(Picture::read(link).expect("it can be read"), picture);
+    assert_eq!(SavedPicture::read(link).expect("it can be read"), picture);
 }
 
 #[test]
 fn usual_values_need_no_keys_and_missing_keys_have_usual_values() {
-    let usual: Value = serde_json::from_str(&Picture::default().line().expect("it can be written")).expect("JSON");
+    let usual: Value = serde_json::from_str(&SavedPicture::default().line().expect("it can be written")).expect("JSON");
     let keys: Vec<&String> = usual.as_object().expect("it is an object").keys().collect();
     assert_eq!(keys, ["kalmanscope_session", "scenario", "views", "mode"]);
-    assert_eq!(read(&json!({ "kalmanscope_session": 1 })), Ok(Picture::default()));
-    let nothing = Picture { views: None, ..Picture::default() };
-    assert_eq!(Picture::of_text(&nothing.line().expect("it can be written")).expect("it can be read"), nothing);
+    assert_eq!(read(&json!({ "kalmanscope_session": 1 })), Ok(SavedPicture::default()));
+    let nothing = SavedPicture { views: None, ..SavedPicture::default() };
+    assert_eq!(SavedPicture::of_text(&nothing.line().expect("it can be written")).expect("it can be read"), nothing);
 }
 
 #[test]
@@ -103,10 +103,10 @@ fn impossible_texts_are_refused_in_one_sentence() {
 #[test]
 fn other_files_are_no_pictures() {
     for bytes in ["t,x\n0,1\n", "{}", "{\"a\":1}", "[1]", "{", ""] {
-        assert!(Picture::of_file(bytes.as_bytes()).is_none(), "{bytes}");
+        assert!(SavedPicture::of_file(bytes.as_bytes()).is_none(), "{bytes}");
     }
     // So deep that not even the text is read.
     let views = format!("{}null{}", r#"{"tabs":[0,["#.repeat(20_000), "]]}".repeat(20_000));
     let deep = text().to_string().replace(&text()["views"].to_string(), &views);
-    assert!(deep.len() > 200_000 && Picture::of_file(deep.as_bytes()).is_none());
+    assert!(deep.len() > 200_000 && SavedPicture::of_file(deep.as_bytes()).is_none());
 }

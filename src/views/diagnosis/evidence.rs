@@ -145,7 +145,7 @@ fn keys(filter: &FilterSettings, scenario: &Scenario) -> Vec<String> {
 }
 
 #[derive(Clone)]
-struct Rows {
+struct RemedyRows {
     picture: u64,
     remedies: Arc<Vec<Remedy>>,
 }
@@ -154,14 +154,14 @@ struct Rows {
 /// new remedies after them.
 pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Remedy>> {
     let id = ui.scope_id().with("rows of causes");
-    let before = ui.data(|data| data.get_temp::<Rows>(id));
-    // Rows of other settings are dropped.
+    let before = ui.data(|data| data.get_temp::<RemedyRows>(id));
+    // RemedyRows of other settings are dropped.
     let before = before.filter(|rows| is_held && rows.picture == attempt.picture());
     let remedies = match before {
         Some(before) => with_new(before.remedies, &attempt.remedies),
         None => Arc::new(attempt.remedies.to_vec()),
     };
-    let rows = Rows { picture: attempt.picture(), remedies: Arc::clone(&remedies) };
+    let rows = RemedyRows { picture: attempt.picture(), remedies: Arc::clone(&remedies) };
     ui.data_mut(|data| data.insert_temp(id, rows));
     remedies
 }

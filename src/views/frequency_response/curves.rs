@@ -21,7 +21,7 @@ const ROOM: f64 = 1.15;
 const LONGEST: f64 = 2.0 / 3.0;
 
 /// The curves over `frequencies` \[rad/s\].
-pub(super) struct Curves {
+pub(super) struct ResponseCurves {
     pub(super) frequencies: Vec<f64>,
     /// |H| of the truth \[s²\], if it is known.
     pub(super) truth: Option<Vec<f64>>,
@@ -31,7 +31,7 @@ pub(super) struct Curves {
     pub(super) spectrum: Option<Vec<(f64, f64)>>,
 }
 
-impl Curves {
+impl ResponseCurves {
     pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let (run, (low, high)) = (session.run(), range(session));
         let ratio = |i: usize| (high / low).powf(i as f64 / (POINTS - 1) as f64);
@@ -46,7 +46,7 @@ impl Curves {
             is_shown(estimates.id()).then(|| cached(ui.ctx(), id, of, make))
         };
         let truth = true_transfer_function(&run.scenario().plant.kind, run.record(), k);
-        let spectrum = |force: &mut Force| force.spectrum(session, &frequencies);
+        let spectrum = |force: &mut ForceSpectrum| force.spectrum(session, &frequencies);
         Self {
             truth: truth.map(|truth| truth.magnitude(&frequencies)),
             filters: run.estimates().iter().map(of_filter).collect(),
@@ -57,14 +57,14 @@ impl Curves {
 }
 
 #[derive(Clone, Default)]
-struct Force {
+struct ForceSpectrum {
     taken: Vec<f64>,
     /// Time between samples and longest window \[s\], and the ends of the frequencies \[rad/s\].
     of: [f64; 4],
     spectrum: Option<Spectrum>,
 }
 
-impl Force {
+impl ForceSpectrum {
     fn spectrum(&mut self, session: &Session, frequencies: &[f64]) -> Option<Vec<(f64, f64)>> {
         let Self { taken, of, spectrum } = self;
         let run = session.run();
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_spectrum_is_that_of_the_force_so_far_however_one_came_there() {
-        let (mut session, mut force, frequencies) = (session(), Force::default(), [1.0, 7.0, 50.0]);
+        let (mut session, mut force, frequencies) = (session(), ForceSpectrum::default(), [1.0, 7.0, 50.0]);
         let whole = force.spectrum(&session, &frequencies);
         session.seek(0.0);
         session.set_mode(Mode::Live);

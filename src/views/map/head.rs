@@ -5,8 +5,8 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario, Spacing};
 use kalmanscope_diagnosis::Measure;
 
-use crate::controls::number::field;
-use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};
+use crate::controls::number::field_ui;
+use crate::laboratory::{Laboratory, MOST, MapChoice, Survey, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
@@ -24,7 +24,7 @@ pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     laboratory: &Laboratory,
-    choice: &Choice,
+    choice: &MapChoice,
     requests: &mut Vec<Request>,
 ) {
     let run = context.session.run();
@@ -48,15 +48,15 @@ pub(super) fn head_ui(
     }
 }
 
-fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
+fn combo_ui(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
     let combo = ComboBox::from_id_salt(label).selected_text(text).width(width).height(420.0).show_ui(ui, add);
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(label));
 }
 
-fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &[String]) {
+fn axis_ui(ui: &mut Ui, choice: &mut MapChoice, at: usize, part: &Scenario, keys: &[String]) {
     let present = choice.axes[at].key.clone();
     let other = choice.axes[1 - at].key.clone();
-    combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
+    combo_ui(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
         for key in keys.iter().filter(|key| **key == other || !collide(key, &other, part)) {
             if !ui.selectable_label(*key == present, setting_name(key, part)).clicked() || *key == present {
                 continue;
@@ -70,21 +70,21 @@ fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &
     });
 }
 
-fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[Measure]) {
-    combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
+fn measure_ui(ui: &mut Ui, choice: &mut MapChoice, offered: &[Measure]) {
+    combo_ui(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
             ui.selectable_value(&mut choice.measure, *measure, measure.name());
         }
     });
 }
 
-fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
+fn filters_ui(ui: &mut Ui, choice: &mut MapChoice, scenario: &Scenario) {
     let name = |id: u32| {
         let filter = scenario.filters.iter().find(|filter| filter.id == id);
         filter.map_or(String::new(), |filter| filter.name.clone())
     };
-    let Choice { filter: first, second, .. } = choice;
-    combo(ui, "Filter of the map", name(*first), 58.0, |ui| {
+    let MapChoice { filter: first, second, .. } = choice;
+    combo_ui(ui, "Filter of the map", name(*first), 58.0, |ui| {
         for filter in &scenario.filters {
             if ui.selectable_label(*first == filter.id, &filter.name).clicked() {
                 if *second == Some(filter.id) {
@@ -98,7 +98,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
         return;
     }
     let text = second.map_or_else(|| "alone".to_owned(), |id| format!("and {}", name(id)));
-    combo(ui, "Second filter", text, 66.0, |ui| {
+    combo_ui(ui, "Second filter", text, 66.0, |ui| {
         ui.selectable_value(second, None, "alone");
         for filter in scenario.filters.iter().filter(|filter| filter.id != *first) {
             ui.selectable_value(second, Some(filter.id), format!("and {}", filter.name));
@@ -106,7 +106,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
     });
 }
 
-fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
+fn ranges_ui(ui: &mut Ui, choice: &mut MapChoice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let button = menu_ui(ui, format!("{x} × {y}"), Closing::Beside, |ui| {
         // Fields and buttons of a menu have no ground.
@@ -153,7 +153,8 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);
         let name = format!("{end} value {way}");
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &format!("{name} {unit}")));
+        let hint = format!("{name} {unit}");
+        ui.allocate_ui(size, |ui| field_ui(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &hint));
     }
     let count = ui.add(egui::DragValue::new(&mut axis.count).range(2..=MOST));
     ui.ctx().accesskit_node_builder(count.id, |node| node.set_label(format!("Values {way}")));

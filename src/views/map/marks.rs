@@ -141,12 +141,12 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 
-pub(super) struct Path {
+pub(super) struct TuningPath {
     pub(super) filter: usize,
     pub(super) points: Vec<[f64; 2]>,
 }
 
-pub(super) fn path_on(plot: &mut PlotUi<'_>, graph: &Graph, path: &Path) {
+pub(super) fn path_on(plot: &mut PlotUi<'_>, graph: &Graph, path: &TuningPath) {
     let shares = path.points.iter().map(|[x, y]| [graph.scales[0].share(*x), graph.scales[1].share(*y)]);
     let points: Vec<[f64; 2]> =
         shares.filter(|at| at.iter().all(|share| share.is_finite())).map(|at| graph.in_plot(at)).collect();

@@ -5,12 +5,12 @@ use kalmanscope_core::{Axis, Scenario, Spacing};
 use kalmanscope_diagnosis::CAUSES;
 use kalmanscope_diagnosis::{Measure, ValueKind, VerdictKind};
 
-use super::marks::{Path, contour_on, dot_ui, path_on, said, truths, truths_on};
-use super::picture::{Contents, Panel};
+use super::marks::{TuningPath, contour_on, dot_ui, path_on, said, truths, truths_on};
+use super::picture::{Contents, MapPanel};
 use super::scale::{CONSISTENT, Graph, bar_room, bar_ui};
 use crate::controls::filter::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
-use crate::plot::axes::Scale;
+use crate::plot::axes::ValueScale;
 use crate::plot::medium::{Medium, Y_AXIS};
 use crate::plot::plane::Plane;
 use crate::request::Request;
@@ -24,10 +24,10 @@ const TITLE: f32 = 17.0;
 const OLD: f32 = 0.55;
 
 pub(super) struct PanelView<'a> {
-    pub(super) panel: &'a Panel,
+    pub(super) panel: &'a MapPanel,
     pub(super) survey: &'a Survey,
     pub(super) measure: Measure,
-    pub(super) path: Option<&'a Path>,
+    pub(super) path: Option<&'a TuningPath>,
     pub(super) is_old: bool,
     pub(super) has_bar: bool,
 }
@@ -65,11 +65,11 @@ impl PanelView<'_> {
         ui: &mut Ui,
         room: Rect,
         palette: &Palette,
-        (truths, path): (&[(usize, f64)], Option<&Path>),
+        (truths, path): (&[(usize, f64)], Option<&TuningPath>),
     ) -> Graph {
         let axes = self.survey.axes();
         let scales =
-            axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
+            axes.map(|axis| ValueScale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
         let names = axes.map(|axis| setting_label(&axis.key, self.survey.ensemble.scenario()));
         let [[left, right], [low, high]] = scales.map(|scale| [scale.ends.0, scale.ends.1]);
         let plane = Plane {
@@ -192,7 +192,7 @@ pub(super) fn profile_room(size: Vec2, measure: Measure) -> f32 {
     if has_room && !measure.info().kind.is_of_kinds() { HEIGHT + APART } else { 0.0 }
 }
 
-pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey, context: &ViewContext<'_>) {
+pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &MapPanel, survey: &Survey, context: &ViewContext<'_>) {
     let palette = context.palette;
     let axes = survey.axes();
     let present = survey.present(context.session.scenario());

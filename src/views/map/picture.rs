@@ -8,7 +8,7 @@ use egui::{
 use kalmanscope_diagnosis::Measure;
 
 use super::marks::{Piece, consistent};
-use super::scale::{Cell, Colors, End, Graph, bar_room, compared, of_filter};
+use super::scale::{Cell, CellEnd, Colors, Graph, bar_room, compared, of_filter};
 use crate::laboratory::{Laboratory, Survey};
 use crate::plot::cache::cached;
 use crate::plot::medium::Medium;
@@ -20,7 +20,7 @@ pub(super) enum Contents {
     Comparison,
 }
 
-pub(super) struct Panel {
+pub(super) struct MapPanel {
     pub(super) contents: Contents,
     pub(super) colors: Colors,
     pub(super) cells: Vec<Cell>,
@@ -37,12 +37,12 @@ pub(super) fn panels(
     survey: &Survey,
     measure: Measure,
     palette: &Palette,
-) -> Arc<Vec<Panel>> {
+) -> Arc<Vec<MapPanel>> {
     let of = (laboratory.edition, laboratory.state.version, ctx.theme(), measure.name());
     cached(ctx, Id::unique("panels of the map"), of, || Some(made(ctx, survey, measure, palette)))
 }
 
-fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<Panel> {
+fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<MapPanel> {
     let filters: Vec<Vec<Cell>> = (0..survey.filters.len()).map(|at| of_filter(survey, at, measure)).collect();
     let colors = Colors::of(measure, &filters.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let comparison = match &filters[..] {
@@ -59,7 +59,7 @@ fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> 
         };
         let shades: Vec<_> = cells.iter().map(|cell| colors.of_cell(*cell, palette)).collect();
         let texture = (Medium::of(ctx) == Medium::Screen).then(|| texture(ctx, contents, &shades, counts));
-        Panel { contents, colors, cells, contour, counts, texture, shades }
+        MapPanel { contents, colors, cells, contour, counts, texture, shades }
     };
     filters.chain(comparison).map(panel).collect()
 }
@@ -73,7 +73,7 @@ fn texture(ctx: &Context, contents: Contents, shades: &[Option<Color32>], [acros
     ctx.load_texture(format!("map, {contents:?}"), image, TextureOptions::NEAREST)
 }
 
-impl Panel {
+impl MapPanel {
     pub(super) fn shapes(&self, graph: &Graph, opacity: f32) -> Vec<Shape> {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         match &self.texture {
@@ -112,7 +112,7 @@ impl Panel {
         meshes.into_iter().map(|(_, mesh)| Shape::mesh(mesh)).collect()
     }
 
-    pub(super) fn has(&self, end: End) -> bool {
+    pub(super) fn has(&self, end: CellEnd) -> bool {
         self.cells.iter().any(|cell| cell.end == end)
     }
 }
@@ -126,13 +126,13 @@ const LOW: f32 = 180.0;
 /// Space between panels \[points\].
 const GAP: f32 = 6.0;
 
-pub(super) struct Place {
+pub(super) struct PanelPlace {
     pub(super) at: usize,
     pub(super) room: Rect,
     pub(super) has_bar: bool,
 }
 
-pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Place> {
+pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[MapPanel], survey: &Survey) -> Vec<PanelPlace> {
     let count = panels.len().max(1) as f32;
     let gaps = GAP * (count - 1.0);
     let is_last = |at: usize| panels.get(at + 1).is_none_or(|next| next.colors != panels[at].colors);
@@ -144,7 +144,7 @@ pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey
         let place = |(at, bar): (usize, &f32)| {
             let room = Rect::from_min_size(corner, vec2(plot + bar, area.height()));
             corner.x += room.width() + GAP;
-            Place { at, room, has_bar: *bar > 0.0 }
+            PanelPlace { at, room, has_bar: *bar > 0.0 }
         };
         return bars.iter().enumerate().map(place).collect();
     }
@@ -153,14 +153,14 @@ pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey
         let place = |at: usize| {
             let room = Rect::from_min_size(corner, vec2(area.width(), height));
             corner.y += height + GAP;
-            Place { at, room, has_bar: true }
+            PanelPlace { at, room, has_bar: true }
         };
         return (0..panels.len()).map(place).collect();
     }
     one_ui(ui, area, panels, survey)
 }
 
-fn one_ui(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Place> {
+fn one_ui(ui: &mut Ui, area: Rect, panels: &[MapPanel], survey: &Survey) -> Vec<PanelPlace> {
     let id = Id::unique("panel of the map");
     let mut chosen: usize = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(panels.len() - 1);
     let filters = &survey.ensemble.scenario().filters;
@@ -177,5 +177,5 @@ fn one_ui(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Pla
     ui.data_mut(|data| data.insert_temp(id, chosen));
     let top = row.response.rect.bottom() + GAP;
     let size = Vec2::new(area.width(), (area.bottom() - top).max(1.0));
-    vec![Place { at: chosen, room: Rect::from_min_size(egui::pos2(area.left(), top), size), has_bar: true }]
+    vec![PanelPlace { at: chosen, room: Rect::from_min_size(egui::pos2(area.left(), top), size), has_bar: true }]
 }

@@ -6,7 +6,7 @@ use kalmanscope_diagnosis::CAUSES;
 use kalmanscope_diagnosis::{Measure, ValueKind, VerdictKind};
 
 use crate::laboratory::Survey;
-use crate::plot::axes::Scale;
+use crate::plot::axes::ValueScale;
 use crate::text::significant;
 use crate::theme::{Palette, diverging, kind, sequential};
 
@@ -25,7 +25,7 @@ const BEYOND: f64 = 0.02;
 
 pub(super) struct Graph {
     pub(super) rect: Rect,
-    pub(super) scales: [Scale; 2],
+    pub(super) scales: [ValueScale; 2],
 }
 
 impl Graph {
@@ -51,8 +51,8 @@ impl Graph {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Colors {
-    Sequential(Scale),
-    Diverging(Scale),
+    Sequential(ValueScale),
+    Diverging(ValueScale),
     /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
     Distance(f64),
     Kinds(Vec<&'static str>),
@@ -65,7 +65,7 @@ impl Colors {
             ValueKind::Flag => Self::Kinds(vec!["no", "yes"]),
             ValueKind::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| kind.name()).collect()),
             ValueKind::Cause => Self::Kinds(CAUSES.iter().map(|cause| cause.name).collect()),
-            ValueKind::Share => Self::Sequential(Scale::new(0.0, 1.0, false)),
+            ValueKind::Share => Self::Sequential(ValueScale::new(0.0, 1.0, false)),
             ValueKind::Ratio => Self::about_one(&values),
             ValueKind::Distance => {
                 let most = quantile(&values, 0.0).abs().max(quantile(&values, 1.0).abs());
@@ -88,17 +88,17 @@ impl Colors {
         }
         let most = quantile(&values, BEYOND).abs().max(quantile(&values, 1.0 - BEYOND).abs());
         let most = if most > 0.0 { most } else { 1.0 };
-        Self::Diverging(Scale::new(-most, most, false))
+        Self::Diverging(ValueScale::new(-most, most, false))
     }
 
     fn about_one(values: &[f64]) -> Self {
         let ends = [quantile(values, BEYOND), quantile(values, 1.0 - BEYOND)];
         let far = ends.map(|end| if end > 0.0 { end.ln().abs() } else { 0.0 });
         let most = far[0].max(far[1]).clamp(2.0_f64.ln(), 100.0_f64.ln()).exp();
-        Self::Diverging(Scale::new(1.0 / most, most, true))
+        Self::Diverging(ValueScale::new(1.0 / most, most, true))
     }
 
-    pub(super) fn scale(&self) -> Option<Scale> {
+    pub(super) fn scale(&self) -> Option<ValueScale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
             Self::Distance(_) | Self::Kinds(_) => None,
@@ -138,13 +138,13 @@ impl Colors {
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
         let color = match (self, end) {
-            (_, End::Unknown) => None,
+            (_, CellEnd::Unknown) => None,
             (Self::Kinds(_), _) if !value.is_nan() => Some(self.kind(value as usize)),
-            (_, End::Stopped) => Some(palette.grid),
+            (_, CellEnd::Stopped) => Some(palette.grid),
             _ if value.is_nan() || value == f64::INFINITY => Some(palette.grid),
             _ => Some(self.at(self.share(value), palette)),
         };
-        if end == End::Lost { color.map(|color| color.lerp_to_gamma(palette.ground, PALE)) } else { color }
+        if end == CellEnd::Lost { color.map(|color| color.lerp_to_gamma(palette.ground, PALE)) } else { color }
     }
 }
 
@@ -155,19 +155,20 @@ pub(super) fn spread(distance: f64) -> f64 {
 
 fn linear(from: f64, to: f64) -> Colors {
     let to = if to > from { to } else { from + 1.0 };
-    Colors::Sequential(Scale::new(from, to, false))
+    Colors::Sequential(ValueScale::new(from, to, false))
 }
 
 fn sizes(values: &[f64]) -> Colors {
     let positive: Vec<f64> = values.iter().copied().filter(|value| *value > 0.0).collect();
     let (low, high) = (quantile(&positive, BEYOND), quantile(&positive, 1.0 - BEYOND));
-    if high > DECADES * low && low > 0.0 { Colors::Sequential(Scale::new(low, high, true)) } else { linear(0.0, high) }
+    let is_wide = high > DECADES * low && low > 0.0;
+    if is_wide { Colors::Sequential(ValueScale::new(low, high, true)) } else { linear(0.0, high) }
 }
 
 fn sorted(cells: &[&[Cell]]) -> Vec<f64> {
     let all = cells.iter().map(|cells| cells.len()).sum::<usize>();
     let step = all.div_ceil(MOST).max(1);
-    let is_used = |cell: &&Cell| cell.value.is_finite() && !matches!(cell.end, End::Unknown | End::Stopped);
+    let is_used = |cell: &&Cell| cell.value.is_finite() && !matches!(cell.end, CellEnd::Unknown | CellEnd::Stopped);
     let values = cells.iter().flat_map(|cells| cells.iter()).step_by(step).filter(is_used);
     let mut values: Vec<f64> = values.map(|cell| cell.value).collect();
     sort_numbers(&mut values);
@@ -182,11 +183,12 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub(super) value: f64,
-    pub(super) end: End,
+    pub(super) end: CellEnd,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+/// From the worst to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum CellEnd {
     Unknown,
     Stopped,
     Lost,
@@ -196,13 +198,13 @@ pub(super) enum End {
 pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
     let columns = [measure, Measure::STOPPED, Measure::DIVERGED].map(|measure| survey.column(filter, measure));
     let cell = |cell: usize| {
-        let Some(row) = survey.sheet.shown(cell) else { return Cell { value: f64::NAN, end: End::Unknown } };
+        let Some(row) = survey.sheet.shown(cell) else { return Cell { value: f64::NAN, end: CellEnd::Unknown } };
         let [value, stopped, diverged] = columns.map(|column| column.map_or(f64::NAN, |at| row[at]));
         let value = if measure.info().kind == ValueKind::Error { value.abs() } else { value };
         let end = match (stopped == 0.0, diverged == 1.0) {
-            (false, _) => End::Stopped,
-            (true, true) => End::Lost,
-            (true, false) => End::Followed,
+            (false, _) => CellEnd::Stopped,
+            (true, true) => CellEnd::Lost,
+            (true, false) => CellEnd::Followed,
         };
         Cell { value, end }
     };
@@ -211,10 +213,9 @@ pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec
 
 pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {
     let is_ratio = measure.info().kind.is_ratio();
-    let worst = |a: End, b: End| [End::Unknown, End::Stopped, End::Lost].into_iter().find(|end| [a, b].contains(end));
     let cell = |(a, b): (&Cell, &Cell)| Cell {
         value: if is_ratio { a.value / b.value } else { a.value - b.value },
-        end: worst(a.end, b.end).unwrap_or(End::Followed),
+        end: a.end.min(b.end),
     };
     a.iter().zip(b).map(cell).collect()
 }

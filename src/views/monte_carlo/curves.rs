@@ -17,7 +17,7 @@ use crate::view::ViewContext;
 const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 
 #[derive(Default)]
-pub(super) struct Curves {
+pub(super) struct SeedCurves {
     pub(super) seeds: usize,
     pub(super) times: Vec<f64>,
     pub(super) samples: Vec<usize>,
@@ -46,12 +46,12 @@ pub(super) struct FilterCurves {
     pub(super) causes: Vec<(Option<&'static str>, f64)>,
 }
 
-pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
+pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<SeedCurves> {
     let wanted = seeds.choice.parameter;
     cached(ctx, Id::unique("Monte Carlo"), (seeds.state.version, wanted), || Some(made(runs, wanted, context)))
 }
 
-fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> Curves {
+fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> SeedCurves {
     let (scenario, statistics) = (runs.scenario(), &runs.statistics);
     let record = context.session.run().record();
     let is_shown = |channel: &Channel| channel.is_parameter() && record.truth(*channel).is_some();
@@ -88,7 +88,7 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
     };
     let histogram = Histogram::new(&all.map(last).collect::<Vec<_>>(), truth.or(is_of_errors.then_some(0.0)));
     let samples = statistics.samples().to_vec();
-    Curves {
+    SeedCurves {
         seeds: statistics.done(),
         times: samples.iter().map(|sample| *sample as f64 * scenario.dt).collect(),
         samples,

@@ -4,7 +4,7 @@ use egui::{ComboBox, DragValue, RichText, Ui};
 use kalmanscope_core::scenario::Law;
 use kalmanscope_core::{Channel, Scenario};
 
-use super::curves::{self, Curves, FilterCurves};
+use super::curves::{self, FilterCurves, SeedCurves};
 use super::over_time::color;
 use crate::laboratory::{SEEDS, Seeds, setting_name};
 use crate::request::Request;
@@ -60,7 +60,7 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
     }
 }
 
-pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, seeds: &Seeds) {
+pub(super) fn legend_ui(ui: &mut Ui, curves: &SeedCurves, context: &ViewContext<'_>, seeds: &Seeds) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
         let of = if seeds.is_shown_old() { ", of the settings before" } else { "" };

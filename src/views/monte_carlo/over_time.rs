@@ -6,14 +6,14 @@ use egui::{Color32, RichText, Tooltip, Ui};
 use egui_plot::{Bar, BarChart, FilledArea, HLine, Line, LineStyle, PlotUi, VLine};
 use kalmanscope_core::Channel;
 
-use super::curves::{Curves, FilterCurves};
+use super::curves::{FilterCurves, SeedCurves};
 use crate::plot::plane::Plane;
 use crate::session::Bound;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Chart {
+pub(super) enum TimeChart {
     Nees,
     Nis,
     Error,
@@ -26,10 +26,10 @@ const BARS: f32 = 0.35;
 /// Limits the axis of NEES and NIS.
 const RATIOS: RangeInclusive<f64> = 1e-3..=1e6;
 
-impl Chart {
+impl TimeChart {
     pub(super) const ALL: [Self; 3] = [Self::Nees, Self::Nis, Self::Error];
 
-    pub(super) fn is_in(self, curves: &Curves) -> bool {
+    pub(super) fn is_in(self, curves: &SeedCurves) -> bool {
         let has = |values: &[f64]| values.iter().any(|value| value.is_finite());
         match self {
             Self::Nees => curves.filters.iter().any(|filter| has(&filter.nees)),
@@ -38,7 +38,7 @@ impl Chart {
         }
     }
 
-    pub(super) fn ui(self, ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>) {
+    pub(super) fn ui(self, ui: &mut Ui, curves: &SeedCurves, context: &ViewContext<'_>) {
         let name = self.name(curves, context);
         let plane = Plane { logarithmic: [false, self != Self::Error], ..Plane::linear(&name, ["time [s]", &name]) };
         let times = (0.0, curves.duration.max(f64::MIN_POSITIVE));
@@ -64,7 +64,7 @@ impl Chart {
         });
     }
 
-    fn name(self, curves: &Curves, context: &ViewContext<'_>) -> String {
+    fn name(self, curves: &SeedCurves, context: &ViewContext<'_>) -> String {
         match (self, curves.parameter) {
             (Self::Nees, _) => "mean NEES".to_owned(),
             (Self::Nis, _) => "mean NIS".to_owned(),
@@ -80,7 +80,7 @@ impl Chart {
         }
     }
 
-    fn range(self, curves: &Curves) -> (f64, f64) {
+    fn range(self, curves: &SeedCurves) -> (f64, f64) {
         if self == Self::Error {
             let reach = reach(curves);
             return (-reach, reach);
@@ -96,7 +96,7 @@ impl Chart {
         (low.max(*RATIOS.start()).log10(), high.min(*RATIOS.end()).log10())
     }
 
-    fn draw_ratios(self, plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>) {
+    fn draw_ratios(self, plot: &mut PlotUi<'_>, curves: &SeedCurves, context: &ViewContext<'_>) {
         let palette = context.palette;
         let mut drawn: Vec<&[Option<RangeInclusive<f64>>]> = Vec::new();
         for filter in &curves.filters {
@@ -119,7 +119,7 @@ impl Chart {
         }
     }
 
-    fn said(self, filter: &FilterCurves, at: usize, curves: &Curves) -> String {
+    fn said(self, filter: &FilterCurves, at: usize, curves: &SeedCurves) -> String {
         let name = &filter.name;
         if self != Self::Error {
             let (values, bands) = self.ratios(filter);
@@ -153,7 +153,7 @@ fn width(at: usize) -> f32 {
 }
 
 /// The largest error on the axis. The first tenth of the times, with their wide beliefs, may go beyond it.
-fn reach(curves: &Curves) -> f64 {
+fn reach(curves: &SeedCurves) -> f64 {
     let mut reach = 0.0_f64;
     for filter in &curves.filters {
         let begin = filter.quantiles.len() / 10;
@@ -166,7 +166,7 @@ fn reach(curves: &Curves) -> f64 {
     if reach > 0.0 { 1.15 * reach } else { 1.0 }
 }
 
-fn draw_errors(plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>) {
+fn draw_errors(plot: &mut PlotUi<'_>, curves: &SeedCurves, context: &ViewContext<'_>) {
     let times = &curves.times[..];
     for filter in &curves.filters {
         let edges = filter.std.iter().map(|std| [-2.0 * std, 2.0 * std]);
@@ -187,7 +187,7 @@ fn draw_errors(plot: &mut PlotUi<'_>, curves: &Curves, context: &ViewContext<'_>
     }
 }
 
-fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
+fn bounds(curves: &SeedCurves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
     // The bound is that of one truth.
     let Some(channel) = curves.parameter.filter(|_| !curves.is_of_errors) else { return Vec::new() };
     let one = |Bound { bound, filters }: &Bound| {
@@ -213,7 +213,7 @@ fn line<'a>(times: &[f64], values: impl Iterator<Item = f64>, width: f32, color:
     Line::new("line", points).color(color).width(width).allow_hover(false).allow_band(false)
 }
 
-pub(super) fn last_estimates_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>) {
+pub(super) fn last_estimates_ui(ui: &mut Ui, curves: &SeedCurves, context: &ViewContext<'_>) {
     let Some(channel) = curves.parameter else { return };
     let histogram = &curves.histogram;
     let highest = histogram.counts.iter().flatten().copied().max().unwrap_or_default().max(1);

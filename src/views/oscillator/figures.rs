@@ -5,13 +5,13 @@ use kalmanscope_core::equation::Equation;
 use kalmanscope_core::plant::Plant as _;
 use kalmanscope_core::{Estimates, Scenario};
 
-use super::parts::Belief;
+use super::parts::MassBelief;
 use super::scene::Scene;
 use super::stage::rounded;
 use crate::text::unit_in;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Figure {
+pub(super) enum PlantFigure {
     Masses,
     Pendulum,
     Circuit,
@@ -22,7 +22,7 @@ pub(super) enum Figure {
 /// The reach of a pendulum that needs room above its pivot \[rad\].
 const WIDE: f64 = 1.2;
 
-impl Figure {
+impl PlantFigure {
     pub(super) fn of(scenario: &Scenario, masses: usize) -> Self {
         let own = scenario.plant.kind.own_equation();
         let stated = own.and_then(|own| own.settings().parameter("x")).map(|x| x.unit.as_str());
@@ -61,7 +61,7 @@ fn turns(own: &Equation) -> bool {
     (rate(0.3 + std::f64::consts::TAU) - rate(0.3)).abs() < 1e-9 && (rate(1.3) - rate(0.3)).abs() > 1e-9
 }
 
-type Beliefs<'a> = [(Belief, &'a Estimates)];
+type Beliefs<'a> = [(MassBelief, &'a Estimates)];
 
 fn pendulum(scene: &Scene<'_>, beliefs: &Beliefs<'_>, reach: f64) -> Vec<Rect> {
     let (rect, unit, painter, palette) = (scene.stage.rect, scene.stage.unit, scene.painter, scene.context.palette);
@@ -80,7 +80,7 @@ fn pendulum(scene: &Scene<'_>, beliefs: &Beliefs<'_>, reach: f64) -> Vec<Rect> {
         let fill = palette.ground.lerp_to_gamma(palette.truth, 0.2);
         painter.circle(bob, radius, fill, Stroke::new(1.8 * unit, palette.truth));
     }
-    let ghost = |(place, (belief, _)): (usize, &(Belief, &Estimates))| {
+    let ghost = |(place, (belief, _)): (usize, &(MassBelief, &Estimates))| {
         let (bob, around) = (at(belief.mean, length), length - radius * (1.6 + 0.7 * place as f32));
         painter.line_segment([pivot, bob], Stroke::new(1.2 * unit, belief.color));
         painter.circle(
@@ -133,7 +133,7 @@ fn circuit(scene: &Scene<'_>, beliefs: &Beliefs<'_>, reach: f64) -> Vec<Rect> {
         painter.rect_filled(bar, 0.0, palette.truth.gamma_multiply(0.18));
         painter.line_segment([pos2(left, place(value)), pos2(right, place(value))], ink);
     }
-    let column = |(number, (belief, _)): (usize, &(Belief, &Estimates))| {
+    let column = |(number, (belief, _)): (usize, &(MassBelief, &Estimates))| {
         let x = left + (1.5 * number as f32 + 1.5) * width;
         let [low, high] = [-2.0, 2.0].map(|many| place(belief.mean + many * belief.std));
         let band = Rect::from_x_y_ranges((x - 0.5 * width)..=(x + 0.5 * width), high..=low);

@@ -5,11 +5,11 @@ use std::f32::consts::TAU;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use kalmanscope_core::channel::MAX_MASSES;
 
-use super::stage::Stage;
+use super::stage::SceneFrame;
 use crate::plot::axes::{tick, ticks};
 use crate::theme::Palette;
 
-pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palette) {
+pub(super) fn body(stage: &SceneFrame, painter: &Painter, body: Rect, palette: &Palette) {
     let Palette { truth, ground, .. } = *palette;
     let wheel = stage.wheel();
     for share in [0.22, 0.78] {
@@ -27,7 +27,7 @@ pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palet
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Belief {
+pub(super) struct MassBelief {
     /// \[m\]
     pub(super) mean: f64,
     /// \[m\]
@@ -35,20 +35,20 @@ pub(super) struct Belief {
     pub(super) color: Color32,
 }
 
-pub(super) fn slice(stage: &Stage, mass: usize, (place, count): (usize, usize), mean: f64) -> Rect {
+pub(super) fn slice(stage: &SceneFrame, mass: usize, (place, count): (usize, usize), mean: f64) -> Rect {
     let height = stage.body.y / count.max(1) as f32;
     let whole = stage.body(mass, mean);
     let top = whole.top() + place as f32 * height;
     Rect::from_x_y_ranges(whole.x_range(), top..=(top + height)).expand2(vec2(1.6 * stage.unit, 0.0))
 }
 
-pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[Belief], bands: bool) {
+pub(super) fn ghosts(stage: &SceneFrame, painter: &Painter, mass: usize, beliefs: &[MassBelief], bands: bool) {
     let unit = stage.unit;
     let height = stage.body.y / beliefs.len().max(1) as f32;
     let stroke = (1.7 * unit).min(0.2 * height);
     let thick = (0.5 * height).min(10.0 * unit);
     for (place, belief) in beliefs.iter().enumerate() {
-        let Belief { mean, std, color } = *belief;
+        let MassBelief { mean, std, color } = *belief;
         let whole = stage.body(mass, mean);
         let slice = slice(stage, mass, (place, beliefs.len()), mean);
         let outline = slice.shrink2(vec2(0.0, 0.6 * stroke));
@@ -69,8 +69,8 @@ pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[B
     }
 }
 
-pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
-    let Stage { unit, floor, wall, rect, body, .. } = *stage;
+pub(super) fn ground(stage: &SceneFrame, painter: &Painter, length: &str, palette: &Palette) {
+    let SceneFrame { unit, floor, wall, rect, body, .. } = *stage;
     let right = rect.right() - 8.0;
     let top = stage.body(0, 0.0).top() - 6.0 * unit;
     let depth = 5.0 * unit;
@@ -94,7 +94,7 @@ pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &P
     if stage.masses == 1 { ruler(stage, painter, length, palette) } else { bar(stage, painter, length, palette) }
 }
 
-fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
+fn ruler(stage: &SceneFrame, painter: &Painter, length: &str, palette: &Palette) {
     let reach = stage.metres(stage.travel + 0.25 * stage.body.x);
     let count = (stage.travel / (26.0 * stage.unit)).max(3.0);
     // At least one mark on either side of zero.
@@ -110,7 +110,7 @@ fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
 
 const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
-fn bar(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
+fn bar(stage: &SceneFrame, painter: &Painter, length: &str, palette: &Palette) {
     for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses) {
         mark_at(stage, painter, stage.rest(mass), palette.weak);
         label(stage, painter, stage.rest(mass), name, palette);
@@ -127,12 +127,12 @@ fn bar(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     label(stage, painter, x, &format!("{} {length}", tick(mark.value, mark.step_size)), palette);
 }
 
-fn mark_at(stage: &Stage, painter: &Painter, x: f32, color: Color32) {
+fn mark_at(stage: &SceneFrame, painter: &Painter, x: f32, color: Color32) {
     let stroke = Stroke::new(1.3 * stage.unit, color);
     painter.line_segment([pos2(x, stage.floor), pos2(x, stage.floor + 5.0 * stage.unit)], stroke);
 }
 
-fn label(stage: &Stage, painter: &Painter, x: f32, text: &str, palette: &Palette) {
+fn label(stage: &SceneFrame, painter: &Painter, x: f32, text: &str, palette: &Palette) {
     let mut font = stage.font();
     font.size = (0.92 * font.size).max(10.0);
     let at = pos2(x, stage.floor + 4.0 * stage.unit);
@@ -155,7 +155,7 @@ pub(super) struct Ink {
     pub(super) fill: Color32,
 }
 
-pub(super) fn link(stage: &Stage, painter: &Painter, kind: Link, start: f32, body: Rect, stretch: f64, ink: Ink) {
+pub(super) fn link(stage: &SceneFrame, painter: &Painter, kind: Link, start: f32, body: Rect, stretch: f64, ink: Ink) {
     let end = body.left();
     let row = |share: f32| body.top() + share * body.height();
     let radius = body.height() * if matches!(kind, Link::Slipping(_)) { 0.125 } else { 0.2 };
@@ -196,7 +196,7 @@ struct Helix {
     widens: bool,
 }
 
-fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
+fn helix(stage: &SceneFrame, painter: &Painter, helix: Helix, ink: Ink) {
     /// Points of a turn.
     const POINTS: usize = 10;
     let Helix { from, to, y, radius, coils, widens } = helix;
@@ -215,7 +215,7 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     painter.line(std::iter::once(pos2(from, y)).chain(coil).chain([pos2(to, y)]).collect(), stroke);
 }
 
-fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, stretch: f64, ink: Ink) {
+fn damper(stage: &SceneFrame, painter: &Painter, start: f32, end: Pos2, half: f32, stretch: f64, ink: Ink) {
     let stroke = Stroke::new(1.6 * stage.unit, ink.line);
     let (left, right) = stage.cylinder(start);
     let middle = 0.5 * (left + right);
@@ -231,7 +231,7 @@ fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, st
     painter.rect_filled(head, 1.0, ink.line);
 }
 
-fn friction(stage: &Stage, painter: &Painter, start: f32, slider: Rect, ink: Ink) {
+fn friction(stage: &SceneFrame, painter: &Painter, start: f32, slider: Rect, ink: Ink) {
     let stroke = Stroke::new(1.6 * stage.unit, ink.line);
     let (left, right) = stage.cylinder(start);
     painter.line_segment([pos2(start, slider.center().y), pos2(left, slider.center().y)], stroke);
@@ -243,7 +243,7 @@ fn friction(stage: &Stage, painter: &Painter, start: f32, slider: Rect, ink: Ink
     painter.rect(slider, 1.5, ink.back, stroke, StrokeKind::Inside);
 }
 
-pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color: Color32) {
+pub(super) fn arrow(stage: &SceneFrame, painter: &Painter, x: f32, share: f64, color: Color32) {
     let unit = stage.unit;
     let length = share.clamp(-1.0, 1.0) as f32 * stage.longest_arrow();
     let tail = pos2(x, stage.arrow);

@@ -5,8 +5,8 @@ use egui::{FontId, Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Channel, Estimates, Record};
 
-use super::parts::{Belief, Ink, Link, arrow, body, ghosts, ground, link, slice};
-use super::stage::{Stage, displacement, recent};
+use super::parts::{Ink, Link, MassBelief, arrow, body, ghosts, ground, link, slice};
+use super::stage::{SceneFrame, displacement, recent};
 use crate::equation::job;
 use crate::view::ViewContext;
 
@@ -17,7 +17,7 @@ const CORNER: f32 = 10.0;
 const LEAST_EQUATION: f32 = 12.5;
 
 pub(super) struct Scene<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a SceneFrame,
     pub(super) painter: &'a Painter,
     pub(super) context: &'a ViewContext<'a>,
     pub(super) k: usize,
@@ -37,7 +37,7 @@ impl<'a> Scene<'a> {
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
         for mass in 0..stage.masses {
-            let beliefs: Vec<Belief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
+            let beliefs: Vec<MassBelief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
             let truth = self.truth(mass);
             let known = truth.and_then(|x| x.get(k)).copied().filter(|x| x.is_finite());
             // Without a truth the springs show the estimate of the first filter.
@@ -76,7 +76,7 @@ impl<'a> Scene<'a> {
         (0..self.stage.masses).flat_map(of_mass).collect()
     }
 
-    pub(super) fn beliefs(&self) -> Vec<(Belief, &'a Estimates)> {
+    pub(super) fn beliefs(&self) -> Vec<(MassBelief, &'a Estimates)> {
         self.filters(0).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates))).collect()
     }
 
@@ -98,10 +98,10 @@ impl<'a> Scene<'a> {
         self.record().truth(displacement(mass)).filter(|_| self.context.visible.truth)
     }
 
-    fn filters(&self, mass: usize) -> impl Iterator<Item = Filter<'a>> {
+    fn filters(&self, mass: usize) -> impl Iterator<Item = SceneFilter<'a>> {
         self.context.filters().filter_map(move |(_, estimates)| {
             let color = self.context.color(estimates);
-            Some(Filter { estimates, at: estimates.place(displacement(mass))?, color })
+            Some(SceneFilter { estimates, at: estimates.place(displacement(mass))?, color })
         })
     }
 
@@ -153,17 +153,17 @@ impl<'a> Scene<'a> {
     }
 }
 
-struct Filter<'a> {
+struct SceneFilter<'a> {
     estimates: &'a Estimates,
     at: usize,
     color: egui::Color32,
 }
 
-impl Filter<'_> {
-    fn belief(&self, k: usize) -> Option<Belief> {
+impl SceneFilter<'_> {
+    fn belief(&self, k: usize) -> Option<MassBelief> {
         let Self { estimates, at, color } = *self;
         let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;
-        Some(Belief { mean, std: estimates.std(k, at), color })
+        Some(MassBelief { mean, std: estimates.std(k, at), color })
     }
 }
 

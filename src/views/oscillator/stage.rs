@@ -65,7 +65,7 @@ const REACH_PER_LINK: f32 = 0.55;
 
 /// The picture's measures \[points\], for masses in a row on a ground, the first on the right of a wall.
 #[derive(Clone, Debug)]
-pub(super) struct Stage {
+pub(super) struct SceneFrame {
     pub(super) rect: Rect,
     pub(super) unit: f32,
     pub(super) floor: f32,
@@ -94,7 +94,7 @@ fn reach_ratio(masses: usize) -> f32 {
     1.0 + REACH_PER_LINK * (masses - 1) as f32
 }
 
-impl Stage {
+impl SceneFrame {
     pub(super) fn new(rect: Rect, masses: usize, span: f64) -> Self {
         let (width, height) = (rect.width(), rect.height());
         let unit = (height / 110.0).clamp(0.7, 2.0);
@@ -191,7 +191,7 @@ mod tests {
             let (record, masses) = (run.record(), masses(&run));
             let peak = Peak::up_to(record, masses, run.len() - 1);
             for size in SIZES {
-                let stage = Stage::new(Rect::from_min_size(egui::Pos2::ZERO, size), masses, span(masses, peak));
+                let stage = SceneFrame::new(Rect::from_min_size(egui::Pos2::ZERO, size), masses, span(masses, peak));
                 for k in 0..run.len() {
                     let mut start = stage.wall;
                     for mass in 0..masses {
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn a_stage_has_room_for_each_thing_above_the_other() {
         for size in SIZES {
-            let stage = Stage::new(Rect::from_min_size(egui::Pos2::ZERO, size), 1, 0.2);
+            let stage = SceneFrame::new(Rect::from_min_size(egui::Pos2::ZERO, size), 1, 0.2);
             let body = stage.body(0, 0.0);
             assert!(stage.arrow > 6.0 && stage.arrow < body.top(), "{size}");
             assert!(body.bottom() < stage.floor && stage.floor < size.y);

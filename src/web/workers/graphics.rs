@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use js_sys::Array;
-use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Lost, Rows};
+use kalmanscope::team::{CellBatch, CellRows, Computer, Finding, Graphics, Handle, Lost};
 use kalmanscope_worker::{cells_message, rows};
 use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::spawn_local;
@@ -14,18 +14,18 @@ use web_sys::MessageEvent;
 
 use super::super::object::{awaited, call, get};
 
-use super::worker::{Left, Program, Worker, WorkerTask};
+use super::worker::{Program, RemainingWork, Worker, WorkerTask};
 
 /// The worker computes this many cells at once.
 const PORTION: usize = 1024;
 
 /// The graphics processor. The search begins with the first map.
-pub(super) struct Processor {
+pub(super) struct WorkerProcessor {
     software: bool,
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<ProcessorState>>,
 }
 
-struct State {
+struct ProcessorState {
     is_asked: bool,
     finding: Finding,
     worker: Option<Worker>,
@@ -35,9 +35,9 @@ struct State {
     ctx: Context,
 }
 
-impl Processor {
+impl WorkerProcessor {
     pub(super) fn new(software: bool) -> Self {
-        let state = State {
+        let state = ProcessorState {
             is_asked: false,
             finding: Finding::Searching,
             worker: None,
@@ -50,7 +50,7 @@ impl Processor {
     }
 }
 
-impl Graphics for Processor {
+impl Graphics for WorkerProcessor {
     fn find(&self, ctx: &Context) -> Finding {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
@@ -64,12 +64,12 @@ impl Graphics for Processor {
         self.state.borrow().finding.clone()
     }
 
-    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+    fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
         state.number += 1;
         let number = state.number;
-        let left = Left::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
+        let left = RemainingWork::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
         let mut task = WorkerTask::new(number, cells_message(number, &cells.runner), left, (None, 1), ctx);
         task.feed(state.worker.as_ref()?);
         state.task = Some(task);
@@ -79,18 +79,18 @@ impl Graphics for Processor {
 }
 
 struct Working {
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<ProcessorState>>,
     number: u32,
 }
 
 impl Working {
-    fn take(&self) -> Result<Option<Rows>, Lost> {
+    fn take(&self) -> Result<Option<CellRows>, Lost> {
         let state = self.state.borrow();
         let task = state.task.as_ref().filter(|task| task.number == self.number).ok_or(Lost)?;
         match task.next() {
             Some(part) => {
                 let (cells, numbers) = rows(&part).ok_or(Lost)?;
-                Ok(Some(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(&state.name)) }))
+                Ok(Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::clone(&state.name)) }))
             }
             // The team does the cells that were not served.
             None if task.rests() => Err(Lost),
@@ -108,7 +108,7 @@ impl Drop for Working {
     }
 }
 
-impl State {
+impl ProcessorState {
     fn miss(&mut self, reason: String) {
         log::info!("Maps are computed by workers: {reason}");
         self.finding = Finding::Absent(reason);
@@ -140,7 +140,7 @@ async fn ask(software: bool) -> Result<(), String> {
 }
 
 /// Starts the worker, if the browser offers a processor. Without one, this saves most of the work of a start.
-async fn start(state: Rc<RefCell<State>>, software: bool) {
+async fn start(state: Rc<RefCell<ProcessorState>>, software: bool) {
     let offer = ask(software).await;
     let mut present = state.borrow_mut();
     match offer.and_then(|()| Worker::new(0, Program::Graphics, listener(&state, software))) {
@@ -149,8 +149,8 @@ async fn start(state: Rc<RefCell<State>>, software: bool) {
     }
 }
 
-fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
-    let state: Weak<RefCell<State>> = Rc::downgrade(state);
+fn listener(state: &Rc<RefCell<ProcessorState>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+    let state: Weak<RefCell<ProcessorState>> = Rc::downgrade(state);
     move |event| {
         let Some(state) = state.upgrade() else { return };
         let mut state = state.borrow_mut();
@@ -181,7 +181,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
                 }
             }
             "part" if is_present => {
-                if let State { worker: Some(worker), task: Some(task), .. } = &mut *state {
+                if let ProcessorState { worker: Some(worker), task: Some(task), .. } = &mut *state {
                     task.take(&words.get(2), worker);
                     task.feed(worker);
                 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::{Array, Reflect};
-use kalmanscope::team::{BETWEEN, Cells};
+use kalmanscope::team::{BETWEEN, CellBatch};
 use kalmanscope_worker::portion_of;
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
@@ -96,7 +96,7 @@ const MOST: usize = 512;
 pub(super) struct WorkerTask {
     pub(super) number: u32,
     message: Array,
-    left: Left,
+    left: RemainingWork,
     /// The workers that know the task, by number, each with the portions that it has.
     shares: Vec<(u32, usize)>,
     worker: Option<u32>,
@@ -106,19 +106,19 @@ pub(super) struct WorkerTask {
     ctx: Context,
 }
 
-pub(super) enum Left {
+pub(super) enum RemainingWork {
     Samples(usize),
     Outcome,
     /// Cells from a place in their order on, in portions of a size.
     Cells {
-        cells: Box<Cells>,
+        cells: Box<CellBatch>,
         next: usize,
         size: usize,
     },
 }
 
-impl Left {
-    pub(super) fn cells(cells: Cells, workers: usize) -> Self {
+impl RemainingWork {
+    pub(super) fn cells(cells: CellBatch, workers: usize) -> Self {
         let soon = (PORTION / cells.runner.time_of_cell()) as usize;
         let size = soon.min(cells.order.len() / (AT_ONCE * workers)).clamp(1, MOST);
         Self::Cells { cells: Box::new(cells), next: 0, size }
@@ -145,7 +145,7 @@ impl WorkerTask {
     pub(super) fn new(
         number: u32,
         message: Array,
-        left: Left,
+        left: RemainingWork,
         (worker, at_once): (Option<u32>, usize),
         ctx: &Context,
     ) -> Self {
@@ -201,8 +201,8 @@ impl WorkerTask {
             return;
         }
         self.come.push(part);
-        if matches!(self.left, Left::Outcome) && part.as_f64().is_none() {
-            self.left = Left::Samples(0);
+        if matches!(self.left, RemainingWork::Outcome) && part.as_f64().is_none() {
+            self.left = RemainingWork::Samples(0);
         }
         if !self.is_for_all() {
             self.feed(worker);
@@ -218,7 +218,7 @@ impl WorkerTask {
         for worker in workers.iter().filter(|worker| self.shares.iter().any(|(number, _)| *number == worker.number)) {
             worker.tell(&Array::of2(&"forget".into(), &self.number.into()));
         }
-        (self.left, self.come) = (Left::Samples(0), Array::new());
+        (self.left, self.come) = (RemainingWork::Samples(0), Array::new());
     }
 
     pub(super) fn forget_all_but(&mut self, workers: &[Worker]) {

@@ -8,7 +8,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Axis, Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Scenario, Source, simulate};
 use kalmanscope_diagnosis::{Measure, ValueKind};
 use kalmanscope_gpu::{Gpu, GpuError, GpuRun, Software, serves};
-use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Priority, Runner, Slice, Threads};
 
 use crate::common::{CLOSE, Tally, built_in, gpu};
 
@@ -49,7 +49,7 @@ fn guesses(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
 fn compare(name: &str, runner: &Arc<Runner>) -> Tally {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
-    let mut exact = Sheet::new(ensemble);
+    let mut exact = EnsembleRows::new(ensemble);
     let begin = Instant::now();
     let team = Threads::new(0, 0).unwrap();
     let work = team.rows(Priority::Map, runner, cells.clone(), |_| {});

@@ -10,14 +10,14 @@ use kalmanscope_worker::{Words, answer, cells, fail, hear, rows_part, runner, te
 use wasm_bindgen_futures::spawn_local;
 
 #[derive(Default)]
-struct Graphics {
+struct GraphicsWorker {
     gpu: Rc<RefCell<Option<Rc<Gpu>>>>,
     task: Rc<Cell<f64>>,
     runner: RefCell<Option<Rc<Runner>>>,
 }
 
 pub(crate) fn serve() {
-    let graphics = Graphics::default();
+    let graphics = GraphicsWorker::default();
     hear(move |words| match words.text(0).as_str() {
         "graphics" => graphics.find(words.get(1).is_truthy()),
         "cells" => graphics.begin(words),
@@ -26,7 +26,7 @@ pub(crate) fn serve() {
     });
 }
 
-impl Graphics {
+impl GraphicsWorker {
     fn find(&self, software: bool) {
         let gpu = Rc::clone(&self.gpu);
         let software = if software { Software::Allowed } else { Software::Refused };

@@ -5,13 +5,13 @@ use std::hint::black_box;
 use kalmanscope_core::{
     Channel, FilterKind, Hold, Pass, PlantKind, Propagation, Record, Sample, Scenario, Sink, Stop, simulate,
 };
-use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with};
 
 pub(crate) struct Case {
     pub(crate) name: String,
     scenario: Scenario,
     /// The instruction set of the lanes. `None` for a single filter.
-    pub(crate) level: Option<Level>,
+    pub(crate) level: Option<InstructionSet>,
 }
 
 pub(crate) fn chosen(words: &[String]) -> Vec<Case> {
@@ -26,7 +26,7 @@ fn all() -> Vec<Case> {
     let sdof = || built_in(PlantKind::SDOF);
     let duffing = || built_in(PlantKind::DUFFING);
     let mut cases = Vec::new();
-    let mut add = |name: &str, kinds: &[FilterKind], scenario: Scenario, levels: &[Option<Level>]| {
+    let mut add = |name: &str, kinds: &[FilterKind], scenario: Scenario, levels: &[Option<InstructionSet>]| {
         for &kind in kinds {
             for &level in levels {
                 let place = level.map_or(String::new(), |level| format!(", lanes {level:?}"));
@@ -37,7 +37,7 @@ fn all() -> Vec<Case> {
         }
     };
     let alone = [None];
-    let lanes = [Some(Level::Baseline), Some(Level::Avx2)];
+    let lanes = [Some(InstructionSet::Baseline), Some(InstructionSet::Avx2)];
     let both = [EKF, UKF];
     add("SDOF", &[EKF, UKF, FilterKind::CKF, FilterKind::SR_UKF], sdof(), &alone);
     add("SDOF", &both, sdof(), &lanes);
@@ -123,7 +123,7 @@ impl Sink for Sum {
     fn stop_at(&mut self, _: Stop) {}
 }
 
-fn abreast(level: Level, scenario: &Scenario, record: &Record) {
+fn abreast(level: InstructionSet, scenario: &Scenario, record: &Record) {
     let guess = |i: usize| {
         let mut scenario = scenario.clone();
         scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] *= 0.9 + 0.02 * i as f64;

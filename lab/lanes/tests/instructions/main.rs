@@ -18,7 +18,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-use kalmanscope_lanes::Level;
+use kalmanscope_lanes::InstructionSet;
 
 use cases::Case;
 
@@ -153,7 +153,7 @@ const MARKS: usize = STEPS.len() + 1;
 type Count = (String, u64);
 
 fn work(cases: &[Case]) {
-    for case in cases.iter().filter(|case| case.level.is_none_or(|level| Level::available().contains(&level))) {
+    for case in cases.iter().filter(|case| case.level.is_none_or(|one| InstructionSet::available().contains(&one))) {
         println!("{}", case.name);
         let records = STEPS.map(|steps| case.record(steps));
         mark();
