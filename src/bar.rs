@@ -18,7 +18,6 @@ use crate::widgets::named;
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// The size of the drawing of a view in the menu \[points\].
 const SKETCH: egui::Vec2 = egui::vec2(54.0, 20.0);
 
 const FORGET: &str = "Remove the record’s file from this device: it will not be here next time";

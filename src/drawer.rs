@@ -13,7 +13,6 @@ const LOW: f32 = 0.2;
 /// Limits both heights from below \[points\].
 const LEAST: f32 = 110.0;
 
-/// The size of the grip in the middle of the handle \[points\].
 const GRIP: egui::Vec2 = vec2(36.0, 4.0);
 
 /// The least height of the heading on the handle \[points\].

@@ -206,7 +206,6 @@ fn can_grow(kind: ViewKind) -> bool {
     !is_text && kind.proportions() != Proportions::Flat
 }
 
-/// The size of a sample \[points of the canvas\].
 const SAMPLE: egui::Vec2 = vec2(18.0, 9.0);
 
 pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {

@@ -13,7 +13,6 @@ use crate::views::view;
 use crate::widgets::named;
 use crate::{export, keys, theme};
 
-/// The width of the window \[points\].
 const WIDTH: f32 = 460.0;
 
 /// Limits the entries, and those in sight.

@@ -161,7 +161,6 @@ const NAMES: f32 = 112.0;
 /// The distance of the list from the window's edges, its title and its margins included \[points\].
 const MARGINS: Vec2 = vec2(36.0, 84.0);
 
-/// Gaps between columns and between groups \[points\].
 const GAPS: Vec2 = vec2(24.0, 8.0);
 
 type Group = (&'static str, Vec<(&'static str, &'static str)>);

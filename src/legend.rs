@@ -154,7 +154,6 @@ fn fitted(ui: &Ui, text: &str, room: f32) -> String {
     ui.painter().layout_job(job).rows.iter().map(|row| row.text()).collect()
 }
 
-/// The height of an entry \[points\].
 const HEIGHT: f32 = 20.0;
 
 fn entry_ui(

@@ -39,7 +39,6 @@ use crate::text::sentence;
 use crate::theme::Palette;
 use crate::widgets::primary;
 
-/// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 460.0;
 
 /// The height of the curve that shows the readings \[points\].

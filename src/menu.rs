@@ -21,7 +21,6 @@ const LEAST: f32 = 100.0;
 /// The width of an entry with a sentence, where there is room \[points\].
 const ENTRY: f32 = 420.0;
 
-/// The size of an entry's picture \[points\].
 const PICTURE: Vec2 = vec2(64.0, 26.0);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

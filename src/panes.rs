@@ -22,7 +22,6 @@ const LEAST_FLAT: f32 = 90.0;
 const LEAST_TALL: f32 = 216.0;
 const LEAST_PLOT: f32 = 70.0;
 
-/// The distance between views, which can be dragged \[points\].
 const GAP: f32 = 14.0;
 
 /// The room around a view into which its plots may draw \[points\].

@@ -12,7 +12,6 @@ use crate::session::Session;
 use crate::theme::{self, Palette};
 use crate::widgets::named;
 
-/// The space between sentences \[points\].
 const SPACE: f32 = 4.0;
 
 /// Limits the width of a line, in heights of its letters.

@@ -14,7 +14,6 @@ use crate::theme::Palette;
 use crate::trouble::Gap;
 use crate::widgets::{hover_text, named};
 
-/// The height of the track \[points\].
 const HEIGHT: f32 = 28.0;
 
 /// The thickness of a filter's strip of bad parts \[points\].

@@ -125,7 +125,6 @@ fn progress_ui(ui: &mut Ui, share: f64) {
     ui.painter().rect_filled(done_bar, 0.0, done);
 }
 
-/// Height of the progress bar \[points\].
 const BAR: f32 = 2.0;
 
 fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {

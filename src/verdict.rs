@@ -5,7 +5,6 @@ use kalmanscope_diagnosis::{Verdict, VerdictKind};
 
 use crate::theme::{self, Palette};
 
-/// The space between a chip's edge and its text \[points\].
 const MARGIN: f32 = 5.0;
 
 pub(crate) const fn symbol(kind: VerdictKind) -> &'static str {

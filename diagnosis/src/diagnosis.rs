@@ -5,7 +5,7 @@
 //! Case ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ LikelyCauses ──trials, search──▶ Remedies
 //! ```
 //!
-//! Each test ([`Test`]) is an item of a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
+//! Each test ([`Test`]) is an item of a file in `checks/`, each cause ([`Cause`]) one in `cause/`.
 
 use std::ops::Range;
 

@@ -1,6 +1,4 @@
-//! Kalman filters of any system: [`KalmanFilter`] for matrices and a measurement function of your own, and for equations of motion
-//! KF, EKF, IEKF, UKF, SR-UKF, CKF, EnKF and a particle filter, each written once over the kind of number. Nothing here knows a
-//! scenario, a record or a run.
+#![doc = include_str!("../README.md")]
 //!
 //! The hidden modules are for the crates of this workspace.
 

@@ -10,7 +10,6 @@ use crate::probe::remember;
 use crate::text::{parse, sentence};
 use crate::widgets::named;
 
-/// The space between two settings \[points\].
 const APART: f32 = 8.0;
 
 pub(super) fn named_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story) -> bool {

@@ -16,13 +16,10 @@ use crate::widgets::{named, primary};
 
 const LENGTH: usize = 1000;
 
-/// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 640.0;
 
-/// The distance of the window from the sides of the screen \[points\].
 const MARGIN: f32 = 24.0;
 
-/// The size of the typeset equation \[points\].
 const LARGE: f32 = 19.0;
 
 /// Truth and guess of a new parameter: apart, so that there is something to find.

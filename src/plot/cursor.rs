@@ -18,7 +18,6 @@ use crate::text::fixed;
 /// A mark is dragged from within this distance \[points\].
 const GRIP: f32 = 6.0;
 
-/// The room around a tag's text \[points\].
 const PADDING: f32 = 3.0;
 
 pub(super) struct Cursors {
@@ -177,7 +176,6 @@ fn distance(position: Pos2, from: Pos2, to: Pos2) -> f32 {
 /// The distance of the values from the finger \[points\].
 const ABOVE: f32 = 44.0;
 
-/// The room around them \[points\].
 const LENS_PADDING: f32 = 8.0;
 
 /// The radius of the dot in the colour of a value's owner, and its room \[points\].

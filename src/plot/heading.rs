@@ -33,7 +33,6 @@ impl Readout {
     }
 }
 
-/// Space between the parts of a heading \[points\].
 const GAP: f32 = 8.0;
 /// Width of the dot in the colour of a value's owner, with the space after it \[points\].
 const DOT: f32 = 9.0;

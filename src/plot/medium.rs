@@ -56,9 +56,7 @@ fn id() -> Id {
 
 /// The least height of a plot; if there are too many for it, they scroll \[points\].
 const LEAST_HEIGHT: f32 = 72.0;
-/// Space between rows of plots \[points\].
 const ROW_GAP: f32 = 6.0;
-/// Space between columns of plots \[points\].
 const GUTTER: f32 = 16.0;
 /// Limits the width for two columns of plots, and the width at which two columns avoid plots lower than [`LOW`]
 /// \[points\].

@@ -16,7 +16,6 @@ use crate::text::{in_hertz, significant};
 use crate::view::{View, ViewContext};
 use curves::ResponseCurves;
 
-/// Height of the heading above the plot \[points\].
 const HEADING: f32 = 22.0;
 const SPECTRUM: f64 = 0.22;
 /// Limits the visible range of the magnitudes, and of the bands above the lines \[decades\].

@@ -18,12 +18,10 @@ use crate::view::{View, ViewContext};
 /// Limits the width of a verdict's reason from below and above \[points\].
 const REASON: (f32, f32) = (90.0, 210.0);
 
-/// The width of the names of the rows \[points\].
 const NAMES: f32 = 205.0;
 
 const ALIKE: f64 = 0.1;
 
-/// The distance between columns \[points\].
 const SPACING: f32 = 18.0;
 
 pub(super) static VIEW: View = View {

@@ -77,7 +77,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-/// The height of the picture \[points\].
 const HEIGHT: f32 = 190.0;
 
 pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {

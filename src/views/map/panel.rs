@@ -18,7 +18,6 @@ use crate::text::{significant, unit_in};
 use crate::theme::{self, Palette};
 use crate::view::ViewContext;
 
-/// The height of a panel's title \[points\].
 const TITLE: f32 = 17.0;
 
 const OLD: f32 = 0.55;

@@ -123,7 +123,6 @@ const LEAST: f32 = 160.0;
 /// The least height of panels one below the other \[points\].
 const LOW: f32 = 180.0;
 
-/// Space between panels \[points\].
 const GAP: f32 = 6.0;
 
 pub(super) struct PanelPlace {
