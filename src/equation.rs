@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use egui::text::LayoutJob;
 use egui::{Align, Color32, FontId, TextFormat};
 use kalmanscope_core::PlantKind;
-use kalmanscope_core::equation::{EquationSettings, Level, typeset};
+use kalmanscope_core::equation::{EquationSettings, TextLevel, typeset};
 
 pub(crate) use editor::Editor;
 
@@ -48,9 +48,9 @@ pub(crate) fn job(text: &str, font: &FontId, color: Color32) -> LayoutJob {
         }
         for run in line {
             let (font, valign) = match run.level {
-                Level::Line => (font, Align::Center),
-                Level::Above => (&small, Align::TOP),
-                Level::Below => (&small, Align::BOTTOM),
+                TextLevel::Line => (font, Align::Center),
+                TextLevel::Above => (&small, Align::TOP),
+                TextLevel::Below => (&small, Align::BOTTOM),
             };
             job.append(&run.text, 0.0, TextFormat { valign, ..TextFormat::simple(font.clone(), color) });
         }

@@ -44,7 +44,7 @@ pub struct Analysis {
     waste: Waste,
 }
 
-pub(crate) struct Subject<'a> {
+pub(crate) struct AnalysisSubject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
     pub(crate) done: usize,
@@ -54,7 +54,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) bounds: &'a [Bound],
 }
 
-impl<'a> Subject<'a> {
+impl<'a> AnalysisSubject<'a> {
     pub(crate) fn of(run: &'a Run) -> Self {
         let (bank, record, done) = (&run.bank, run.record(), run.done());
         Self { bank, record, done, whole: done == run.samples() && !run.is_live(), known: &[], bounds: &[] }
@@ -109,7 +109,7 @@ impl Analysis {
 
     /// Takes in all new samples of a run.
     pub fn follow(&mut self, run: &Run) {
-        self.advance(&Subject::of(run), &mut || true);
+        self.advance(&AnalysisSubject::of(run), &mut || true);
     }
 
     pub(crate) fn want(&mut self, wanted: Wanted) {
@@ -207,7 +207,7 @@ impl Analysis {
     }
 
     /// Returns early once `while_time`, called after each small piece of work, is false. Returns whether all is done.
-    pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+    pub(crate) fn advance(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
         if self.wanted.diagnostics.is_some() && !self.diagnosed {
             return false;
@@ -223,9 +223,9 @@ impl Analysis {
         self.all_bounded || !self.wanted.bounds
     }
 
-    fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+    fn diagnose(&mut self, depth: Depth, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
-        let Subject { bank, record, known, .. } = subject;
+        let AnalysisSubject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
         ids.clear();
         ids.extend(bank.estimates.iter().map(Estimates::id));
@@ -258,8 +258,8 @@ impl Analysis {
         true
     }
 
-    fn follow_evidences(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Subject { bank, known, .. } = subject;
+    fn follow_evidences(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let AnalysisSubject { bank, known, .. } = subject;
         self.evidences.resize_with(bank.estimates.len(), Evidence::default);
         for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
             let evidence = &mut self.evidences[place];
@@ -274,8 +274,8 @@ impl Analysis {
         true
     }
 
-    fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Subject { bank, record, bounds: there, .. } = subject;
+    fn follow_bounds(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let AnalysisSubject { bank, record, bounds: there, .. } = subject;
         if !self.chosen {
             let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(&bank.scenario, place));
             let old = std::mem::take(&mut self.bounds);
@@ -296,8 +296,8 @@ impl Analysis {
     }
 
     /// The work that is done and the whole work, in nanoseconds.
-    pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
-        let Subject { bank, done, known, .. } = subject;
+    pub(crate) fn work(&self, subject: &AnalysisSubject<'_>) -> (f64, f64) {
+        let AnalysisSubject { bank, done, known, .. } = subject;
         let scenario = &bank.scenario;
         let samples = *done as f64;
         let (mut so_far, mut all) = (0.0, 0.0);

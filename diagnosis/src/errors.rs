@@ -9,11 +9,11 @@ use super::parts::{self, Chosen, PARTS, Piece, Series, first_in, pieces};
 #[derive(Clone, Debug)]
 pub(crate) struct ChannelErrors {
     pub(crate) channel: Channel,
-    pub(crate) by_part: [Sums; PARTS],
+    pub(crate) by_part: [ChannelErrorSums; PARTS],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums {
+pub(crate) struct ChannelErrorSums {
     pub(crate) count: f64,
     pub(crate) square: f64,
     pub(crate) product: f64,
@@ -32,7 +32,7 @@ pub(super) struct LiveErrors {
 struct LiveChannel {
     channel: Channel,
     place: usize,
-    granules: Series<Sums>,
+    granules: Series<ChannelErrorSums>,
 }
 
 impl LiveErrors {
@@ -47,7 +47,7 @@ impl LiveErrors {
     pub(super) fn follow(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
         for LiveChannel { channel, place, granules } in &mut self.channels {
             granules.follow(window, |samples| {
-                let mut sums = Sums::default();
+                let mut sums = ChannelErrorSums::default();
                 sums.add_samples((*channel, *place), samples, estimates, record);
                 sums
             });
@@ -58,7 +58,7 @@ impl LiveErrors {
         let one = |of: &LiveChannel| {
             let mut last = 0.0;
             let by_part = std::array::from_fn(|part| {
-                let mut sums = Sums { last, ..Sums::default() };
+                let mut sums = ChannelErrorSums { last, ..ChannelErrorSums::default() };
                 for Piece { samples, granule } in pieces(&parts::range(part, window), window) {
                     match granule.and_then(|number| of.granules.get(number)) {
                         Some(granule) => sums.add(granule),
@@ -75,7 +75,7 @@ impl LiveErrors {
     }
 }
 
-impl Sums {
+impl ChannelErrorSums {
     fn add_samples(
         &mut self,
         (channel, place): (Channel, usize),

@@ -15,12 +15,12 @@ pub(crate) const LARGEST: f64 = 5.0;
 #[derive(Clone, Debug)]
 pub(crate) struct SensorInnovations {
     pub(crate) sensor: Quantity,
-    pub(crate) by_part: [Sums; PARTS],
+    pub(crate) by_part: [InnovationSums; PARTS],
     pub(crate) periodogram: Periodogram,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums {
+pub(crate) struct InnovationSums {
     pub(crate) count: f64,
     pub(crate) square: f64,
     pub(crate) sum: f64,
@@ -30,7 +30,7 @@ pub(crate) struct Sums {
 }
 
 impl SensorInnovations {
-    pub(crate) fn new(sensor: Quantity, by_part: [Sums; PARTS]) -> Self {
+    pub(crate) fn new(sensor: Quantity, by_part: [InnovationSums; PARTS]) -> Self {
         Self { sensor, by_part, periodogram: Periodogram::default() }
     }
 
@@ -118,7 +118,7 @@ struct LiveSensor {
     /// ν of every sample; NaN where nothing was measured.
     values: Series<f64>,
     /// The sums of whole granules. In those with the input, its first number in the granule is subtracted.
-    granules: Series<Sums>,
+    granules: Series<InnovationSums>,
 }
 
 impl LiveInnovations {
@@ -152,7 +152,7 @@ impl LiveInnovations {
         let input = Input::new(window, record);
         for LiveSensor { values, granules, .. } in &mut self.sensors {
             granules.follow(window, |samples| {
-                let mut sums = Sums::default();
+                let mut sums = InnovationSums::default();
                 sums.add_samples(values, samples, &Input { mean: input.at(samples.start), ..input });
                 sums
             });
@@ -164,7 +164,7 @@ impl LiveInnovations {
         let input = Input::new(window, record).centred();
         let of_part = |sensor: &LiveSensor, part: usize| {
             let range = parts::range(part, window);
-            let mut sums = Sums { input_square: input.square(&range), ..Sums::default() };
+            let mut sums = InnovationSums { input_square: input.square(&range), ..InnovationSums::default() };
             for Piece { samples, granule } in pieces(&range, window) {
                 match granule.and_then(|number| sensor.granules.get(number)).filter(|_| !input.is_limited(&samples)) {
                     Some(granule) => sums.add(granule, input.at(samples.start) - input.mean),
@@ -178,7 +178,7 @@ impl LiveInnovations {
     }
 }
 
-impl Sums {
+impl InnovationSums {
     /// At most a granule of samples, whose products reach no sample outside the window of the input.
     fn add_samples(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
         let begin = samples.start.saturating_sub(BEFORE).max(input.first);
@@ -338,7 +338,7 @@ mod tests {
     #[test]
     fn a_part_after_a_much_louder_one_is_correlated_by_one_at_most() {
         // ν = 5 in the first part and 1e-40 in the others, with an input of the same kind.
-        let mut by_part = [Sums::default(); PARTS];
+        let mut by_part = [InnovationSums::default(); PARTS];
         for (part, sums) in by_part.iter_mut().enumerate() {
             let (size, before) = if part == 0 { (5.0, 5.0) } else { (1e-40, if part == 1 { 5.0 } else { 1e-40 }) };
             sums.products = [size * before; LAGS];

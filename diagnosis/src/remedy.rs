@@ -5,7 +5,7 @@ use kalmanscope_core::setting::Edit;
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
-use super::trial::{Outcome, Trials};
+use super::trial::{TrialOutcome, Trials};
 use super::verdict::Verdict;
 
 /// A cause, or several one after the other, and the effect of making their edits.
@@ -128,13 +128,13 @@ impl Trials {
         let tried = || self.tried();
         // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
         // noise, with the size of all noise fitted in both.
-        let open = |likely: &LikelyCause, outcome: &Outcome| {
+        let open = |likely: &LikelyCause, outcome: &TrialOutcome| {
             outcome.scaled - before.log_likelihood - penalty * (likely.fitted + 1.0)
         };
         let of_noise = tried().filter(|(likely, _)| is_noise(likely)).map(|(likely, outcome)| open(likely, outcome));
         let of_noise = of_noise.fold(before.scaled - before.log_likelihood - penalty, f64::max);
         // Hysteresis fits better than a cubic part even for a hardening spring, although it does not harden.
-        let hardens = |softening: &Outcome| {
+        let hardens = |softening: &TrialOutcome| {
             tried().any(|(likely, outcome)| {
                 likely.sign.is_some()
                     && outcome.learnt > SIGNIFICANT
@@ -143,7 +143,7 @@ impl Trials {
             })
         };
         // A spring that yields, or a damper that creeps, has no place of rest, so it follows a slow force nearly as well as the force does.
-        let is_of_force = |softening: &LikelyCause, outcome: &Outcome| {
+        let is_of_force = |softening: &LikelyCause, outcome: &TrialOutcome| {
             tried().any(|(likely, force)| {
                 let lead = outcome.achieved - force.achieved - penalty * (softening.fitted - likely.fitted);
                 likely.cause.key == UNKNOWN_FORCE && lead < if force.is_good() { AHEAD } else { 0.0 }
@@ -151,7 +151,7 @@ impl Trials {
         };
         // Another plant begins with another guess: where that alone is enough, the plant was right.
         let is_of_guess = tried().any(|(likely, outcome)| likely.cause.key == "initial_guess" && outcome.is_good());
-        let is_explained = |likely: &LikelyCause, outcome: &Outcome| {
+        let is_explained = |likely: &LikelyCause, outcome: &TrialOutcome| {
             (likely.softens && (hardens(outcome) || is_of_force(likely, outcome)))
                 || (likely.renews_guess && is_of_guess)
         };

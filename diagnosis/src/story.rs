@@ -19,7 +19,7 @@ use kalmanscope_core::{Diagnostics, Run};
 use crate::Diagnosis;
 use crate::words::{percent_to_a_tenth, plain, with_band};
 use happening::Happening;
-use outcome::Outcome;
+use outcome::FilterOutcome;
 
 const TOLD: usize = 3;
 
@@ -47,11 +47,11 @@ impl Story {
         if !is_measured {
             sentences.extend(happening::faults(run.scenario()));
         }
-        let mut outcomes: Vec<Outcome<'_>> = Vec::new();
+        let mut outcomes: Vec<FilterOutcome<'_>> = Vec::new();
         let filters = run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters).enumerate();
         for (place, ((estimates, diagnostics), filter)) in filters.filter(|(_, ((one, _), _))| !one.is_empty()) {
             let diagnosis = diagnoses.get(place).copied().flatten();
-            outcomes.push(Outcome::new(run, filter, (estimates, diagnostics, diagnosis), &happening));
+            outcomes.push(FilterOutcome::new(run, filter, (estimates, diagnostics, diagnosis), &happening));
         }
         sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change())));
         sentences.extend(sentences::of_belief(&outcomes, TOLD));

@@ -9,7 +9,7 @@ use kalmanscope_core::internals::numbers;
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Record, Run, RunError, Scenario, Source, Update};
 
-use crate::analysis::Subject;
+use crate::analysis::AnalysisSubject;
 use crate::{Analysis, Wanted};
 
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.
@@ -103,7 +103,7 @@ impl Study {
                 return false;
             }
         }
-        if !analysis.advance(&Subject::of(run), while_time) {
+        if !analysis.advance(&AnalysisSubject::of(run), while_time) {
             return false;
         }
         let scenario = run.scenario();
@@ -127,11 +127,11 @@ impl Study {
                 return false;
             }
             run.advance_to(goal);
-            if !analysis.advance(&Subject::of(run), while_time) || !while_time() {
+            if !analysis.advance(&AnalysisSubject::of(run), while_time) || !while_time() {
                 break;
             }
         }
-        run.done() >= samples.min(run.samples()) && analysis.advance(&Subject::of(run), while_time)
+        run.done() >= samples.min(run.samples()) && analysis.advance(&AnalysisSubject::of(run), while_time)
     }
 }
 
@@ -316,12 +316,12 @@ impl Job {
     }
 }
 
-fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> Subject<'a> {
+fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> AnalysisSubject<'a> {
     let done = stage.min(revision.samples);
     let record = revision.own_record().unwrap_or(study.run.record());
     // Bounds of another truth cannot be reused.
     let bounds = if revision.is_of_everything { &[][..] } else { &study.analysis.bounds };
     let is_live = revision.is_live().unwrap_or(study.run.is_live());
     let whole = done >= goal.min(revision.samples) && done == revision.samples && !is_live;
-    Subject { bank: &revision.bank, record, done, whole, known: &revision.kept, bounds }
+    AnalysisSubject { bank: &revision.bank, record, done, whole, known: &revision.kept, bounds }
 }

@@ -29,14 +29,14 @@ pub(super) struct Trials {
     first: usize,
     /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
-    pub(super) before: Option<Outcome>,
-    outcomes: Vec<Outcome>,
+    pub(super) before: Option<TrialOutcome>,
+    outcomes: Vec<TrialOutcome>,
     /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
     pub(super) own: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Outcome {
+pub(super) struct TrialOutcome {
     pub(super) log_likelihood: f64,
     /// The log likelihood with the edit made; `log_likelihood` may be that of a filter that is restarted.
     pub(super) achieved: f64,
@@ -46,7 +46,7 @@ pub(super) struct Outcome {
     pub(super) verdict: Option<Verdict>,
 }
 
-impl Outcome {
+impl TrialOutcome {
     const NOTHING: Self = Self {
         log_likelihood: f64::NEG_INFINITY,
         achieved: f64::NEG_INFINITY,
@@ -123,7 +123,7 @@ impl Trials {
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates, record)) = self.current.take().or_else(|| self.begin()) else {
-                self.outcomes.push(Outcome::NOTHING);
+                self.outcomes.push(TrialOutcome::NOTHING);
                 continue;
             };
             pass.follow(&record, pass.done() + CHUNK, &mut estimates);
@@ -153,7 +153,7 @@ impl Trials {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &Outcome)> {
+    pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &TrialOutcome)> {
         self.likely_causes.iter().flatten().zip(&self.outcomes)
     }
 
@@ -207,7 +207,7 @@ impl Trials {
             self.likely_causes = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
         }
         let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
-        let outcome = Outcome { log_likelihood, achieved, scaled, learnt, verdict };
+        let outcome = TrialOutcome { log_likelihood, achieved, scaled, learnt, verdict };
         match &self.before {
             None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
             Some(_) => self.outcomes.push(outcome),

@@ -21,7 +21,7 @@ use crate::channel::Sign;
 pub use plant_kind::{Equation, Symbol};
 use solve::solve;
 use token::key;
-pub use typeset::{Level, TextRun, typeset};
+pub use typeset::{TextLevel, TextRun, typeset};
 
 /// An equation that cannot be a plant.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -207,7 +207,7 @@ keyed!(FilterKind, also read);
 impl Propagation {
     /// The state after a step and its transition matrix Φ, n × n. The rows of Φ below those that move are an identity's.
     pub fn step(self, model: &Model, state: &Vector, step: Step) -> (Vector, Matrix) {
-        let engine = model::Model::of(model);
+        let engine = model::StateModel::of(model);
         let mut linearised = Linearised::new(&engine);
         let (mut mean, mut transition) = (state.clone(), Matrix::identity(state.len(), state.len()));
         linearised.step(Baseline, self, &engine, mean.as_mut_slice(), &step.of_engine());

@@ -1,7 +1,7 @@
 //! The engine, its filters of scenarios and its runs over records.
 
 pub use crate::run::estimator::setup::Setup;
-pub use crate::statistics::score::lanes::{Run, outcomes};
+pub use crate::statistics::score::lanes::{SetupRun, outcomes};
 pub use kalmanscope_filters::engine::builder::{Builder, Notes};
 pub use kalmanscope_filters::engine::design::{Design, Method};
 pub use kalmanscope_filters::engine::lanes::Lanes;

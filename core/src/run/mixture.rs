@@ -18,43 +18,43 @@ use kalmanscope_records::record::Parts;
 
 use crate::FilterSettings;
 use crate::run::estimator::setup::Beginning;
-use crate::run::estimator::update::Update;
+use crate::run::estimator::update::SensorUpdate;
 use crate::run::estimator::{Estimator, FilterContext};
 use crate::run::sink::{AssumedNoise, LastSample, Sample, Sink};
 
 /// The weights of filters. It fails where a filter has failed without which the others cannot continue.
 pub(crate) trait WeightRule: Send {
     /// Lets the filters begin a step from each other's beliefs.
-    fn begin(&mut self, _: &mut [Member]) -> Result<(), FilterError> {
+    fn begin(&mut self, _: &mut [MixtureMember]) -> Result<(), FilterError> {
         Ok(())
     }
 
     fn weights(&self) -> &[f64];
 
-    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError>;
+    fn update(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError>;
 
     fn leader(&self) -> Option<usize> {
         None
     }
 
     /// Hands the sample of all filters to a sink, with what the rule knows besides.
-    fn push(&self, _: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+    fn push(&self, _: &[MixtureMember], sample: Sample<'_>, sink: &mut dyn Sink) {
         sink.push(&sample);
     }
 }
 
-pub(crate) struct Member {
+pub(crate) struct MixtureMember {
     estimator: Box<dyn Estimator>,
     last: LastSample,
     failure: Option<FilterError>,
 }
 
 pub(crate) struct Mixture {
-    members: Vec<Member>,
+    members: Vec<MixtureMember>,
     rule: Box<dyn WeightRule>,
     belief: Moments,
     prior: Moments,
-    update: Update,
+    update: SensorUpdate,
 }
 
 type Step<'a> = dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterError> + 'a;
@@ -62,7 +62,7 @@ type Step<'a> = dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterEr
 /// A filter with a smaller weight adds nothing.
 const LEAST: f64 = 1e-12;
 
-impl Member {
+impl MixtureMember {
     /// The log likelihood of the last sample; NaN without a measurement, -∞ where the filter has failed.
     fn ln_likelihood(&self) -> f64 {
         if self.failure.is_some() { f64::NEG_INFINITY } else { self.last.sample().ln_likelihood() }
@@ -73,8 +73,8 @@ impl Member {
     }
 }
 
-fn samples<'a>(members: &'a [Member], weights: &[f64]) -> Vec<(f64, Sample<'a>)> {
-    let counts = |(member, weight): &(&Member, &f64)| member.failure.is_none() && **weight > LEAST;
+fn samples<'a>(members: &'a [MixtureMember], weights: &[f64]) -> Vec<(f64, Sample<'a>)> {
+    let counts = |(member, weight): &(&MixtureMember, &f64)| member.failure.is_none() && **weight > LEAST;
     members.iter().zip(weights).filter(counts).map(|(member, weight)| (*weight, member.last.sample())).collect()
 }
 
@@ -84,17 +84,18 @@ impl Mixture {
         rule: impl WeightRule + 'static,
         build: impl Fn(&FilterSettings) -> Box<dyn Estimator>,
     ) -> Self {
-        let member = |settings| Member { estimator: build(settings), last: LastSample::default(), failure: None };
+        let member =
+            |settings| MixtureMember { estimator: build(settings), last: LastSample::default(), failure: None };
         let (belief, prior) = (Moments::default(), Moments::default());
         let members = mapped(members, &member);
-        Self { members, rule: Box::new(rule), belief, prior, update: Update::nothing(0, 0) }
+        Self { members, rule: Box::new(rule), belief, prior, update: SensorUpdate::nothing(0, 0) }
     }
 
     fn step_all(&mut self, sink: &mut dyn Sink, step: &Step<'_>) -> Result<(), FilterError> {
         let Self { members, rule, belief, prior, update } = self;
         let (wants_prior, mut reason) = (sink.wants_prior(), FilterError::ImpossibleMeasurement);
         rule.begin(members)?;
-        for Member { estimator, last, failure } in members.iter_mut().filter(|member| member.failure.is_none()) {
+        for MixtureMember { estimator, last, failure } in members.iter_mut().filter(|member| member.failure.is_none()) {
             last.want_prior(wants_prior);
             *failure = step(&mut **estimator, last).err().inspect(|error| reason = *error);
         }
@@ -202,7 +203,7 @@ impl WeightRule for Guesses {
         Some(self.leader)
     }
 
-    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+    fn update(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError> {
         let Self { each, leader, measured } = self;
         for (member, [sum, _]) in members.iter_mut().zip(&mut *each) {
             let gained = member.ln_likelihood();
@@ -217,7 +218,7 @@ impl WeightRule for Guesses {
         }
         // The first of those that are alike, which is the nearest to the initial mean.
         *leader = (0..each.len()).rev().max_by(|a, b| each[*a][0].total_cmp(&each[*b][0])).unwrap_or(0);
-        let is_measured = members.iter().any(Member::is_read);
+        let is_measured = members.iter().any(MixtureMember::is_read);
         *measured += usize::from(is_measured);
         if is_measured && measured.is_multiple_of(CHECKED) {
             let best = each[*leader][0];
@@ -275,19 +276,19 @@ impl WeightRule for Scales {
         &self.scale.weights
     }
 
-    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+    fn update(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError> {
         self.sample += 1;
-        let learns = members.iter().any(Member::is_read) && self.adaptation.learns_at(self.sample, self.dt);
+        let learns = members.iter().any(MixtureMember::is_read) && self.adaptation.learns_at(self.sample, self.dt);
         let has_failed = members.iter().zip(self.weights()).any(|(one, weight)| one.failure.is_some() && *weight > 0.0);
         if has_failed || learns {
-            let counts = |member: &Member| learns || member.failure.is_some();
+            let counts = |member: &MixtureMember| learns || member.failure.is_some();
             let keep = if learns { self.adaptation.forgetting } else { 1.0 };
             self.scale.take(members.iter().map(|one| if counts(one) { one.ln_likelihood() } else { 0.0 }), keep);
         }
         Ok(())
     }
 
-    fn push(&self, members: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+    fn push(&self, members: &[MixtureMember], sample: Sample<'_>, sink: &mut dyn Sink) {
         let [u, std] = self.scale.moments;
         let process = mapped(&self.process, &|variance| libm::exp(2.0 * u) * variance);
         let samples = samples(members, self.weights());
@@ -366,7 +367,7 @@ impl Walk {
 }
 
 impl WeightRule for Walk {
-    fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+    fn begin(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError> {
         let Self { weights, transition, has_samples, .. } = self;
         let before = |j: usize| transition[0][j] * weights[0] + transition[1][j] * weights[1];
         let before = [before(0), before(1)];
@@ -377,7 +378,7 @@ impl WeightRule for Walk {
                 mixed.mix([of(0), of(1)].iter().map(|(weight, sample)| (*weight, [sample.mean, sample.cov])));
                 mixed
             });
-            for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(&mixed) {
+            for (MixtureMember { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(&mixed) {
                 estimator.set_belief(mean, cov)?;
             }
         }
@@ -390,7 +391,7 @@ impl WeightRule for Walk {
     }
 
     /// Without any measurement, nothing is learnt.
-    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+    fn update(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError> {
         if let Some(reason) = members.iter().find_map(|member| member.failure) {
             return Err(reason);
         }
@@ -411,7 +412,7 @@ impl WeightRule for Walk {
         Ok(())
     }
 
-    fn push(&self, _: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+    fn push(&self, _: &[MixtureMember], sample: Sample<'_>, sink: &mut dyn Sink) {
         sink.push(&Sample { has_widened: self.has_begun, ..sample });
     }
 }

@@ -1,7 +1,7 @@
 //! The passages of a filter on its way forward, and the adjoint that passes them backward.
 
 use kalmanscope_filters::Stop;
-use kalmanscope_filters::engine::belief::Belief;
+use kalmanscope_filters::engine::belief::GaussianBelief;
 use kalmanscope_filters::engine::passage;
 use kalmanscope_filters::filter::{FilterError, Gaussian, kalman};
 use kalmanscope_filters::linalg::{Ldl, Matrix, Vector, symmetric};
@@ -16,11 +16,15 @@ pub struct Passages {
 }
 
 impl Passages {
-    pub(crate) fn begin(&mut self, belief: &Belief<f64>) {
+    pub(crate) fn begin(&mut self, belief: &GaussianBelief<f64>) {
         self.belief = Some(Gaussian::of(belief));
     }
 
-    pub(crate) fn add(&mut self, passage: &passage::Passage<f64>, belief: &Belief<f64>) -> Result<(), FilterError> {
+    pub(crate) fn add(
+        &mut self,
+        passage: &passage::Passage<f64>,
+        belief: &GaussianBelief<f64>,
+    ) -> Result<(), FilterError> {
         self.all.push(Passage::new(passage)?);
         self.begin(belief);
         Ok(())
@@ -32,11 +36,11 @@ pub(crate) struct Passage {
     /// Φ, n × n.
     pub transition: Matrix,
     /// The update at the latter sample. `None` if nothing was measured.
-    pub(crate) update: Option<Update>,
+    pub(crate) update: Option<PassageUpdate>,
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct Update {
+pub(crate) struct PassageUpdate {
     /// `I - K H`, n × n.
     pub(crate) kept: Matrix,
     /// `Hᵀ S⁻¹ H`, n × n.
@@ -48,12 +52,12 @@ pub(crate) struct Update {
 impl Passage {
     fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
         let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
-        let update = if m > 0 { Some(Update::new(of, n, m)?) } else { None };
+        let update = if m > 0 { Some(PassageUpdate::new(of, n, m)?) } else { None };
         Ok(Self { transition: Matrix::from_column_slice(n, n, &of.transition), update })
     }
 }
 
-impl Update {
+impl PassageUpdate {
     fn new(of: &passage::Passage<f64>, n: usize, m: usize) -> Result<Self, FilterError> {
         let innovation_cov = symmetric(Matrix::from_column_slice(m, m, &of.innovation_cov));
         let gain = Matrix::from_column_slice(n, m, &of.gain);
@@ -96,7 +100,7 @@ impl Adjoint {
     /// Goes back over an update, then over the step before it.
     pub(crate) fn pass(&mut self, Passage { transition, update }: &Passage) {
         let Self { score, information } = self;
-        if let Some(Update { kept, information: gained, score: gradient }) = update {
+        if let Some(PassageUpdate { kept, information: gained, score: gradient }) = update {
             *score = kept.tr_mul(score) - gradient;
             congruence(information, kept);
             *information += gained;

@@ -12,7 +12,7 @@ use kalmanscope_filters::{Channel, Quantity};
 use kalmanscope_records::Record;
 use thiserror::Error;
 
-use crate::scenario::fault::{Act, Moment, Stage};
+use crate::scenario::fault::{Act, FaultStage, Moment};
 use crate::{Force, Scenario, Signal};
 use response::{HALVED, Response};
 
@@ -190,15 +190,15 @@ impl Simulator {
         {
             let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
-            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(Stage::Exact, exact, &moment));
+            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(FaultStage::Exact, exact, &moment));
             let noise =
-                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(Stage::Noise, noise, &moment));
+                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(FaultStage::Noise, noise, &moment));
             let value = exact + sensor.noise_std * noise;
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
             let reported =
-                faults.iter_mut().fold(value, |reading, fault| fault.apply(Stage::Reading, reading, &moment));
+                faults.iter_mut().fold(value, |reading, fault| fault.apply(FaultStage::Reading, reading, &moment));
             if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }

@@ -33,7 +33,7 @@ use kalmanscope_records::Record;
 
 use crate::run::estimator::update::InUnits;
 use crate::run::estimator::{FilterContext, Truncating, Truncation};
-use crate::run::passage::{Adjoint, Passage, Passages, Update, congruence};
+use crate::run::passage::{Adjoint, Passage, PassageUpdate, Passages, congruence};
 use crate::run::sink::{Sample, Sink};
 use crate::run::waste::Piecewise;
 use crate::{Estimates, FilterSettings, Pass};
@@ -96,7 +96,7 @@ impl Forward {
 impl Hindsight {
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        let in_units = InUnits::new(&model::Model::of(&model).logarithms, model.size(), 0);
+        let in_units = InUnits::new(&model::StateModel::of(&model).logarithms, model.size(), 0);
         Self { in_units, truncation: Truncation::of(settings, model.channels()) }
     }
 
@@ -124,11 +124,11 @@ pub struct FixedInterval {
     passages: Vec<Vec<Passage>>,
     adjoint: Adjoint,
     stop: Option<Stop>,
-    stage: Stage,
+    stage: SmootherStage,
 }
 
 #[derive(Clone, Copy)]
-enum Stage {
+enum SmootherStage {
     Forth,
     Back(usize),
     Report(usize),
@@ -138,7 +138,7 @@ impl FixedInterval {
     /// A smoother over the passage of this filter.
     pub fn new(forward: Forward) -> Self {
         let (beliefs, passages) = (Vec::new(), Vec::new());
-        Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: Stage::Forth }
+        Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: SmootherStage::Forth }
     }
 
     fn smooth(&mut self, k: usize) {
@@ -156,7 +156,7 @@ impl Smoother for FixedInterval {
     fn advance(&mut self, record: &Record, samples: usize, _: bool, steps: usize, estimates: &mut Estimates) -> bool {
         for _ in 0..steps {
             match self.stage {
-                Stage::Forth => {
+                SmootherStage::Forth => {
                     let Self { forward, beliefs, passages, stop, .. } = self;
                     let k = beliefs.len();
                     if k == 0 {
@@ -165,7 +165,7 @@ impl Smoother for FixedInterval {
                         passages.reserve(samples);
                     }
                     if k == samples || stop.is_some() {
-                        self.stage = Stage::Back(k.saturating_sub(1));
+                        self.stage = SmootherStage::Back(k.saturating_sub(1));
                         continue;
                     }
                     match forward.filter(record) {
@@ -178,20 +178,20 @@ impl Smoother for FixedInterval {
                         Err(at) => *stop = Some(at),
                     }
                 }
-                Stage::Back(0) => self.stage = Stage::Report(0),
-                Stage::Back(k) => {
+                SmootherStage::Back(0) => self.stage = SmootherStage::Report(0),
+                SmootherStage::Back(k) => {
                     self.smooth(k - 1);
-                    self.stage = Stage::Back(k - 1);
+                    self.stage = SmootherStage::Back(k - 1);
                 }
-                Stage::Report(k) if k == self.beliefs.len() => {
+                SmootherStage::Report(k) if k == self.beliefs.len() => {
                     if let Some(stop) = self.stop {
                         estimates.stop_at(stop);
                     }
                     return true;
                 }
-                Stage::Report(k) => {
+                SmootherStage::Report(k) => {
                     self.forward.hindsight.report(&self.beliefs[k], estimates);
-                    self.stage = Stage::Report(k + 1);
+                    self.stage = SmootherStage::Report(k + 1);
                 }
             }
         }
@@ -202,9 +202,9 @@ impl Smoother for FixedInterval {
         let of = |done: usize| done as f64 / samples.max(1) as f64;
         match self.stage {
             // The way forth takes the most time.
-            Stage::Forth => 0.6 * of(self.beliefs.len()),
-            Stage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
-            Stage::Report(k) => 0.9 + 0.1 * of(k),
+            SmootherStage::Forth => 0.6 * of(self.beliefs.len()),
+            SmootherStage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
+            SmootherStage::Report(k) => 0.9 + 0.1 * of(k),
         }
     }
 
@@ -317,7 +317,7 @@ struct WayBack {
 impl WayBack {
     fn over(Passage { transition, update }: &Passage) -> Self {
         let n = transition.nrows();
-        let Some(Update { kept, information, score }) = update else {
+        let Some(PassageUpdate { kept, information, score }) = update else {
             return Self { closed_loop: transition.clone(), score: Vector::zeros(n), information: Matrix::zeros(n, n) };
         };
         let mut gained = information.clone();

@@ -33,7 +33,7 @@ pub struct FaultInfo {
     pub numbers: &'static [FaultNumber],
     /// A sentence, without its stop, in which `@` stands for the sensor's name and each `{}` for a number, in their order.
     pub sentence: &'static str,
-    stage: Stage,
+    stage: FaultStage,
     change: fn([f64; MOST], Normal) -> Change,
 }
 by_key!(FaultInfo);
@@ -84,7 +84,7 @@ pub enum Scale {
 const MOST: usize = 3;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub(crate) enum FaultStage {
     Exact,
     /// The noise, in standard deviations.
     Noise,
@@ -94,10 +94,10 @@ pub(crate) enum Stage {
 
 type Change = Box<dyn FnMut(f64, &Moment) -> f64 + Send + Sync>;
 
-pub(crate) struct Act(Stage, Change);
+pub(crate) struct Act(FaultStage, Change);
 
 impl Act {
-    pub(crate) fn apply(&mut self, stage: Stage, value: f64, moment: &Moment) -> f64 {
+    pub(crate) fn apply(&mut self, stage: FaultStage, value: f64, moment: &Moment) -> f64 {
         if stage == self.0 { (self.1)(value, moment) } else { value }
     }
 }
@@ -120,7 +120,7 @@ macro_rules! families {
         impl Fault {
             $($(#[$doc])* pub const $name: Self = {
                 static INFO: FaultInfo =
-                    FaultInfo { key: $key, stream: $stream, stage: Stage::$stage, $($data)* };
+                    FaultInfo { key: $key, stream: $stream, stage: FaultStage::$stage, $($data)* };
                 Self(&INFO)
             };)*
 

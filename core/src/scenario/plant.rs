@@ -181,7 +181,7 @@ impl<'de> Deserialize<'de> for Plant {
                 let own = |settings: &EquationSettings| PlantKind::of_equation(settings).map_err(de::Error::custom);
                 let mut plant = Plant::default();
                 let mut equation: Option<EquationSettings> = None;
-                while let Some(Key(key)) = map.next_key()? {
+                while let Some(PlantKey(key)) = map.next_key()? {
                     match key.as_str() {
                         "kind" => plant.kind = map.next_value()?,
                         "equation" => {
@@ -218,11 +218,11 @@ impl<'de> Deserialize<'de> for Plant {
 }
 
 /// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
-struct Key(String);
+struct PlantKey(String);
 
 const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "disturbance_std", "input_delay"];
 
-impl<'de> Deserialize<'de> for Key {
+impl<'de> Deserialize<'de> for PlantKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
         if OWN_KEYS.contains(&key.as_str()) || KnownPlants::channel(&key).is_some_and(Channel::is_parameter) {

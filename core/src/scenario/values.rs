@@ -123,8 +123,8 @@ impl Serialize for Values {
 macro_rules! tables {
     ($($name:ident over $base:ident),*) => {
         $(pub(super) fn $name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-            let entries: Vec<(Key, f64)> = entries(deserializer, "a table")?;
-            Ok(Values::$base.with(entries.into_iter().map(|(Key(channel), value)| (channel, value))))
+            let entries: Vec<(ChannelKey, f64)> = entries(deserializer, "a table")?;
+            Ok(Values::$base.with(entries.into_iter().map(|(ChannelKey(channel), value)| (channel, value))))
         })*
     };
 }
@@ -157,9 +157,9 @@ impl<'de, K: Deserialize<'de>, T: Deserialize<'de>> Visitor<'de> for Entries<(K,
 }
 
 /// A channel as a key. An unknown key fails here, as a key, so that the message names its line.
-struct Key(Channel);
+struct ChannelKey(Channel);
 
-impl<'de> Deserialize<'de> for Key {
+impl<'de> Deserialize<'de> for ChannelKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
         let unknown = || format!("unknown field `{key}`, expected {}", expected_channels(|_| true));
@@ -235,7 +235,7 @@ impl Serialize for Bounds {
 impl<'de> Deserialize<'de> for Bounds {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut bounds = Self::default();
-        for (Key(channel), between) in entries(deserializer, "a table of channels")? {
+        for (ChannelKey(channel), between) in entries(deserializer, "a table of channels")? {
             bounds.set(channel, between);
         }
         Ok(bounds)

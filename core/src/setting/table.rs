@@ -25,14 +25,14 @@ pub struct TableInfo {
     pub allowed: Allowed,
     /// An explanation in one sentence.
     pub hint: &'static str,
-    column: Column,
+    column: SettingColumn,
     /// The number of each sensor where the list is empty, if it may be.
     otherwise: Option<f64>,
     /// The unit of its numbers, if it is not that of their channels or quantities.
     unit: Option<&'static str>,
 }
 
-enum Column {
+enum SettingColumn {
     Channels(fn(&FilterSettings) -> &Values, fn(&mut FilterSettings) -> &mut Values),
     Sensors(fn(&FilterSettings) -> &Vec<f64>, fn(&mut FilterSettings) -> &mut Vec<f64>),
 }
@@ -53,7 +53,7 @@ macro_rules! table {
             ..TableInfo::new(
                 stringify!($field),
                 $symbol,
-                Column::$column(|filter| &filter.$field, |filter| &mut filter.$field),
+                SettingColumn::$column(|filter| &filter.$field, |filter| &mut filter.$field),
             )
         }
     };
@@ -116,7 +116,7 @@ pub static TABLES: [&TableInfo; 6] =
     [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &CORRELATION_TIME, &SENSOR_STD, &SENSOR_DELAY];
 
 impl TableInfo {
-    const fn new(key: &'static str, symbol: &'static str, column: Column) -> Self {
+    const fn new(key: &'static str, symbol: &'static str, column: SettingColumn) -> Self {
         Self {
             key,
             symbol,
@@ -154,14 +154,14 @@ impl TableInfo {
 
     /// Whether the table has a number for each sensor, and not for each channel.
     pub fn is_of_sensors(&self) -> bool {
-        matches!(self.column, Column::Sensors(..))
+        matches!(self.column, SettingColumn::Sensors(..))
     }
 
     /// The number of an entry in a filter beside these sensors; `None` where the table has no such entry.
     pub fn get(&self, filter: &FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<f64> {
         match (&self.column, entry) {
-            (Column::Channels(of, _), Entry::Channel(channel)) => Some(of(filter)[channel]),
-            (Column::Sensors(of, _), Entry::Sensor(quantity)) => {
+            (SettingColumn::Channels(of, _), Entry::Channel(channel)) => Some(of(filter)[channel]),
+            (SettingColumn::Sensors(of, _), Entry::Sensor(quantity)) => {
                 let place = place(sensors, quantity)?;
                 of(filter).get(place).copied().or(self.otherwise)
             }
@@ -172,8 +172,8 @@ impl TableInfo {
     /// The same, to be set.
     pub fn get_mut<'a>(&self, filter: &'a mut FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<&'a mut f64> {
         match (&self.column, entry) {
-            (Column::Channels(_, of), Entry::Channel(channel)) => Some(&mut of(filter)[channel]),
-            (Column::Sensors(_, of), Entry::Sensor(quantity)) => {
+            (SettingColumn::Channels(_, of), Entry::Channel(channel)) => Some(&mut of(filter)[channel]),
+            (SettingColumn::Sensors(_, of), Entry::Sensor(quantity)) => {
                 let (place, list) = (place(sensors, quantity)?, of(filter));
                 if let Some(otherwise) = self.otherwise.filter(|_| list.len() < sensors.len()) {
                     list.resize(sensors.len(), otherwise);
@@ -187,8 +187,8 @@ impl TableInfo {
     /// The numbers of a filter that have been set, in their order.
     pub fn numbers(&self, filter: &FilterSettings) -> Vec<f64> {
         match self.column {
-            Column::Channels(of, _) => of(filter).iter().map(|(_, number)| number).collect(),
-            Column::Sensors(of, _) => of(filter).clone(),
+            SettingColumn::Channels(of, _) => of(filter).iter().map(|(_, number)| number).collect(),
+            SettingColumn::Sensors(of, _) => of(filter).clone(),
         }
     }
 
@@ -196,11 +196,11 @@ impl TableInfo {
     pub(crate) fn first_refused(&self, filter: &FilterSettings) -> Option<(String, f64)> {
         let is_refused = |value: f64| !self.allowed.admits(value);
         match self.column {
-            Column::Channels(of, _) => {
+            SettingColumn::Channels(of, _) => {
                 let (channel, value) = of(filter).iter().find(|&(_, value)| is_refused(value))?;
                 Some((format!(".{}", channel.key()), value))
             }
-            Column::Sensors(of, _) => {
+            SettingColumn::Sensors(of, _) => {
                 let place = of(filter).iter().position(|&number| is_refused(number))?;
                 Some((format!("[{place}]"), of(filter)[place]))
             }
@@ -218,12 +218,12 @@ impl TableInfo {
 
     pub(super) fn scale(&self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
         match self.column {
-            Column::Channels(of, of_mut) => {
+            SettingColumn::Channels(of, of_mut) => {
                 for (channel, std) in of(base).iter() {
                     of_mut(filter)[channel] = factor * std;
                 }
             }
-            Column::Sensors(of, of_mut) => *of_mut(filter) = mapped(of(base), &|number| factor * number),
+            SettingColumn::Sensors(of, of_mut) => *of_mut(filter) = mapped(of(base), &|number| factor * number),
         }
     }
 }

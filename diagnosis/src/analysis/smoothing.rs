@@ -6,7 +6,7 @@ use kalmanscope_core::internals::sort_items;
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Estimates, FilterSettings};
 
-use super::{Hindsight, Subject, is_known};
+use super::{AnalysisSubject, Hindsight, is_known};
 
 #[derive(Default)]
 pub(super) struct Smoothing {
@@ -24,12 +24,12 @@ impl Smoothing {
 
     pub(super) fn follow(
         &mut self,
-        subject: &Subject<'_>,
+        subject: &AnalysisSubject<'_>,
         wanted: Hindsight,
         waste: &mut Waste,
         while_time: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let Subject { bank, record, done, known, whole, .. } = *subject;
+        let AnalysisSubject { bank, record, done, known, whole, .. } = *subject;
         self.is_complete = false;
         let scenario = &bank.scenario;
         let wanted_of = |of: &Estimates| {
@@ -110,7 +110,7 @@ impl Smoothing {
     }
 
     /// The work for a filter that is done and the whole work, in nanoseconds.
-    pub(super) fn work(&self, filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> (f64, f64) {
+    pub(super) fn work(&self, filter: &FilterSettings, subject: &AnalysisSubject<'_>, wanted: Hindsight) -> (f64, f64) {
         if !is_wanted(filter, subject, wanted) || !filter.kind.is_gaussian() {
             return (0.0, 0.0);
         }
@@ -123,7 +123,7 @@ impl Smoothing {
     }
 }
 
-fn is_wanted(filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> bool {
+fn is_wanted(filter: &FilterSettings, subject: &AnalysisSubject<'_>, wanted: Hindsight) -> bool {
     let is_possible = match filter.lag(subject.record.dt()) {
         Some(_) => wanted >= Hindsight::Lagged,
         None => wanted == Hindsight::All && subject.whole && subject.record.forgotten() == 0,

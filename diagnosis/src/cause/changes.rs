@@ -72,8 +72,8 @@ pub(super) static SUDDEN_CHANGE: Cause = Cause {
 fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
     let change = change_point(&case.estimates.nis()[case.samples.clone()]);
-    let is_one = |change: &Change| change.rise >= RISE && change.p_value < LEVEL;
-    let Some(Change { at, rise, p_value }) = change.filter(is_one) else { return };
+    let is_one = |change: &ParameterChange| change.rise >= RISE && change.p_value < LEVEL;
+    let Some(ParameterChange { at, rise, p_value }) = change.filter(is_one) else { return };
     let at = case.samples.start + at;
     let samples = at..case.samples.end;
     let time = short(case.record.time(at));
@@ -196,7 +196,7 @@ const BLOCK: usize = 20;
 const FEWEST: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Change {
+struct ParameterChange {
     at: usize,
     rise: f64,
     p_value: f64,
@@ -210,7 +210,7 @@ struct Change {
 /// The likelihood ratio is divided by the dispersion of the squares, so that neither their distribution nor their autocorrelation looks
 /// like a change. Source: Basseville and Nikiforov (1993), *Detection of Abrupt Changes*, section 2.6; McCullagh and Nelder (1989),
 /// *Generalized Linear Models*, section 9.2.
-fn change_point(squares: &[f64]) -> Option<Change> {
+fn change_point(squares: &[f64]) -> Option<ParameterChange> {
     let limited = |x: &f64| if x.is_nan() { 0.0 } else { x.min(LARGEST) };
     let n = squares.len();
     let total: f64 = squares.iter().map(limited).sum();
@@ -239,7 +239,7 @@ fn change_point(squares: &[f64]) -> Option<Change> {
     let dispersion = of_both.iter().map(|(sum, _)| sum).sum::<f64>() / blocks.max(1) as f64;
     let ratio = 2.0 * (n as f64 * libm::log(total / n as f64) - cost);
     let p_value = if blocks < 2 * FEWEST { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
-    Some(Change { at, rise: second / first, p_value })
+    Some(ParameterChange { at, rise: second / first, p_value })
 }
 
 /// The p-value of the root of the largest likelihood ratio over all samples between the margins:
@@ -247,7 +247,7 @@ fn change_point(squares: &[f64]) -> Option<Change> {
 /// ```text
 /// P ≈ x φ(x) (T (1 - 1/x²) + 4/x²),  T = ln((1 - h)(1 - l) / (h l)),  h, l the margins
 /// ```
-/// Source: Csörgő and Horváth (1997), *Limit Theorems in Change-Point Analysis*, equation 1.3.26 with one parameter.
+/// Source: Csörgő and Horváth (1997), *Limit Theorems in ParameterChange-Point Analysis*, equation 1.3.26 with one parameter.
 fn supremum_p(x: f64) -> f64 {
     if x.is_nan() || x <= 1.0 {
         return 1.0;
@@ -270,7 +270,7 @@ mod tests {
         let noise = |k: usize| 1.0 + libm::sin((k * k) as f64);
         for at in [400, 700, 950] {
             let squares: Vec<f64> = (0..1000).map(|k| if k < at { noise(k) } else { 3.0 * noise(k) }).collect();
-            let Change { at: found, rise, p_value } = change_point(&squares).unwrap();
+            let ParameterChange { at: found, rise, p_value } = change_point(&squares).unwrap();
             assert!(found.abs_diff(at) < 6 && (rise - 3.0).abs() < 0.6, "{found} instead of {at}, {rise} times");
             assert!(p_value < 1e-4, "{p_value} at {at}");
         }

@@ -76,20 +76,20 @@ enum Fault {
     Late,
 }
 
-struct Pair {
+struct SensorPair {
     places: [usize; 2],
     order: usize,
     agreement: Agreement,
 }
 
-impl Pair {
+impl SensorPair {
     fn of_time(&self) -> f64 {
         let factor = self.agreement.factor;
         if self.order == 2 { factor.abs().sqrt() } else { factor }
     }
 }
 
-fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
+fn pairs(bad: &BadFilter<'_>) -> Vec<SensorPair> {
     let case = bad.case;
     let sensors = &bad.scenario.sensors;
     let of = |(place, one): (usize, &kalmanscope_core::Sensor)| {
@@ -108,7 +108,7 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
         };
         let (values, rates) = (part(place)?, part(other)?);
         let agreement = Agreement::of(&values, &rates, order, case.record.dt(), bad.filter.sensor_std[other])?;
-        Some(Pair { places: [place, other], order, agreement })
+        Some(SensorPair { places: [place, other], order, agreement })
     };
     sensors.iter().enumerate().filter_map(of).collect()
 }
@@ -120,10 +120,10 @@ fn is_off(Agreement { factor, attenuated, std, .. }: &Agreement) -> bool {
 }
 
 /// The factor by which sensors change more than their rates say, if two pairs or more share it: then the times are wrong.
-fn common_factor(pairs: &[Pair]) -> Option<f64> {
+fn common_factor(pairs: &[SensorPair]) -> Option<f64> {
     let [first, others @ ..] = pairs else { return None };
     let (factor, std) = (first.of_time(), first.agreement.std);
-    let is_same = |pair: &Pair| {
+    let is_same = |pair: &SensorPair| {
         let (other, other_std) = (pair.of_time(), pair.agreement.std);
         (other - factor).abs() <= ALIKE * factor.abs() + SURE * libm::hypot(std, other_std)
     };
@@ -185,7 +185,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> Option<(f64, String)> {
+fn disagreement(pair: &SensorPair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> Option<(f64, String)> {
     let Agreement { factor, late, late_std, .. } = pair.agreement;
     let (name, rate_name) = (sensors[0].name(), sensors[1].name());
     let off = (factor.abs() - 1.0).abs();
@@ -253,11 +253,11 @@ impl Agreement {
         let count = values.len().min(rates.len());
         let integral = (1..order).fold(integral(rates, dt), |once, _| integral(&once, dt));
         let spans = SPANS.into_iter().filter(|span| 20 * order * span < count);
-        let at = |span: usize, late: isize| Sums::of([values, &integral], order, span, late);
+        let at = |span: usize, late: isize| RatioSums::of([values, &integral], order, span, late);
         let lates = -(MOST_LATE as isize)..=MOST_LATE as isize;
         // Coarse in lateness first.
         let coarse = spans.flat_map(|span| lates.clone().step_by(5).map(move |late| (span, late)));
-        let likeness = |sums: &Option<Sums>| sums.as_ref().map_or(0.0, |sums| sums.correlation().abs());
+        let likeness = |sums: &Option<RatioSums>| sums.as_ref().map_or(0.0, |sums| sums.correlation().abs());
         let likenesses = coarse.map(|(span, late)| (likeness(&at(span, late)), span, late));
         let (_, span, near) = likenesses.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let fine = (near - 5).max(-(MOST_LATE as isize))..=(near + 5).min(MOST_LATE as isize);
@@ -311,14 +311,14 @@ fn integral(rates: &[f64], dt: f64) -> Vec<f64> {
     rates.iter().map(step).collect()
 }
 
-struct Sums {
+struct RatioSums {
     count: f64,
     means: [f64; 2],
     squares: [f64; 2],
     product: f64,
 }
 
-impl Sums {
+impl RatioSums {
     fn of([values, integral]: [&[f64]; 2], order: usize, span: usize, late: isize) -> Option<Self> {
         let count = values.len().min(integral.len());
         let first = late.min(0).unsigned_abs();

@@ -135,17 +135,17 @@ fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Li
     found.push(LikelyCause { samples: Some(samples), ..LikelyCause::new(cause, weight, 1.0, edits, sentence) });
 }
 
-struct Change {
+struct NoiseChange {
     parts: (usize, usize),
     levels: (f64, f64),
     ratio: f64,
 }
 
-fn change(one: &SensorInnovations) -> Option<Change> {
+fn change(one: &SensorInnovations) -> Option<NoiseChange> {
     let all = [true; PARTS];
     let cost = |chosen: &Chosen| one.count(chosen) * libm::log(one.level(chosen));
     let runs = (0..PARTS).flat_map(|from| (from + 1..=PARTS).map(move |to| (from, to)));
-    let mut best: Option<(f64, Change)> = None;
+    let mut best: Option<(f64, NoiseChange)> = None;
     let mut looked = 0.0;
     for parts in runs.filter(|(from, to)| (1..PARTS).contains(&(to - from)) && (*to == PARTS || *from > 0)) {
         let within: Chosen = std::array::from_fn(|part| (parts.0..parts.1).contains(&part));
@@ -156,7 +156,7 @@ fn change(one: &SensorInnovations) -> Option<Change> {
             let levels = (one.level(&rest), one.level(&within));
             let ratio = (levels.1 / levels.0).max(levels.0 / levels.1);
             let is_white = [&within, &rest].iter().all(|chosen| one.autocorrelation(chosen)[0].abs() < WHITE);
-            best = Some((gain, Change { parts, levels, ratio: if is_white { ratio } else { 1.0 } }));
+            best = Some((gain, NoiseChange { parts, levels, ratio: if is_white { ratio } else { 1.0 } }));
         }
     }
     let (gain, change) = best?;
@@ -164,7 +164,7 @@ fn change(one: &SensorInnovations) -> Option<Change> {
     (change.ratio > LEAST_CHANGE && !is_chance).then_some(change)
 }
 
-fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &Change) -> String {
+fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &NoiseChange) -> String {
     let (from, to) = change.parts;
     let time = |part: usize| short(bad.case.record.time(bad.case.part(part).start));
     let (name, rest, there) = (sensor.key(), short(change.levels.0), short(change.levels.1));

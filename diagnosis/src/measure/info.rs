@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::observed::Sums;
+use super::observed::ObservedSums;
 use crate::CAUSES;
 use crate::VerdictKind;
 
@@ -24,7 +24,7 @@ pub struct MeasureInfo {
     /// Whether it is for tables and lessons, and in no menu of a map.
     pub is_special: bool,
     pub(super) of: MeasureSubject,
-    pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
+    pub(super) whole: Option<fn(&ObservedSums<'_>) -> f64>,
 }
 
 /// The kind of a measure's values, by which they are compared and drawn.
@@ -141,7 +141,7 @@ impl MeasureInfo {
         Self { is_special: true, ..self }
     }
 
-    pub(super) const fn with_sums(self, whole: fn(&Sums<'_>) -> f64) -> Self {
+    pub(super) const fn with_sums(self, whole: fn(&ObservedSums<'_>) -> f64) -> Self {
         Self { whole: Some(whole), ..self }
     }
 

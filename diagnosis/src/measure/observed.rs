@@ -169,17 +169,17 @@ impl<'a> Whole<'a> {
         Self { record, outcome, channels }
     }
 
-    pub(super) fn of(&self, measure: Measure) -> Sums<'_> {
-        Sums { whole: self, channel: measure.channel }
+    pub(super) fn of(&self, measure: Measure) -> ObservedSums<'_> {
+        ObservedSums { whole: self, channel: measure.channel }
     }
 }
 
-pub(super) struct Sums<'a> {
+pub(super) struct ObservedSums<'a> {
     pub(super) whole: &'a Whole<'a>,
     channel: Option<Channel>,
 }
 
-impl Sums<'_> {
+impl ObservedSums<'_> {
     /// A number from the score of the channel; NaN if its truth is not known.
     pub(super) fn score(&self, number: impl Fn(&ChannelScore) -> f64) -> f64 {
         let mut scores = self.whole.outcome.channels.iter();
@@ -192,12 +192,12 @@ impl Sums<'_> {
 }
 
 /// NaN if the filter does not have the channel.
-pub(super) fn std(sums: &Sums<'_>) -> f64 {
+pub(super) fn std(sums: &ObservedSums<'_>) -> f64 {
     sums.place().map_or(f64::NAN, |place| sums.whole.outcome.std[place])
 }
 
 /// In the canonical form of the oscillator, with a natural frequency ≥ 0; NaN if the filter does not have the channel.
-pub(super) fn estimate(sums: &Sums<'_>) -> f64 {
+pub(super) fn estimate(sums: &ObservedSums<'_>) -> f64 {
     let Whole { channels, outcome, .. } = sums.whole;
     let frequency = Channel::NATURAL_FREQUENCY.place_in(channels);
     let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);

@@ -15,15 +15,15 @@ const SETTLING: f64 = 1.0;
 const MOST_FAULTS: usize = 2;
 
 pub(super) struct Happening {
-    changes: Vec<Change>,
+    changes: Vec<TrueChange>,
 }
 
-pub(super) struct Change {
+pub(super) struct TrueChange {
     pub(super) channel: Channel,
     pub(super) signal: Signal,
 }
 
-impl Change {
+impl TrueChange {
     /// The time from which on it changes no more \[s\].
     pub(super) fn end(&self) -> f64 {
         match self.signal {
@@ -115,13 +115,13 @@ impl Happening {
     pub(super) fn of(scenario: &Scenario) -> Self {
         let change = |channel| {
             let signal = scenario.plant.parameter(channel)?;
-            moves(&signal, scenario.duration).then_some(Change { channel, signal })
+            moves(&signal, scenario.duration).then_some(TrueChange { channel, signal })
         };
         let changes = scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none());
         Self { changes: changes.collect() }
     }
 
-    pub(super) fn change(&self) -> Option<&Change> {
+    pub(super) fn change(&self) -> Option<&TrueChange> {
         self.changes.first()
     }
 

@@ -7,7 +7,7 @@ use kalmanscope_core::internals::mapped;
 use kalmanscope_core::scenario::cost::turn_at;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
-use super::happening::{Change, Happening};
+use super::happening::{Happening, TrueChange};
 use super::{Adjustable, Form, Phrase, Writer};
 use crate::Subject;
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
@@ -30,7 +30,7 @@ const LEAST_BEHIND: f64 = 0.5;
 
 const OTHERS: usize = 2;
 
-pub(super) struct Outcome<'a> {
+pub(super) struct FilterOutcome<'a> {
     pub(super) filter: &'a FilterSettings,
     pub(super) name: &'a str,
     pub(super) kind: Option<VerdictKind>,
@@ -64,7 +64,7 @@ struct Truth {
 
 type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
 
-impl<'a> Outcome<'a> {
+impl<'a> FilterOutcome<'a> {
     pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, happening: &Happening) -> Self {
         let (estimates, diagnostics, diagnosis) = results;
         let (record, change) = (run.record(), happening.change());
@@ -144,9 +144,9 @@ impl<'a> Outcome<'a> {
         Some([of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?])
     }
 
-    pub(super) fn sentence(&self, change: Option<&Change>) -> Vec<Phrase> {
+    pub(super) fn sentence(&self, change: Option<&TrueChange>) -> Vec<Phrase> {
         // A filter cannot follow a channel that it does not estimate.
-        let is_told = |change: &&Change| self.main.as_ref().is_none_or(|main| main.channel == change.channel);
+        let is_told = |change: &&TrueChange| self.main.as_ref().is_none_or(|main| main.channel == change.channel);
         let change = change.filter(is_told);
         let text = Writer::default().filter(self.filter.id, self.name);
         let text = self.memory(text, change);
@@ -166,7 +166,7 @@ impl<'a> Outcome<'a> {
         text.say(".").done()
     }
 
-    fn memory(&self, text: Writer, change: Option<&Change>) -> Writer {
+    fn memory(&self, text: Writer, change: Option<&TrueChange>) -> Writer {
         if change.is_none() {
             return text;
         }
@@ -202,7 +202,7 @@ impl<'a> Outcome<'a> {
         fading.into_iter().chain(guess).collect()
     }
 
-    fn found(&self, text: Writer, change: Option<&Change>) -> (Writer, bool) {
+    fn found(&self, text: Writer, change: Option<&TrueChange>) -> (Writer, bool) {
         let Some(main) = &self.main else {
             return (text.say(" assumes known parameters"), false);
         };

@@ -6,7 +6,7 @@ use kalmanscope_core::diagnostics::ErrorSums;
 use kalmanscope_core::internals::mapped;
 use kalmanscope_core::{Channel, Diagnostics, ModelClasses, PlantKind, Run};
 
-use super::outcome::Outcome;
+use super::outcome::FilterOutcome;
 use super::{Phrase, Writer};
 use crate::VerdictKind;
 use crate::words::{percent_to_a_tenth, seconds, with_band};
@@ -33,8 +33,8 @@ pub(super) fn has_input(run: &Run) -> bool {
 const NARROWER: f64 = 1.1;
 
 /// None before there are verdicts. `told` limits the filters to those of the story.
-pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phrase>> {
-    let judged: Vec<&Outcome<'_>> = outcomes.iter().filter(|outcome| outcome.kind.is_some()).collect();
+pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<Vec<Phrase>> {
+    let judged: Vec<&FilterOutcome<'_>> = outcomes.iter().filter(|outcome| outcome.kind.is_some()).collect();
     if judged.len() < 2 || judged.len() < outcomes.len() {
         // The sentence of a filter alone says it already.
         return None;
@@ -42,7 +42,7 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
     if judged.iter().any(|outcome| outcome.is_early()) {
         return Some(Writer::default().say("It is too early to say which to trust.").done());
     }
-    let honest: Vec<&Outcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
+    let honest: Vec<&FilterOutcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
     let text = Writer::default();
     let text = match (&honest[..], judged.len()) {
         ([], _) if judged.iter().all(|outcome| outcome.kind == Some(VerdictKind::PatternLeft)) => {
@@ -80,8 +80,8 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
     Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).done() } else { text.done() })
 }
 
-fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
-    let band = |outcome: &&&'a Outcome<'b>| outcome.main.as_ref().map_or(f64::INFINITY, |main| main.std);
+fn narrowest<'a, 'b>(several: &[&'a FilterOutcome<'b>]) -> Option<&'a FilterOutcome<'b>> {
+    let band = |outcome: &&&'a FilterOutcome<'b>| outcome.main.as_ref().map_or(f64::INFINITY, |main| main.std);
     let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
     let others = several.iter().filter(|other| other.filter.id != best.filter.id);
     let next = others.map(|other| band(&other)).fold(f64::INFINITY, f64::min);
@@ -156,11 +156,11 @@ const QUICK: f64 = 0.05;
 /// T = 2π / (ωₙ √(1 - ζ²)),  t½ = ln 2 / (ζ ωₙ),  Q = 1 / (2 ζ),  δ = ζ ωₙ T
 /// ```
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6.
-pub(super) fn of_swing(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
+pub(super) fn of_swing(outcomes: &[FilterOutcome<'_>]) -> Option<Vec<Phrase>> {
     let may_be_believed =
-        |outcome: &&Outcome<'_>| outcome.is_honest() || outcome.kind == Some(VerdictKind::Underconfident);
+        |outcome: &&FilterOutcome<'_>| outcome.is_honest() || outcome.kind == Some(VerdictKind::Underconfident);
     let believable_first = outcomes.iter().filter(may_be_believed).chain(outcomes);
-    let [(frequency, spread), (damping, doubt)] = believable_first.into_iter().find_map(Outcome::swing)?;
+    let [(frequency, spread), (damping, doubt)] = believable_first.into_iter().find_map(FilterOutcome::swing)?;
     let (shares, zeta) = ([2.0 * spread / frequency, 2.0 * doubt / damping], damping);
     if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..VAGUE).contains(share))) {
         return None;

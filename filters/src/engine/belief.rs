@@ -6,7 +6,7 @@ use super::number::{Function, Mask, Number};
 
 /// A normal distribution over n components, in each lane.
 #[derive(Clone, Debug)]
-pub struct Belief<T> {
+pub struct GaussianBelief<T> {
     /// y, n numbers.
     pub mean: Vec<T>,
     /// P, n × n; only the lower triangle is read.
@@ -14,7 +14,7 @@ pub struct Belief<T> {
 }
 
 #[derive(Clone, Debug)]
-pub struct Noise<T> {
+pub struct FilterNoise<T> {
     /// The diagonal of Q.
     pub process: Vec<T>,
     /// Q, n × n, its lower triangle, where it is not diagonal; else empty.
@@ -25,7 +25,7 @@ pub struct Noise<T> {
     pub fading: T,
 }
 
-impl<T: Number> Noise<T> {
+impl<T: Number> FilterNoise<T> {
     pub(super) fn fill_matrix(&mut self) {
         let n = self.process.len();
         self.matrix = vec![T::of(0.0); n * n];
@@ -51,7 +51,7 @@ impl<T: Number> Noise<T> {
     }
 }
 
-impl<T: Number> Belief<T> {
+impl<T: Number> GaussianBelief<T> {
     #[inline(always)]
     pub(crate) fn size(&self) -> usize {
         self.mean.len()
@@ -65,7 +65,7 @@ impl<T: Number> Belief<T> {
 
     /// `λ P + Q` in place of P. A variance that rounding made negative becomes zero.
     #[inline(always)]
-    pub(crate) fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
+    pub(crate) fn spread<L: Level>(&mut self, level: L, noise: &FilterNoise<T>) {
         let n = level.size(self.size());
         if !noise.matrix.is_empty() {
             for j in 0..n {
@@ -137,7 +137,12 @@ impl<T: Number> Belief<T> {
 
 /// Converts mean and covariance to first order: the mean of θ is `exp` of the mean of `ln θ`, its standard deviation θ times that of
 /// `ln θ`. The size of each component's unit in its channel's goes to `unit`, which is one for all that are no logarithms.
-pub fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, cov]: [&[T]; 2], belief: &mut Belief<T>) {
+pub fn convert<T: Number>(
+    logarithms: &[usize],
+    unit: &mut [T],
+    [mean, cov]: [&[T]; 2],
+    belief: &mut GaussianBelief<T>,
+) {
     belief.mean.copy_from_slice(mean);
     belief.cov.copy_from_slice(cov);
     for &place in logarithms {
@@ -153,16 +158,16 @@ pub fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, cov]: [&[
 #[derive(Clone, Debug)]
 pub(super) struct NoiseShare<T> {
     share: f64,
-    noise: Noise<T>,
+    noise: FilterNoise<T>,
 }
 
 impl<T: Number> NoiseShare<T> {
-    pub(super) fn new(whole: &Noise<T>) -> Self {
-        Self { share: 1.0, noise: Noise { sensors: Vec::new(), ..whole.clone() } }
+    pub(super) fn new(whole: &FilterNoise<T>) -> Self {
+        Self { share: 1.0, noise: FilterNoise { sensors: Vec::new(), ..whole.clone() } }
     }
 
     #[inline(always)]
-    pub(super) fn of<'a>(&'a mut self, share: f64, whole: &'a Noise<T>) -> &'a Noise<T> {
+    pub(super) fn of<'a>(&'a mut self, share: f64, whole: &'a FilterNoise<T>) -> &'a FilterNoise<T> {
         if share == 1.0 {
             return whole;
         }
@@ -173,8 +178,8 @@ impl<T: Number> NoiseShare<T> {
     }
 
     #[inline(never)]
-    fn take(&mut self, share: f64, whole: &Noise<T>) {
-        let Noise { process, matrix, fading, .. } = &mut self.noise;
+    fn take(&mut self, share: f64, whole: &FilterNoise<T>) {
+        let FilterNoise { process, matrix, fading, .. } = &mut self.noise;
         for (own, whole) in process.iter_mut().zip(&whole.process).chain(matrix.iter_mut().zip(&whole.matrix)) {
             *own = *whole * share;
         }

@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::list::{List, Node, Operation};
-use super::model::{Model, read};
+use super::model::{StateModel, read};
 use super::number::{Function, Real, operators};
-use super::plants::{Equation as _, with_equation};
+use super::plants::{RateFunction as _, with_equation};
 use crate::model::Reading;
 
 /// Limits the operations of a list, and so the time and the memory that an equation can take.
@@ -277,7 +277,7 @@ pub struct Notes {
 impl Notes {
     /// The notes of a model. There are none for logarithms, for a plant that takes plain numbers only, and for more operations than
     /// a list can hold.
-    pub fn of(model: &Model, readings: &[Reading]) -> Option<Self> {
+    pub fn of(model: &StateModel, readings: &[Reading]) -> Option<Self> {
         if !model.logarithms.is_empty() {
             return None;
         }
@@ -372,7 +372,7 @@ mod tests {
             let augmentations = augment::OF_INPUT.into_iter().chain([Channel::UNKNOWN_FORCE, quantities[0].bias()]);
             let book = crate::Model::new(kind.clone()).augmented(augmentations).decaying(0.01);
             let readings: Vec<Reading> = quantities.iter().filter_map(|&quantity| book.reading(quantity)).collect();
-            let model = Model::of(&book);
+            let model = StateModel::of(&book);
             let Notes { builder, rates, readings: noted, .. } = Notes::of(&model, &readings).expect("a built-in plant");
             let outputs: Vec<(usize, Node)> = rates.iter().chain(&noted).copied().enumerate().collect();
             let list = builder.list(model.size + 1, &outputs).expect("a short list");

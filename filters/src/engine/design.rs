@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::model::Model;
+use super::model::StateModel;
 use crate::model::Reading;
 
 /// The motion of a linearising filter's mean, and the transition matrix of its covariance.
@@ -99,7 +99,7 @@ pub enum Method {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     /// The model of the state.
-    pub model: Model,
+    pub model: StateModel,
     /// The way of prediction.
     pub method: Method,
     /// Time between samples \[s\].

@@ -1,15 +1,15 @@
 //! The measurements that a belief expects.
 
-use super::belief::Belief;
+use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, entry, lower_root};
 use super::design::{Design, Method, Rule};
 use super::level::{Count, Level, apart};
-use super::model::{Derivatives, Model, gradient, read};
+use super::model::{Derivatives, StateModel, gradient, read};
 use super::number::{Mask, Number};
 use crate::model::Reading;
 
 #[derive(Clone, Debug)]
-pub(super) struct Expected<T> {
+pub(super) struct ExpectedReadings<T> {
     /// h(y⁻), m numbers.
     pub(super) mean: Vec<T>,
     /// `H P⁻ Hᵀ`, m × m, without noise.
@@ -31,8 +31,8 @@ pub(super) struct Expected<T> {
     shift: Vec<T>,
 }
 
-impl<T: Number> Expected<T> {
-    pub(super) fn new(model: &Model, readings: &[Reading]) -> Self {
+impl<T: Number> ExpectedReadings<T> {
+    pub(super) fn new(model: &StateModel, readings: &[Reading]) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         let places: Vec<usize> = readings.iter().filter_map(|reading| reading.component).collect();
         let (n, sensors) = (model.size, readings.len());
@@ -66,7 +66,7 @@ impl<T: Number> Expected<T> {
         level: L,
         count: C,
         design: &Design,
-        belief: &Belief<T>,
+        belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
     ) -> Rooted<T::Mask> {
@@ -90,7 +90,7 @@ impl<T: Number> Expected<T> {
     }
 
     #[inline(always)]
-    fn select<L: Level, C: Count>(&mut self, level: L, count: C, belief: &Belief<T>, active: &[usize]) {
+    fn select<L: Level, C: Count>(&mut self, level: L, count: C, belief: &GaussianBelief<T>, active: &[usize]) {
         let (n, m) = (level.size(self.size()), count.number());
         let Self { mean, cov, cross, places, .. } = self;
         let (active, mean, cov, cross) = (&active[..m], &mut mean[..m], &mut cov[..m * m], &mut cross[..m * n]);
@@ -114,7 +114,7 @@ impl<T: Number> Expected<T> {
         &mut self,
         level: L,
         design: &Design,
-        belief: &Belief<T>,
+        belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
         at: &[T],
@@ -149,7 +149,7 @@ impl<T: Number> Expected<T> {
         level: L,
         count: C,
         design: &Design,
-        belief: &Belief<T>,
+        belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
         at: Option<&[T]>,
@@ -194,7 +194,7 @@ impl<T: Number> Expected<T> {
         level: L,
         rule: Rule,
         design: &Design,
-        belief: &Belief<T>,
+        belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
     ) -> Rooted<T::Mask> {

@@ -5,30 +5,30 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 
-use super::belief::{Belief, Noise, NoiseShare};
+use super::belief::{FilterNoise, GaussianBelief, NoiseShare};
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
-use super::model::Step;
+use super::model::Interval;
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::update::{Checks, Observation, Target, Update, UpdateResult};
+use super::update::{Checks, MeasuredReadings, Target, Update, UpdateResult};
 use crate::FilterError;
 use crate::filter_error::of_root;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
 /// takes that level; the rest is in the program once.
-pub struct Filter<T: Number> {
+pub struct GaussianFilter<T: Number> {
     pub design: Design,
-    pub noise: Noise<T>,
+    pub noise: FilterNoise<T>,
     of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub white: T,
     /// The belief after the last predict or update.
-    pub belief: Belief<T>,
+    pub belief: GaussianBelief<T>,
     linearised: Linearised<T>,
     points: SigmaPoints<T>,
     root: Option<SquareRoot<T>>,
@@ -36,8 +36,8 @@ pub struct Filter<T: Number> {
     pub(super) checks: Checks<T::Mask>,
 }
 
-impl<T: Number> Filter<T> {
-    pub fn new(design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+impl<T: Number> GaussianFilter<T> {
+    pub fn new(design: Design, belief: GaussianBelief<T>, noise: FilterNoise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
             Method::SquareRoot(rule) if const { may_have_root::<T, Baseline>() } => {
@@ -70,7 +70,7 @@ impl<T: Number> Filter<T> {
     #[inline(always)]
     pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
-        let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
+        let whole = Interval { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         for at in 0..self.design.model.forgotten.len() {
             let (place, time) = self.design.model.forgotten[at];
@@ -93,7 +93,14 @@ impl<T: Number> Filter<T> {
     }
 
     #[inline(always)]
-    fn pass<L: Level>(&mut self, level: L, share: f64, step: &Step<T>, is_last: bool, renews: bool) -> Rooted<T::Mask> {
+    fn pass<L: Level>(
+        &mut self,
+        level: L,
+        share: f64,
+        step: &Interval<T>,
+        is_last: bool,
+        renews: bool,
+    ) -> Rooted<T::Mask> {
         if self.update.passage.is_some() {
             self.note_regression(level.plain(), step);
         }
@@ -118,7 +125,7 @@ impl<T: Number> Filter<T> {
     }
 
     #[inline(never)]
-    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
+    fn note_regression<L: Level>(&mut self, level: L, step: &Interval<T>) {
         self.square();
         let Self { design, points, belief, update, .. } = self;
         if let Some(passage) = &mut update.passage {
@@ -135,7 +142,7 @@ impl<T: Number> Filter<T> {
     }
 
     #[inline(always)]
-    fn advance<L: Level>(&mut self, level: L, step: &Step<T>) -> Rooted<T::Mask> {
+    fn advance<L: Level>(&mut self, level: L, step: &Interval<T>) -> Rooted<T::Mask> {
         let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
         match (*method, root) {
             (Method::Linearised(propagation, _), _) => linearised.advance(level, propagation, model, belief, step),
@@ -190,7 +197,7 @@ impl<T: Number> Filter<T> {
         variances: Option<&[T]>,
     ) -> UpdateResult<T> {
         let Self { design, noise, belief, update, checks, root, .. } = self;
-        let observation = Observation { force, measured, variances: variances.unwrap_or(&noise.sensors) };
+        let observation = MeasuredReadings { force, measured, variances: variances.unwrap_or(&noise.sensors) };
         update.condition(level, &mut Target { design, belief, root: root.as_mut(), checks }, observation)
     }
 
@@ -200,7 +207,7 @@ impl<T: Number> Filter<T> {
     }
 
     /// The belief, and the noise of a share of a step.
-    pub(super) fn belief_and_noise(&mut self, share: f64) -> (&mut Belief<T>, &Noise<T>) {
+    pub(super) fn belief_and_noise(&mut self, share: f64) -> (&mut GaussianBelief<T>, &FilterNoise<T>) {
         (&mut self.belief, self.of_share.of(share, &self.noise))
     }
 

@@ -56,12 +56,12 @@ const REGISTERS: usize = 128;
 pub struct List {
     inputs: usize,
     registers: usize,
-    steps: Vec<Step>,
+    steps: Vec<ListStep>,
     outputs: Vec<(usize, u8)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Step {
+struct ListStep {
     what: What,
     a: u8,
     b: u8,
@@ -147,10 +147,10 @@ impl List {
             }
             let to = free.pop()?;
             of[place] = to;
-            steps.push(Step { what, a: ra, b: rb, to });
+            steps.push(ListStep { what, a: ra, b: rb, to });
         }
         let outputs = outputs.iter().map(|(to, node)| (*to, of[node.place()])).collect();
-        let used = |step: &Step| usize::from(step.to) + 1;
+        let used = |step: &ListStep| usize::from(step.to) + 1;
         let registers = steps.iter().map(used).fold(inputs, usize::max);
         Some(Self { inputs, registers, steps, outputs })
     }
@@ -183,7 +183,7 @@ impl List {
         let first = self.inputs - 1;
         registers[..first].copy_from_slice(&inputs[..first]);
         registers[first] = last;
-        for Step { what, a, b, to } in &self.steps {
+        for ListStep { what, a, b, to } in &self.steps {
             let (a, b) = (registers[usize::from(*a) % N], registers[usize::from(*b) % N]);
             registers[usize::from(*to) % N] = match what {
                 What::Constant(value) => T::of(*value),

@@ -2,7 +2,7 @@
 
 use super::level::{Level, apart};
 use super::number::{Function, Number, Real};
-use super::plants::{Equation, Plant, Slopes, fits, with_equation};
+use super::plants::{EnginePlant, RateFunction, Slopes, fits, with_equation};
 use crate::Channel;
 use crate::lists::places;
 use crate::model::{Reading, Scale};
@@ -16,9 +16,9 @@ use crate::model::{Reading, Scale};
 /// with the recorded force over mass f, its gain g, an offset o, an unknown force u and a white force w. In place of a parameter
 /// θ the state may have `ln θ`. All that does not move is constant over a step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct StateModel {
     /// The plant.
-    pub plant: Plant,
+    pub plant: EnginePlant,
     /// n, the number of components.
     pub size: usize,
     /// η, the rate at which the parameters decay \[1/s\].
@@ -37,10 +37,10 @@ pub struct Model {
     pub by_force: Vec<f64>,
 }
 
-impl Model {
+impl StateModel {
     /// The engine's form of a model.
     pub fn of(book: &crate::Model) -> Self {
-        let plant = Plant::of(book.plant());
+        let plant = EnginePlant::of(book.plant());
         let place = |channel| book.place(channel);
         let mut by_force = plant.by_force();
         by_force.resize(book.moving(), 0.0);
@@ -69,7 +69,7 @@ impl Model {
         self.plant.is_oscillator() && self.moving() == 2
     }
 
-    /// [`Plant::coupling`] of a plant whose parameters stand still.
+    /// [`EnginePlant::coupling`] of a plant whose parameters stand still.
     pub(crate) fn coupling(&self) -> Option<[usize; 2]> {
         self.plant.coupling().filter(|[masses, _]| self.moving() == 2 * masses)
     }
@@ -111,7 +111,7 @@ impl Model {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(
         &self,
-        equation: impl Equation<T>,
+        equation: impl RateFunction<T>,
         state: &[T],
         force: T,
         plain: &mut [T],
@@ -165,19 +165,19 @@ pub(crate) struct Derivatives<T> {
 }
 
 impl<T: Number> Derivatives<T> {
-    pub(crate) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &StateModel) -> Self {
         let (zero, moving) = (T::of(0.0), model.moving());
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
     /// Takes them in a state under this recorded force, in a separate function: it is long, and called from many places.
     #[inline(always)]
-    pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+    pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) {
         apart!(level, self.take_inside(level, model, state, force));
     }
 
     #[inline(always)]
-    fn take_inside<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+    fn take_inside<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) {
         let Self { rate, columns, plain } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
@@ -214,7 +214,7 @@ impl<T: Number> Derivatives<T> {
 
 /// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
 #[inline(always)]
-pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+pub(crate) fn read<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     if let Some(place) = reading.component {
         return state[place];
     }
@@ -227,7 +227,7 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
 }
 
 #[inline(always)]
-fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+fn read_exact<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);
     for &(place, factor) in &reading.components {
         sum = sum + state[place] * factor;
@@ -245,7 +245,7 @@ fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T]
 /// `∂h/∂y` of a sensor that reads more than components in a state, n numbers.
 #[inline(always)]
 pub(crate) fn gradient<T: Number>(
-    model: &Model,
+    model: &StateModel,
     reading: &Reading,
     state: &[T],
     derivatives: &Derivatives<T>,
@@ -280,7 +280,7 @@ pub(crate) fn gradient<T: Number>(
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Step<T> {
+pub(crate) struct Interval<T> {
     /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
     pub forces: [T; 2],
     /// Whether they differ: else the force is held.
@@ -289,7 +289,7 @@ pub(crate) struct Step<T> {
     pub dt: f64,
 }
 
-impl<T: Number> Step<T> {
+impl<T: Number> Interval<T> {
     /// The slope of the force over mass \[m/s³\].
     #[inline(always)]
     pub(crate) fn slope(&self) -> T {

@@ -1,11 +1,11 @@
 //! The passage of a filter from one sample to the next: what a smoother needs of it.
 
-use super::belief::Belief;
+use super::belief::GaussianBelief;
 use super::columns::{divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
 use super::level::Level;
 use super::linearised::Linearised;
-use super::model::Step;
+use super::model::Interval;
 use super::number::Number;
 use super::sigma_points::SigmaPoints;
 
@@ -24,7 +24,7 @@ pub struct Passage<T> {
     /// Φ of one step, and memory.
     step: Vec<T>,
     root: Vec<T>,
-    work: Belief<T>,
+    work: GaussianBelief<T>,
 }
 
 impl<T: Number> Passage<T> {
@@ -39,12 +39,12 @@ impl<T: Number> Passage<T> {
             jacobian: Vec::new(),
             step: zeros(n * n),
             root: zeros(n * n),
-            work: Belief { mean: zeros(n), cov: zeros(n * n) },
+            work: GaussianBelief { mean: zeros(n), cov: zeros(n * n) },
         }
     }
 
     /// Begins at a belief: Φ is an identity.
-    pub(super) fn begin(&mut self, belief: &Belief<T>) {
+    pub(super) fn begin(&mut self, belief: &GaussianBelief<T>) {
         let n = self.work.size();
         self.predicted.copy_from_slice(&belief.cov);
         self.transition.iter_mut().enumerate().for_each(|(at, entry)| *entry = identity(at, n));
@@ -73,8 +73,8 @@ impl<T: Number> Passage<T> {
         level: L,
         design: &Design,
         points: &mut SigmaPoints<T>,
-        belief: &Belief<T>,
-        step: &Step<T>,
+        belief: &GaussianBelief<T>,
+        step: &Interval<T>,
     ) {
         let (Method::SigmaPoints(rule) | Method::SquareRoot(rule)) = design.method else { return };
         let n = belief.size();

@@ -9,7 +9,7 @@ use super::number::{Number, Real};
 use crate::PlantKind;
 
 /// The equation of a plant with the state `y = [motion, parameters]`, over numbers of one type.
-pub(crate) trait Equation<T>: Copy {
+pub(crate) trait RateFunction<T>: Copy {
     /// Whether the compiler knows the number of components, which then is at most [`FEW`].
     const IS_SMALL: bool = true;
 
@@ -22,7 +22,7 @@ pub(crate) trait Equation<T>: Copy {
 
 /// A plant that the engine has.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Plant {
+pub enum EnginePlant {
     Sdof(Sdof),
     /// The oscillator with a cubic spring.
     Duffing(Duffing),
@@ -42,34 +42,34 @@ macro_rules! with_equation {
         $crate::engine::plants::with_equation!($plant, $equation => $do, $equation => $do)
     };
     ($plant:expr, $equation:ident => $do:expr, $own:pat => $other:expr) => {{
-        use $crate::engine::plants::Plant;
+        use $crate::engine::plants::EnginePlant;
         match $plant {
-            &Plant::Sdof($equation) => $do,
-            &Plant::Duffing($equation) => $do,
-            &Plant::BoucWen($equation) => $do,
-            &Plant::BoucWenOne($equation) => $do,
-            &Plant::ShearChain($equation) => $do,
-            Plant::Typed(typed) => {
+            &EnginePlant::Sdof($equation) => $do,
+            &EnginePlant::Duffing($equation) => $do,
+            &EnginePlant::BoucWen($equation) => $do,
+            &EnginePlant::BoucWenOne($equation) => $do,
+            &EnginePlant::ShearChain($equation) => $do,
+            EnginePlant::Typed(typed) => {
                 let $equation = &**typed;
                 $do
             }
-            Plant::Own($own) => $other,
+            EnginePlant::Own($own) => $other,
         }
     }};
 }
 
 pub(super) use with_equation;
 
-impl Plant {
+impl EnginePlant {
     /// The number of components.
     pub fn size(&self) -> usize {
-        with_equation!(self, equation => Equation::<f64>::sizes(equation)[0])
+        with_equation!(self, equation => RateFunction::<f64>::sizes(equation)[0])
     }
 
     /// The number of components that move.
     #[inline(always)]
     pub fn motion(&self) -> usize {
-        with_equation!(self, equation => Equation::<f64>::sizes(equation)[1])
+        with_equation!(self, equation => RateFunction::<f64>::sizes(equation)[1])
     }
 
     /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
@@ -143,7 +143,7 @@ pub(crate) const FEW: usize = 8;
 
 /// Whether filters of these sizes can have a plant: the compiler leaves out the others.
 #[inline(always)]
-pub(super) fn fits<T, L: Level>(level: L, equation: impl Equation<T>) -> bool {
+pub(super) fn fits<T, L: Level>(level: L, equation: impl RateFunction<T>) -> bool {
     let [own, motion] = equation.sizes();
     own <= level.size(own) && motion <= level.moving(motion)
 }
@@ -158,7 +158,7 @@ pub(crate) struct Slopes<'a, T> {
 #[inline(always)]
 fn linearise<T: Number, L: Level>(
     level: L,
-    equation: impl Equation<Dual<T, AT_ONCE>>,
+    equation: impl RateFunction<Dual<T, AT_ONCE>>,
     state: &[T],
     force: T,
     mut out: Slopes<'_, T>,
@@ -176,7 +176,7 @@ fn linearise<T: Number, L: Level>(
 
 #[inline(always)]
 fn differentiate<T: Number>(
-    equation: impl Equation<Dual<T, AT_ONCE>>,
+    equation: impl RateFunction<Dual<T, AT_ONCE>>,
     state: &[T],
     force: T,
     first: usize,
@@ -204,7 +204,7 @@ fn differentiate<T: Number>(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sdof;
 
-impl<T: Real> Equation<T> for Sdof {
+impl<T: Real> RateFunction<T> for Sdof {
     #[inline(always)]
     fn sizes(self) -> [usize; 2] {
         [4, 2]
@@ -222,7 +222,7 @@ impl<T: Real> Equation<T> for Sdof {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duffing;
 
-impl<T: Real> Equation<T> for Duffing {
+impl<T: Real> RateFunction<T> for Duffing {
     #[inline(always)]
     fn sizes(self) -> [usize; 2] {
         [5, 2]
@@ -241,7 +241,7 @@ impl<T: Real> Equation<T> for Duffing {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoucWen<const IS_ONE: bool>;
 
-impl<T: Real, const IS_ONE: bool> Equation<T> for BoucWen<IS_ONE> {
+impl<T: Real, const IS_ONE: bool> RateFunction<T> for BoucWen<IS_ONE> {
     #[inline(always)]
     fn sizes(self) -> [usize; 2] {
         [8, 3]
@@ -322,7 +322,7 @@ impl ShearChain {
     }
 }
 
-impl<T: Real> Equation<T> for ShearChain {
+impl<T: Real> RateFunction<T> for ShearChain {
     const IS_SMALL: bool = false;
 
     #[inline(always)]
@@ -367,7 +367,7 @@ impl Own {
     }
 }
 
-impl<T: Number> Equation<T> for &Own {
+impl<T: Number> RateFunction<T> for &Own {
     const IS_SMALL: bool = false;
 
     fn sizes(self) -> [usize; 2] {
@@ -434,7 +434,7 @@ impl Typed {
     }
 }
 
-impl<T: Real> Equation<T> for &Typed {
+impl<T: Real> RateFunction<T> for &Typed {
     const IS_SMALL: bool = false;
 
     #[inline(always)]
@@ -459,9 +459,9 @@ mod tests {
 
     #[test]
     fn plants_of_the_registry_have_their_sizes_in_the_engine() {
-        assert!(matches!(Plant::of(&PlantKind::SHEAR_10), Plant::ShearChain(ShearChain { masses: 10 })));
+        assert!(matches!(EnginePlant::of(&PlantKind::SHEAR_10), EnginePlant::ShearChain(ShearChain { masses: 10 })));
         for kind in PlantKind::ALL {
-            let plant = Plant::of(&kind);
+            let plant = EnginePlant::of(&kind);
             let (n, motion) = (kind.channels().len(), kind.motion());
             assert_eq!((plant.size(), plant.motion()), (n, motion), "{kind:?}");
             let velocities = kind.channels()[..motion].iter().map(|channel| channel.rate().is_none());

@@ -1,9 +1,9 @@
 //! Classical Runge-Kutta steps, of one state and of many.
 
 use super::level::{Baseline, Level};
-use super::model::{Model, Step, read};
+use super::model::{Interval, StateModel, read};
 use super::number::{Number, Real};
-use super::plants::{Equation, FEW, fits, with_equation};
+use super::plants::{FEW, RateFunction, fits, with_equation};
 use crate::model::Reading;
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
@@ -15,14 +15,14 @@ pub(crate) struct RungeKutta<T> {
 }
 
 impl<T: Number> RungeKutta<T> {
-    pub(crate) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &StateModel) -> Self {
         let zeros = || vec![T::of(0.0); model.moving()];
         let plain = vec![T::of(0.0); model.size];
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
     #[inline(always)]
-    pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
+    pub(crate) fn advance<L: Level>(&mut self, level: L, model: &StateModel, state: &mut [T], step: &Interval<T>) {
         with_equation!(&model.plant, equation => {
             if fits::<T, L>(level, equation) {
                 self.advance_by(equation, model, state, step);
@@ -31,14 +31,14 @@ impl<T: Number> RungeKutta<T> {
     }
 
     #[inline(always)]
-    pub(super) fn rate<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) -> &[T] {
+    pub(super) fn rate<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) -> &[T] {
         let Self { rates: [rate, ..], plain, .. } = self;
         model.rate(level, state, force, plain, rate);
         rate
     }
 
     #[inline(always)]
-    fn advance_by<E: Equation<T>>(&mut self, equation: E, model: &Model, state: &mut [T], step: &Step<T>) {
+    fn advance_by<E: RateFunction<T>>(&mut self, equation: E, model: &StateModel, state: &mut [T], step: &Interval<T>) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
         if model.eta != 0.0 {
             classical(
@@ -119,7 +119,7 @@ type Pack = <f64 as Number>::Pack;
 /// Moves and measures states, n numbers each, one behind the other.
 #[derive(Clone, Debug)]
 pub(crate) struct States {
-    model: Model,
+    model: StateModel,
     method: RungeKutta<Pack>,
     states: Vec<Pack>,
     plain: Vec<Pack>,
@@ -132,7 +132,7 @@ impl States {
     }
 
     fn new(book: &crate::Model) -> Self {
-        let model = Model::of(book);
+        let model = StateModel::of(book);
         let zeros = |count: usize| vec![Pack::of(0.0); count];
         Self {
             method: RungeKutta::new(&model),
@@ -143,11 +143,11 @@ impl States {
         }
     }
 
-    pub(crate) fn advance(&mut self, states: &mut [f64], step: &Step<f64>) {
+    pub(crate) fn advance(&mut self, states: &mut [f64], step: &Interval<f64>) {
         let (n, moving, points) = (self.model.size, self.model.moving(), f64::POINTS);
         let [begin, end] = step.forces;
         let forces = [f64::pack(|_| begin), f64::pack(|_| end)];
-        let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
+        let step = Interval { forces, has_slope: step.has_slope, dt: step.dt };
         for own in states.chunks_mut(n * points) {
             self.take(own);
             let Self { model, method, states, .. } = self;
@@ -236,7 +236,7 @@ mod tests {
                     let model = crate::Model::new(plant.clone()).augmented([Channel::INPUT_GAIN]).decaying(eta);
                     let n = model.size();
                     let begin: Vec<f64> = (0..n * count).map(|i| 0.2 + 0.7 * libm::sin(i as f64).abs()).collect();
-                    let step = Step { forces: [0.7, -0.4], has_slope: true, dt: 0.01 };
+                    let step = Interval { forces: [0.7, -0.4], has_slope: true, dt: 0.01 };
                     let (mut states, mut engine) = (begin.clone(), States::new(&model));
                     engine.advance(&mut states, &step);
                     let quantities = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];

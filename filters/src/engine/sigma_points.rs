@@ -1,10 +1,10 @@
 //! The prediction of UKF and CKF: sigma points, each moved by one Runge-Kutta step.
 
-use super::belief::Belief;
+use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
 use super::level::{Level, apart, each};
-use super::model::{Model, Step};
+use super::model::{Interval, StateModel};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 
@@ -24,7 +24,7 @@ pub(crate) struct SigmaPoints<T: Number> {
 }
 
 impl<T: Number> SigmaPoints<T> {
-    pub(crate) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &StateModel) -> Self {
         let (n, moving) = (model.size, model.moving());
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
@@ -55,9 +55,9 @@ impl<T: Number> SigmaPoints<T> {
         &mut self,
         level: L,
         rule: Rule,
-        model: &Model,
-        belief: &mut Belief<T>,
-        step: &Step<T>,
+        model: &StateModel,
+        belief: &mut GaussianBelief<T>,
+        step: &Interval<T>,
     ) -> Rooted<T::Mask> {
         let rooted = apart!(level, self.draw(level, rule, model, belief));
         self.travel(level, model, step);
@@ -69,14 +69,14 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn travel<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel, step: &Interval<T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
             apart!(level, of_centre.advance(level, model, centre, step));
         }
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
-        let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
+        let step = Interval { forces, has_slope: step.has_slope, dt: step.dt };
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
             apart!(level, method.advance(level, model, points, &step));
@@ -88,7 +88,7 @@ impl<T: Number> SigmaPoints<T> {
     pub(super) fn rate<L: Level>(
         &mut self,
         level: L,
-        model: &Model,
+        model: &StateModel,
         pack: usize,
         force: T::Pack,
     ) -> (&[T::Pack], &[T::Pack]) {
@@ -99,7 +99,7 @@ impl<T: Number> SigmaPoints<T> {
 
     /// The centre, and the rates of its moving components under this recorded force, where it is [apart](Self::is_apart).
     #[inline(always)]
-    pub(super) fn rate_of_centre<L: Level>(&mut self, level: L, model: &Model, force: T) -> (&[T], &[T]) {
+    pub(super) fn rate_of_centre<L: Level>(&mut self, level: L, model: &StateModel, force: T) -> (&[T], &[T]) {
         let Self { centre, of_centre, .. } = self;
         (centre, of_centre.rate(level, model, centre, force))
     }
@@ -121,7 +121,13 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
+    fn draw<L: Level>(
+        &mut self,
+        level: L,
+        rule: Rule,
+        model: &StateModel,
+        belief: &GaussianBelief<T>,
+    ) -> Rooted<T::Mask> {
         let n = level.size(model.size);
         let Self { root, points, centre, .. } = self;
         let rooted = lower_root(level, &belief.cov[..n * n], &mut root[..n * n], n);
@@ -168,7 +174,7 @@ impl<T: Number> SigmaPoints<T> {
 
     /// Takes the odd and even parts of the moving components; with these, `Σ` needs no weights.
     #[inline(always)]
-    fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &Model) {
+    fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel) {
         let Self { root, even, points, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let half = 0.5 / rule.spread.sqrt();
@@ -184,7 +190,7 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &mut Belief<T>) {
+    fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel, belief: &mut GaussianBelief<T>) {
         let Self { root: odd, even, points, shift, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (mean, cov) = (&mut belief.mean[..n], &mut belief.cov[..n * n]);

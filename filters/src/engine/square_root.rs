@@ -16,11 +16,11 @@
 //! Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation; Kailath,
 //! Sayed and Hassibi (2000), *Linear Estimation*, section 12.3 (array algorithms).
 
-use super::belief::Belief;
+use super::belief::GaussianBelief;
 use super::columns::{Rooted, lower_root, take_times};
 use super::design::{Design, Rule};
 use super::level::{Count, Level, apart, each};
-use super::model::{Model, Step, read};
+use super::model::{Interval, StateModel, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
 use crate::model::Reading;
@@ -54,7 +54,7 @@ pub(super) const fn may_have_root<T: Number, L: Level>() -> bool {
 }
 
 impl<T: Number> SquareRoot<T> {
-    pub(super) fn new(model: &Model, rule: Rule, sensors: usize) -> Self {
+    pub(super) fn new(model: &StateModel, rule: Rule, sensors: usize) -> Self {
         let (n, moving, zero) = (model.size, model.moving(), T::of(0.0));
         Self {
             rule,
@@ -87,7 +87,13 @@ impl<T: Number> SquareRoot<T> {
 
     /// Moves mean and points by a step; [`Self::spread`] makes a root of them.
     #[inline(always)]
-    pub(super) fn advance<L: Level>(&mut self, level: L, model: &Model, belief: &mut Belief<T>, step: &Step<T>) {
+    pub(super) fn advance<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel,
+        belief: &mut GaussianBelief<T>,
+        step: &Interval<T>,
+    ) {
         let Self { rule, points, rows, .. } = self;
         apart!(level, points.place(level, *rule, &belief.mean, rows));
         points.travel(level, model, step);
@@ -95,7 +101,7 @@ impl<T: Number> SquareRoot<T> {
     }
 
     #[inline(always)]
-    fn take_parts<L: Level>(&mut self, level: L, belief: &mut Belief<T>) {
+    fn take_parts<L: Level>(&mut self, level: L, belief: &mut GaussianBelief<T>) {
         let Self { rule, size, moving, points, rows, array, .. } = self;
         let (n, moving) = (level.size(*size), level.moving(*moving));
         let (width, zero) = (3 * n + 1, T::of(0.0));
@@ -137,7 +143,13 @@ impl<T: Number> SquareRoot<T> {
         );
     }
 
-    pub(super) fn renew<L: Level>(&mut self, level: L, belief: &mut Belief<T>, place: usize, [kept, variance]: [T; 2]) {
+    pub(super) fn renew<L: Level>(
+        &mut self,
+        level: L,
+        belief: &mut GaussianBelief<T>,
+        place: usize,
+        [kept, variance]: [T; 2],
+    ) {
         let Self { rows, array, .. } = self;
         let (n, zero) = (belief.size(), T::of(0.0));
         for (i, (row, old)) in array.chunks_exact_mut(n + 1).zip(rows.chunks_exact(n)).enumerate() {
@@ -178,7 +190,7 @@ impl<T: Number> SquareRoot<T> {
         level: L,
         count: C,
         design: &Design,
-        belief: &Belief<T>,
+        belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
         expected: &mut [T],
@@ -222,7 +234,14 @@ impl<T: Number> SquareRoot<T> {
     }
 
     #[inline(always)]
-    fn read_points<L: Level>(&mut self, level: L, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
+    fn read_points<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &GaussianBelief<T>,
+        active: &[usize],
+        force: T,
+    ) {
         let Self { rule, size, rows, points, readings, of_centre, .. } = self;
         points.place(level, *rule, &belief.mean, rows);
         if SigmaPoints::<T>::is_apart(level.size(*size)) {

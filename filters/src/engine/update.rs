@@ -4,10 +4,10 @@ mod descent;
 
 use descent::Descent;
 
-use super::belief::Belief;
+use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
-use super::expected::{Expected, select_column, times_cov};
+use super::expected::{ExpectedReadings, select_column, times_cov};
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
 use super::passage::Passage;
@@ -31,13 +31,13 @@ pub struct UpdateResult<T: Number> {
 /// The belief that an update conditions, with the root of its covariance if it has one, and whether the step holds.
 pub(super) struct Target<'a, T: Number> {
     pub(super) design: &'a Design,
-    pub(super) belief: &'a mut Belief<T>,
+    pub(super) belief: &'a mut GaussianBelief<T>,
     pub(super) root: Option<&'a mut SquareRoot<T>>,
     pub(super) checks: &'a mut Checks<T::Mask>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Observation<'a, T> {
+pub(super) struct MeasuredReadings<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub(super) force: T,
     /// A number for each sensor; NaN where it is missing.
@@ -48,7 +48,7 @@ pub(super) struct Observation<'a, T> {
 #[derive(Clone, Debug)]
 pub struct Update<T> {
     pub active: Vec<usize>,
-    expected: Expected<T>,
+    expected: ExpectedReadings<T>,
     /// S, m × m, and its factor.
     pub(super) innovation_cov: Vec<T>,
     pub(super) factor: Vec<T>,
@@ -72,7 +72,7 @@ impl<T: Number> Update<T> {
         let iterates = matches!(method, Method::Linearised(_, 2..));
         Self {
             active: Vec::with_capacity(sensors),
-            expected: Expected::new(model, readings),
+            expected: ExpectedReadings::new(model, readings),
             innovation_cov: zeros(sensors * sensors),
             factor: zeros(sensors * sensors),
             innovation: zeros(sensors),
@@ -90,7 +90,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         target: &mut Target<'_, T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         if self.descent.is_none() && self.passage.is_none() {
             return self.condition_once(level, target, observation);
@@ -103,7 +103,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         target: &mut Target<'_, T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         let active = &mut self.active;
         let measured = observation.measured;
@@ -129,7 +129,7 @@ impl<T: Number> Update<T> {
         level: L,
         count: C,
         target: &mut Target<'_, T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         if const { may_have_root::<T, L>() }
             && let Some(root) = target.root.take()
@@ -154,7 +154,7 @@ impl<T: Number> Update<T> {
         count: C,
         target: &mut Target<'_, T>,
         root: &mut SquareRoot<T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         let Self { active, expected, innovation_cov, innovation, variances, .. } = self;
         let Target { design, belief, checks, .. } = target;
@@ -180,7 +180,7 @@ impl<T: Number> Update<T> {
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
     /// information: e = 0, R = 1, without covariance.
     #[inline(always)]
-    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, observation: Observation<'_, T>) -> T {
+    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, observation: MeasuredReadings<'_, T>) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
         let (m, n) = (count.number(), level.size(expected.size()));
         let (zero, one) = (T::of(0.0), T::of(1.0));
@@ -221,7 +221,7 @@ impl<T: Number> Update<T> {
         level: L,
         count: C,
         design: &Design,
-        belief: &mut Belief<T>,
+        belief: &mut GaussianBelief<T>,
         measured: T,
         checks: &mut Checks<T::Mask>,
     ) -> UpdateResult<T> {
@@ -242,7 +242,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         count: C,
-        belief: &mut Belief<T>,
+        belief: &mut GaussianBelief<T>,
         checks: &mut Checks<T::Mask>,
     ) -> [T; 2] {
         let Self { expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
@@ -276,7 +276,7 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
     #[inline(always)]
-    fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut Belief<T>) {
+    fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut GaussianBelief<T>) {
         let Self { active, expected, variances, gain, excess, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
         let (cov, gain, excess) = (&mut belief.cov[..n * n], &gain[..m * n], &mut excess[..m * n]);
@@ -296,7 +296,7 @@ impl<T: Number> Update<T> {
     }
 
     #[inline(always)]
-    fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut Belief<T>) {
+    fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut GaussianBelief<T>) {
         let Self { innovation_cov: s, gain, excess, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
         for row in 0..m {
@@ -371,7 +371,7 @@ fn gather<T: Number>(active: &mut Vec<usize>, measured: &[T]) {
 #[inline(always)]
 fn result<T: Number, L: Level>(
     level: L,
-    belief: &Belief<T>,
+    belief: &GaussianBelief<T>,
     [nis, determinant]: [T; 2],
     measured: T,
     checks: &mut Checks<T::Mask>,

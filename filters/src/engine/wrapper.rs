@@ -16,7 +16,7 @@ pub use weighing::Weighing;
 
 use std::ops::{Deref, DerefMut};
 
-use super::filter::Filter;
+use super::filter::GaussianFilter;
 use super::level::{Level, apart};
 use super::number::Number;
 use super::update::UpdateResult;
@@ -50,7 +50,7 @@ pub trait Recursion<T: Number> {
     fn update(&mut self, readings: Readings<'_, T>) -> UpdateResult<T>;
 
     /// The filter within all options, with its belief, its noise and its last update.
-    fn filter(&mut self) -> &mut Filter<T>;
+    fn filter(&mut self) -> &mut GaussianFilter<T>;
 }
 
 /// An option: a filter around another.
@@ -85,26 +85,26 @@ pub struct Learnt<'a, T> {
 
 /// A filter in its options, from the inside out.
 pub struct Wrapped<T: Number> {
-    filter: Filter<T>,
+    filter: GaussianFilter<T>,
     wrappers: Vec<Box<dyn Wrapper<T>>>,
 }
 
 impl<T: Number> Deref for Wrapped<T> {
-    type Target = Filter<T>;
+    type Target = GaussianFilter<T>;
 
-    fn deref(&self) -> &Filter<T> {
+    fn deref(&self) -> &GaussianFilter<T> {
         &self.filter
     }
 }
 
 impl<T: Number> DerefMut for Wrapped<T> {
-    fn deref_mut(&mut self) -> &mut Filter<T> {
+    fn deref_mut(&mut self) -> &mut GaussianFilter<T> {
         &mut self.filter
     }
 }
 
 impl<T: Number> Wrapped<T> {
-    pub fn new(filter: Filter<T>, wrappers: impl IntoIterator<Item = Option<Box<dyn Wrapper<T>>>>) -> Self {
+    pub fn new(filter: GaussianFilter<T>, wrappers: impl IntoIterator<Item = Option<Box<dyn Wrapper<T>>>>) -> Self {
         Self { filter, wrappers: wrappers.into_iter().flatten().collect() }
     }
 
@@ -112,7 +112,7 @@ impl<T: Number> Wrapped<T> {
         !self.wrappers.is_empty()
     }
 
-    /// [`Filter::predict`] in all options.
+    /// [`GaussianFilter::predict`] in all options.
     #[inline(always)]
     pub fn predict<L: Level>(&mut self, level: L, span: Span<T>) {
         if self.has_options() {
@@ -121,7 +121,7 @@ impl<T: Number> Wrapped<T> {
         self.filter.predict(level, span.share, span.forces);
     }
 
-    /// [`Filter::update`] in all options.
+    /// [`GaussianFilter::update`] in all options.
     #[inline(always)]
     pub fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         if self.has_options() {
@@ -158,7 +158,7 @@ impl<T: Number> Wrapped<T> {
 }
 
 /// A filter without options, by the instructions of a level.
-struct AtLevel<'a, L, T: Number>(L, &'a mut Filter<T>);
+struct AtLevel<'a, L, T: Number>(L, &'a mut GaussianFilter<T>);
 
 impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
     fn predict(&mut self, Span { share, forces, .. }: Span<T>) {
@@ -171,7 +171,7 @@ impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
         apart!(level, filter.update(*level, force, measured, variances))
     }
 
-    fn filter(&mut self) -> &mut Filter<T> {
+    fn filter(&mut self) -> &mut GaussianFilter<T> {
         self.1
     }
 }
@@ -199,7 +199,7 @@ impl<T: Number> Recursion<T> for Inside<'_, T> {
         }
     }
 
-    fn filter(&mut self) -> &mut Filter<T> {
+    fn filter(&mut self) -> &mut GaussianFilter<T> {
         self.plain.filter()
     }
 }

@@ -10,7 +10,7 @@ use crate::lists::mapped;
 
 /// The place of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum TextLevel {
     /// On the line.
     Line,
     /// A power.
@@ -25,7 +25,7 @@ pub struct TextRun {
     /// The characters.
     pub text: String,
     /// Their place.
-    pub level: Level,
+    pub level: TextLevel,
 }
 
 /// The equations of a text, each as runs from left to right.
@@ -86,10 +86,10 @@ impl Line {
     }
 
     fn write(&mut self, text: &str) {
-        self.write_at(text, Level::Line);
+        self.write_at(text, TextLevel::Line);
     }
 
-    fn write_at(&mut self, text: &str, level: Level) {
+    fn write_at(&mut self, text: &str, level: TextLevel) {
         match self.runs.last_mut() {
             _ if text.is_empty() => {}
             Some(last) if last.level == level => last.text.push_str(text),
@@ -122,7 +122,7 @@ impl Line {
             }
             Tree::Power(a, exponent) => {
                 self.put(a, Tie::Atom);
-                self.write_at(&exponent.to_string().replace('-', "−"), Level::Above);
+                self.write_at(&exponent.to_string().replace('-', "−"), TextLevel::Above);
             }
             Tree::Binary(sign @ ('+' | '-'), a, b) => {
                 self.put(a, Tie::Sum);
@@ -165,7 +165,7 @@ impl Line {
         match scaled.split_once('e').filter(|_| is_scaled(number)) {
             Some((mantissa, exponent)) => {
                 self.write(&if mantissa == "1" { "10".to_owned() } else { format!("{mantissa}·10") });
-                self.write_at(&exponent.replace('-', "−"), Level::Above);
+                self.write_at(&exponent.replace('-', "−"), TextLevel::Above);
             }
             None => self.write(&text),
         }
@@ -178,7 +178,7 @@ impl Line {
             (Some(letter), None) => self.write(&dots(letter, primes)),
             _ => self.write(&(letters + &"′".repeat(primes))),
         }
-        self.write_at(&below, Level::Below);
+        self.write_at(&below, TextLevel::Below);
     }
 }
 
@@ -212,9 +212,9 @@ mod tests {
     fn printed(text: &str) -> String {
         let lines = typeset(text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let run = |run: &TextRun| match run.level {
-            Level::Line => run.text.clone(),
-            Level::Above => format!("^{{{}}}", run.text),
-            Level::Below => format!("_{{{}}}", run.text),
+            TextLevel::Line => run.text.clone(),
+            TextLevel::Above => format!("^{{{}}}", run.text),
+            TextLevel::Below => format!("_{{{}}}", run.text),
         };
         lines.iter().map(|line| line.iter().map(run).collect()).collect::<Vec<String>>().join("; ")
     }
@@ -265,9 +265,9 @@ mod tests {
             "x'' - a/(b c)*d^-2/(x^2 - -x) + (2/3) x/4 = f",
         ] {
             let plain = |run: &TextRun| match run.level {
-                Level::Line => run.text.clone(),
-                Level::Above => format!("^({})", run.text),
-                Level::Below => format!("_{} ", run.text).replace("_1 ", "1 ").replace("_2 ", "2 "),
+                TextLevel::Line => run.text.clone(),
+                TextLevel::Above => format!("^({})", run.text),
+                TextLevel::Below => format!("_{} ", run.text).replace("_1 ", "1 ").replace("_2 ", "2 "),
             };
             let lines = typeset(text).expect("an equation");
             let again: Vec<String> = lines.iter().map(|line| line.iter().map(plain).collect()).collect();

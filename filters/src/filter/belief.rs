@@ -62,7 +62,7 @@ impl Gaussian {
     }
 
     /// The engine's mean and covariance.
-    pub fn of(belief: &engine::belief::Belief<f64>) -> Self {
+    pub fn of(belief: &engine::belief::GaussianBelief<f64>) -> Self {
         let n = belief.mean.len();
         let cov = symmetric(Matrix::from_column_slice(n, n, &belief.cov));
         Self { mean: Vector::from_column_slice(&belief.mean), cov }
@@ -152,13 +152,13 @@ pub struct Step {
 
 impl Step {
     pub(super) fn part(&self, i: usize, parts: usize) -> Self {
-        let model::Step { forces, dt, .. } = self.of_engine().part(i, parts);
+        let model::Interval { forces, dt, .. } = self.of_engine().part(i, parts);
         Self { forces, dt, ..*self }
     }
 
-    pub(super) fn of_engine(self) -> model::Step<f64> {
+    pub(super) fn of_engine(self) -> model::Interval<f64> {
         let Self { forces, hold, dt } = self;
-        model::Step { forces, has_slope: hold == Hold::First, dt }
+        model::Interval { forces, has_slope: hold == Hold::First, dt }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::engine::plants::{self, Own};
 #[derive(Debug)]
 pub(super) struct BuiltInPlant {
     pub(super) info: &'static PlantInfo<'static>,
-    pub(super) plant: plants::Plant,
+    pub(super) plant: plants::EnginePlant,
 }
 
 impl Plant for BuiltInPlant {
@@ -29,7 +29,7 @@ impl Plant for BuiltInPlant {
     }
 }
 
-impl plants::Plant {
+impl plants::EnginePlant {
     /// The engine's form of a plant.
     pub fn of(kind: &PlantKind) -> Self {
         let plant: &dyn Any = kind.plant();
@@ -43,10 +43,10 @@ impl plants::Plant {
     }
 }
 
-pub(super) const SDOF: BuiltInPlant = BuiltInPlant { info: &SDOF_INFO, plant: plants::Plant::Sdof(plants::Sdof) };
+pub(super) const SDOF: BuiltInPlant = BuiltInPlant { info: &SDOF_INFO, plant: plants::EnginePlant::Sdof(plants::Sdof) };
 
 pub(super) const DUFFING: BuiltInPlant =
-    BuiltInPlant { info: &DUFFING_INFO, plant: plants::Plant::Duffing(plants::Duffing) };
+    BuiltInPlant { info: &DUFFING_INFO, plant: plants::EnginePlant::Duffing(plants::Duffing) };
 
 impl Channel {
     /// ωₙ \[rad/s\]
@@ -132,10 +132,10 @@ static DUFFING_INFO: PlantInfo<'_> = PlantInfo {
 };
 
 pub(super) const BOUC_WEN: BuiltInPlant =
-    BuiltInPlant { info: &BOUC_WEN_INFO, plant: plants::Plant::BoucWen(plants::BoucWen) };
+    BuiltInPlant { info: &BOUC_WEN_INFO, plant: plants::EnginePlant::BoucWen(plants::BoucWen) };
 
 pub(super) const BOUC_WEN_1: BuiltInPlant =
-    BuiltInPlant { info: &BOUC_WEN_1_INFO, plant: plants::Plant::BoucWenOne(plants::BoucWen) };
+    BuiltInPlant { info: &BOUC_WEN_1_INFO, plant: plants::EnginePlant::BoucWenOne(plants::BoucWen) };
 
 static BOUC_WEN_INFO: PlantInfo<'_> = bouc_wen(
     ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
@@ -250,8 +250,10 @@ const fn chain(masses: usize) -> [Channel; CHAIN] {
 }
 
 impl<const MASSES: usize> ShearPlant<MASSES> {
-    pub(super) const PLANT: BuiltInPlant =
-        BuiltInPlant { info: &Self::INFO, plant: plants::Plant::ShearChain(plants::ShearChain { masses: MASSES }) };
+    pub(super) const PLANT: BuiltInPlant = BuiltInPlant {
+        info: &Self::INFO,
+        plant: plants::EnginePlant::ShearChain(plants::ShearChain { masses: MASSES }),
+    };
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);
     const INFO: PlantInfo<'static> = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],

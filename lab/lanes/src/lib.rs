@@ -33,7 +33,7 @@
 use kalmanscope_core::internals::engine::Baseline;
 #[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
 use kalmanscope_core::internals::engine::Known;
-use kalmanscope_core::internals::engine::{self, Run, Setup};
+use kalmanscope_core::internals::engine::{self, Setup, SetupRun};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Record, RunError, Scenario};
 
@@ -79,7 +79,7 @@ pub fn outcomes_with(level: InstructionSet, runs: &[LaneRun<'_>], samples: &[usi
     let mut results: Vec<Option<Outcome>> = vec![None; runs.len()];
     for group in groups(&setups, runs) {
         for members in group.chunks(LANES) {
-            let batch: Vec<Run<'_>> = members.iter().map(|(_, run)| *run).collect();
+            let batch: Vec<SetupRun<'_>> = members.iter().map(|(_, run)| *run).collect();
             for ((place, _), outcome) in members.iter().zip(level.outcomes(&batch, samples)) {
                 results[*place] = Some(outcome);
             }
@@ -92,11 +92,11 @@ pub fn outcomes_with(level: InstructionSet, runs: &[LaneRun<'_>], samples: &[usi
     results.into_iter().zip(runs).map(single).collect()
 }
 
-fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usize, Run<'a>)>> {
-    let mut groups: Vec<Vec<(usize, Run<'a>)>> = Vec::new();
+fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usize, SetupRun<'a>)>> {
+    let mut groups: Vec<Vec<(usize, SetupRun<'a>)>> = Vec::new();
     for (place, (setup, LaneRun { record, .. })) in setups.iter().zip(runs).enumerate() {
         let Some(setup) = setup else { continue };
-        let run = Run { setup, record };
+        let run = SetupRun { setup, record };
         match groups.iter_mut().find(|group| group[0].1.goes_with(&run)) {
             Some(group) => group.push((place, run)),
             None => groups.push(vec![(place, run)]),
@@ -144,7 +144,7 @@ impl InstructionSet {
         self == Self::Baseline
     }
 
-    fn outcomes(self, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    fn outcomes(self, batch: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
         #[cfg(target_arch = "x86_64")]
         if self > Self::Baseline
             && let Some(token) = fearless_simd::Level::new().as_avx2()
@@ -161,7 +161,7 @@ impl InstructionSet {
 
 /// The usual oscillators have sizes that the compiler knows.
 #[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
-fn of_size<L: engine::Level>(level: L, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+fn of_size<L: engine::Level>(level: L, batch: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
     let model = &batch[0].setup.design.model;
     match (model.size, model.moving()) {
         (4, 2) => engine::outcomes::<Numbers, _>(Known::<_, 4, 2>(level), batch, samples),

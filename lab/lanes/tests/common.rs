@@ -154,7 +154,7 @@ pub(crate) fn runs_of<'a>(scenario: &'a Scenario, record: &'a Record) -> Vec<Lan
 
 fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
     let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
-    let run = engine::Run { setup: &setup, record: run.record };
+    let run = engine::SetupRun { setup: &setup, record: run.record };
     engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
 }
 

@@ -333,8 +333,9 @@ fn filters_of_equations_go_side_by_side() {
             assert!(runs.iter().all(|run| serves(run).unwrap()), "{name}");
             let setups: Vec<Setup> =
                 (0..8).map(|place| Setup::new(&scenario, place, &record).unwrap().unwrap()).collect();
-            let single =
-                |setup| engine::outcomes::<f64, _>(Baseline, &[engine::Run { setup, record: &record }], &[]).remove(0);
+            let single = |setup| {
+                engine::outcomes::<f64, _>(Baseline, &[engine::SetupRun { setup, record: &record }], &[]).remove(0)
+            };
             let singles: Vec<Outcome> = setups.iter().map(single).collect();
             for level in InstructionSet::available() {
                 for (lane, single) in outcomes_with(level, &runs, &[]).unwrap().iter().zip(&singles) {

@@ -101,12 +101,12 @@ impl Dialect {
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
         let lines = &lines[..lines.len().min(MOST_LINES)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
-        let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| Form::new(delimiter, decimal, lines));
+        let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| TextForm::new(delimiter, decimal, lines));
         // Of equal ones the first.
-        let form = delimiters.flat_map(both).rev().max_by_key(Form::score).filter(|form| form.score() > 0)?;
+        let form = delimiters.flat_map(both).rev().max_by_key(TextForm::score).filter(|form| form.score() > 0)?;
         let data = form.data()?;
         let (names, units) = form.header(lines, data);
-        let Form { delimiter, decimal, thousands, .. } = form;
+        let TextForm { delimiter, decimal, thousands, .. } = form;
         Some(Self { encoding, delimiter, decimal, names, units, data: data + 1, thousands })
     }
 
@@ -147,7 +147,7 @@ fn header_cells(delimiter: Delimiter, line: &str, columns: usize) -> Vec<String>
     cells
 }
 
-struct Form {
+struct TextForm {
     delimiter: Delimiter,
     decimal: Decimal,
     lines: Vec<Counts>,
@@ -169,7 +169,7 @@ impl Counts {
     }
 }
 
-impl Form {
+impl TextForm {
     fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
         let mut thousands = false;
         let mut count = |line: &&str| {

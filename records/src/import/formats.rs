@@ -16,7 +16,7 @@ use super::{Decimal, Dialect, ImportError, MOST, Table};
 
 pub(super) use kinds::read_binary;
 pub(super) use rows::nameless;
-use unpack::Form;
+use unpack::NumberForm;
 
 #[derive(Debug)]
 pub(super) enum Layout {
@@ -160,7 +160,7 @@ impl SeriesReader {
         if series.no_record.is_none() {
             for mut point in bytes.chunks_exact(width) {
                 for &size in sizes {
-                    values.push(Form { kind: 'f', size, is_big }.number(&point[..size]));
+                    values.push(NumberForm { kind: 'f', size, is_big }.number(&point[..size]));
                     point = &point[size..];
                 }
             }

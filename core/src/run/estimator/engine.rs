@@ -1,7 +1,7 @@
 //! A filter of the engine for one run, reporting its samples.
 
 use kalmanscope_filters::FilterError;
-use kalmanscope_filters::engine::belief::Belief;
+use kalmanscope_filters::engine::belief::GaussianBelief;
 use kalmanscope_filters::engine::columns::mirror;
 use kalmanscope_filters::engine::design::Method;
 use kalmanscope_filters::engine::level::{Baseline, Known, Level};
@@ -13,7 +13,7 @@ use kalmanscope_records::record::Parts;
 
 use crate::FilterSettings;
 use crate::run::estimator::setup::{Setup, filter};
-use crate::run::estimator::update::{InUnits, Update};
+use crate::run::estimator::update::{InUnits, SensorUpdate};
 use crate::run::estimator::{Estimator, State};
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
@@ -28,10 +28,10 @@ struct FollowedEngine {
     places: Vec<usize>,
     measured: Vec<f64>,
     /// The belief before the update, where it is wanted.
-    prior: Belief<f64>,
-    update: Update,
+    prior: GaussianBelief<f64>,
+    update: SensorUpdate,
     /// One of several updates within a sample.
-    part: Update,
+    part: SensorUpdate,
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
     learnt: LearntNoise,
@@ -98,7 +98,7 @@ impl FollowedEngine {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
         let filter = filter(&|_| setup);
         let variances = mapped(&settings.sensor_std, &|std| std * std);
-        let update = Update::nothing(n, sensors);
+        let update = SensorUpdate::nothing(n, sensors);
         Self {
             prior: filter.belief.clone(),
             filter,
@@ -266,7 +266,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
     fn set_belief(&mut self, mean: &[f64], cov: &[f64]) -> Result<(), FilterError> {
         let FollowedEngine { filter, in_units, .. } = &mut self.followed;
         let Some(in_units) = in_units else { return filter.set_belief(mean, cov) };
-        let Belief { mean, cov } = in_units.back(mean, cov);
+        let GaussianBelief { mean, cov } = in_units.back(mean, cov);
         filter.set_belief(mean, cov)
     }
 
@@ -357,7 +357,7 @@ impl LearntNoise {
 }
 
 impl<'a> Sample<'a> {
-    pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
+    pub(super) fn with_prior(self, prior: &'a GaussianBelief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
     }
 }

@@ -1,7 +1,7 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
 use kalmanscope_filters::engine::design::{Course, Design};
-use kalmanscope_filters::engine::filter::Filter;
+use kalmanscope_filters::engine::filter::GaussianFilter;
 use kalmanscope_filters::engine::number::Number;
 use kalmanscope_filters::engine::wrapper::{Adapting, Considering, Jumping, Restarting, Weighing, Wrapped};
 use kalmanscope_filters::engine::{belief, model};
@@ -101,7 +101,7 @@ impl Setup {
         if !(initial.is_finite() && noise.is_finite()) {
             return None;
         }
-        let (model, method) = (model::Model::of(&book), method(&settings.method(&context.plant), book.size()));
+        let (model, method) = (model::StateModel::of(&book), method(&settings.method(&context.plant), book.size()));
         // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
@@ -141,7 +141,7 @@ impl Setup {
 
 impl Setup {
     /// A filter in its options, from the inside out.
-    fn in_options<T: Number>(&self, mut filter: Filter<T>) -> Wrapped<T> {
+    fn in_options<T: Number>(&self, mut filter: GaussianFilter<T>) -> Wrapped<T> {
         let Self { settings, channels, start, .. } = self;
         let mut plucks = mapped(&settings.plucks, &|time| time - start);
         sort_numbers(&mut plucks);
@@ -177,18 +177,18 @@ pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Wrapp
     };
     let design = setup(0).design.clone();
     let (n, sensors) = (design.model.size, design.readings.len());
-    let mut belief = belief::Belief { mean: numbers(n, &|setup| &setup.mean), cov: vec![T::of(0.0); n * n] };
+    let mut belief = belief::GaussianBelief { mean: numbers(n, &|setup| &setup.mean), cov: vec![T::of(0.0); n * n] };
     for (i, variance) in numbers(n, &|setup| &setup.variance).into_iter().enumerate() {
         belief.cov[i * n + i] = variance;
     }
-    let noise = belief::Noise {
+    let noise = belief::FilterNoise {
         process: numbers(n, &|setup| &setup.process),
         matrix: numbers(setup(0).matrix.len(), &|setup| &setup.matrix),
         sensors: numbers(sensors, &|setup| &setup.sensors),
         fading: T::from_lanes(|lane| setup(lane).fading),
     };
     let white = T::from_lanes(|lane| setup(lane).white);
-    setup(0).in_options(Filter::new(design, belief, noise, white))
+    setup(0).in_options(GaussianFilter::new(design, belief, noise, white))
 }
 
 pub(crate) struct Beginning {

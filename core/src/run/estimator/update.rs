@@ -1,6 +1,6 @@
 //! The last update of a filter, for all sensors of a scenario, and its samples in the channels' units.
 
-use kalmanscope_filters::engine::belief::{Belief, convert};
+use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::columns::{factor, square};
 use kalmanscope_filters::filter::robust::Robust;
 use kalmanscope_filters::gaussian_likelihood::part_of;
@@ -10,7 +10,7 @@ use crate::run::sink::Sample;
 
 /// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
 #[derive(Clone)]
-pub(crate) struct Update {
+pub(crate) struct SensorUpdate {
     pub(crate) innovation: Vec<f64>,
     pub(crate) innovation_cov: Vec<f64>,
     pub(crate) gain: Vec<f64>,
@@ -20,7 +20,7 @@ pub(crate) struct Update {
     pub(crate) determinant: f64,
 }
 
-impl Update {
+impl SensorUpdate {
     pub(crate) fn nothing(n: usize, m: usize) -> Self {
         let nan = f64::NAN;
         let (innovation, innovation_cov) = (vec![nan; m], vec![nan; m * m]);
@@ -124,21 +124,21 @@ pub(crate) struct InUnits {
     logarithms: Vec<usize>,
     /// The size of each component's unit in its channel's unit.
     unit: Vec<f64>,
-    belief: Belief<f64>,
-    prior: Belief<f64>,
+    belief: GaussianBelief<f64>,
+    prior: GaussianBelief<f64>,
     /// K, n × m.
     gain: Vec<f64>,
 }
 
 impl InUnits {
     pub(crate) fn new(logarithms: &[usize], n: usize, sensors: usize) -> Option<Box<Self>> {
-        let belief = Belief { mean: vec![0.0; n], cov: vec![0.0; n * n] };
+        let belief = GaussianBelief { mean: vec![0.0; n], cov: vec![0.0; n * n] };
         let (unit, gain, prior) = (vec![1.0; n], vec![0.0; n * sensors], belief.clone());
         (!logarithms.is_empty()).then(|| Box::new(Self { logarithms: logarithms.to_vec(), unit, belief, prior, gain }))
     }
 
     /// A belief in the channels' units, in those of the state.
-    pub(super) fn back(&mut self, mean: &[f64], cov: &[f64]) -> &Belief<f64> {
+    pub(super) fn back(&mut self, mean: &[f64], cov: &[f64]) -> &GaussianBelief<f64> {
         let Self { logarithms, unit, belief, .. } = self;
         belief.mean.copy_from_slice(mean);
         belief.cov.copy_from_slice(cov);

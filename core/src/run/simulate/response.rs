@@ -70,7 +70,7 @@ impl Response {
         let Self { state, size, exact, work: [rate, change], step, is_under_way, halved } = self;
         let [begin, end] = forces;
         if !model.is_linear() {
-            let motion = Motion { model, forces, disturbance, dt };
+            let motion = LinearMotion { model, forces, disturbance, dt };
             if !*is_under_way {
                 size.zip_apply(state, |size, x| *size = size.max(x.abs()));
                 step.begin(&motion, state.as_slice());
@@ -136,14 +136,14 @@ const RUNAWAY: f64 = 100.0;
 
 const MOST: u64 = 4096;
 
-struct Motion<'a> {
+struct LinearMotion<'a> {
     model: &'a Model,
     forces: [f64; 2],
     disturbance: f64,
     dt: f64,
 }
 
-impl Motion<'_> {
+impl LinearMotion<'_> {
     /// Makes `to` the state after one Runge-Kutta step from another one, over a share of the sample.
     fn step(&self, memory: &mut [Vec<f64>; 5], to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
         let [begin, end] = self.forces;
@@ -176,7 +176,7 @@ struct Refinement {
 }
 
 impl Refinement {
-    fn begin(&mut self, motion: &Motion<'_>, from: &[f64]) {
+    fn begin(&mut self, motion: &LinearMotion<'_>, from: &[f64]) {
         let Self { state, part, coarse, rest, halved, memory, .. } = self;
         state.clear();
         state.extend_from_slice(from);
@@ -186,7 +186,7 @@ impl Refinement {
     }
 
     /// Halves steps at most `most` times; returns whether all parts are done. `size` are the largest absolute values.
-    fn advance(&mut self, motion: &Motion<'_>, size: &[f64], most: u64) -> Result<bool, TruthError> {
+    fn advance(&mut self, motion: &LinearMotion<'_>, size: &[f64], most: u64) -> Result<bool, TruthError> {
         let Self { state, part, coarse, middle, fine, rest, halved, memory } = self;
         let begin = *halved;
         loop {
@@ -220,7 +220,7 @@ impl Refinement {
     }
 
     /// The reason why no number of halvings is enough: a diverging plant does so within ever shorter times.
-    fn failure(&self, motion: &Motion<'_>, size: &[f64]) -> TruthError {
+    fn failure(&self, motion: &LinearMotion<'_>, size: &[f64]) -> TruthError {
         let far = (0..size.len()).find(|&i| size[i] > 0.0 && self.state[i].abs() > RUNAWAY * size[i]);
         far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(motion.model.channels()[i]))
     }

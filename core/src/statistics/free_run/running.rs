@@ -18,10 +18,10 @@ pub struct Running {
     readings: Vec<Option<Reading>>,
     /// The samples at which the motion begins again, and the end of the part, in falling order.
     ends: Vec<usize>,
-    beginning: Beginning,
+    beginning: StartState,
     fitted: Vec<Range<usize>>,
     /// The motion at the next sample, once the motion at the beginning is fitted.
-    course: Option<Course>,
+    course: Option<InputCourse>,
     predicted: Vec<Vec<f64>>,
     done: usize,
 }
@@ -36,7 +36,7 @@ impl Running {
         ends.push(part.end);
         ends.reverse();
         let first = part.start..ends.last().copied().unwrap_or(part.end);
-        let beginning = Beginning::new(&identified, record, &first, &readings);
+        let beginning = StartState::new(&identified, record, &first, &readings);
         let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
         Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
@@ -48,7 +48,7 @@ impl Running {
             match &self.course {
                 Some(_) => self.piece(record),
                 None if self.beginning.advance(&self.identified, record, &self.readings) => {
-                    self.course = Some(Course::new(&self.identified, &self.beginning.motion));
+                    self.course = Some(InputCourse::new(&self.identified, &self.beginning.motion));
                     self.fitted.push(self.beginning.part.clone());
                 }
                 None => {}
@@ -72,7 +72,7 @@ impl Running {
         if *done == leg && *done < part.len() {
             ends.pop();
             let next = part.start + leg..ends.last().copied().unwrap_or(part.end);
-            *beginning = Beginning::new(identified, record, &next, readings);
+            *beginning = StartState::new(identified, record, &next, readings);
             *at = None;
             predicted.iter_mut().for_each(|column| column.resize(leg, f64::NAN));
         }
@@ -110,7 +110,7 @@ const BEGINNING: usize = 50;
 /// Limits the iterations of the fit; for a linear plant the first is exact.
 const ITERATIONS: usize = 8;
 
-struct Beginning {
+struct StartState {
     part: Range<usize>,
     /// A size of each sensor's readings, so that those of all sensors count alike.
     scales: Vec<f64>,
@@ -125,18 +125,18 @@ struct Beginning {
 
 struct FitTrial {
     motion: Vec<f64>,
-    course: Course,
+    course: InputCourse,
     done: usize,
     errors: Vec<f64>,
 }
 
 impl FitTrial {
     fn new(identified: &Identified, motion: Vec<f64>) -> Self {
-        Self { course: Course::new(identified, &motion), motion, done: 0, errors: Vec::new() }
+        Self { course: InputCourse::new(identified, &motion), motion, done: 0, errors: Vec::new() }
     }
 }
 
-impl Beginning {
+impl StartState {
     fn new(identified: &Identified, record: &Record, part: &Range<usize>, readings: &[Option<Reading>]) -> Self {
         let part = beginning(record, part, readings);
         let scales = numbers(readings.len(), &|sensor| scale(&record.measured(sensor)[part.clone()]));
@@ -253,14 +253,14 @@ fn scale(measured: &[f64]) -> f64 {
 /// The samples between two checks of the clock: at most about a millisecond.
 const CHUNK: usize = 64;
 
-struct Course {
+struct InputCourse {
     response: Response,
     /// Whether it has just arrived at a sample.
     is_new: bool,
     goes_on: bool,
 }
 
-impl Course {
+impl InputCourse {
     fn new(identified: &Identified, motion: &[f64]) -> Self {
         let mut values = identified.values.clone();
         values[..motion.len()].copy_from_slice(motion);

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use kalmanscope_filters::engine::belief::{Belief, convert};
+use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::level::Level;
 use kalmanscope_filters::engine::number::{Mask, Number};
 use kalmanscope_filters::engine::update::UpdateResult;
@@ -17,14 +17,14 @@ use crate::statistics::score::{Outcome, SampleScore};
 
 /// A filter and the record that it runs over.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
+pub struct SetupRun<'a> {
     /// The filter.
     pub setup: &'a Setup,
     /// The record.
     pub record: &'a Record,
 }
 
-impl Run<'_> {
+impl SetupRun<'_> {
     /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth; and
     /// readings at times of their own, if they have such, are those of one record.
     pub fn goes_with(&self, other: &Self) -> bool {
@@ -45,8 +45,8 @@ impl Run<'_> {
 }
 
 /// The outcomes of some runs, at most as many as there are lanes, with the scores at these samples, which are in
-/// order. All must [go with](Run::goes_with) the first.
-pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+/// order. All must [go with](SetupRun::goes_with) the first.
+pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
     let [first, ..] = runs else { return Vec::new() };
     let channels = &first.setup.channels;
     let of = |lane: usize| runs[lane.min(runs.len() - 1)];
@@ -74,16 +74,16 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
 
 struct LaneInputs<'a> {
     /// The run whose record has readings at times of their own, which all lanes share.
-    timed: Option<Run<'a>>,
-    force: Column<'a>,
-    measured: Vec<Column<'a>>,
-    truth: Vec<Column<'a>>,
+    timed: Option<SetupRun<'a>>,
+    force: LaneColumn<'a>,
+    measured: Vec<LaneColumn<'a>>,
+    truth: Vec<LaneColumn<'a>>,
 }
 
 /// A number of each sample: the same for all lanes, or one a lane.
-struct Column<'a>(Vec<Cow<'a, [f64]>>);
+struct LaneColumn<'a>(Vec<Cow<'a, [f64]>>);
 
-impl Column<'_> {
+impl LaneColumn<'_> {
     #[inline(always)]
     fn at<T: Number>(&self, k: usize) -> T {
         match &self.0[..] {
@@ -100,16 +100,16 @@ impl Column<'_> {
 }
 
 impl<'a> LaneInputs<'a> {
-    fn new(runs: &[Run<'a>], is_shared: bool, lanes: usize) -> Self {
+    fn new(runs: &[SetupRun<'a>], is_shared: bool, lanes: usize) -> Self {
         let lanes = if is_shared { 1 } else { lanes };
-        let column = |of: &dyn Fn(Run<'a>) -> Cow<'a, [f64]>| {
-            Column((0..lanes).map(|lane| of(runs[lane.min(runs.len() - 1)])).collect())
+        let column = |of: &dyn Fn(SetupRun<'a>) -> Cow<'a, [f64]>| {
+            LaneColumn((0..lanes).map(|lane| of(runs[lane.min(runs.len() - 1)])).collect())
         };
-        let force = |Run { setup, record }: Run<'a>| {
+        let force = |SetupRun { setup, record }: SetupRun<'a>| {
             (0..record.len()).map(|k| record.delayed_force(k, setup.delays.input)).collect()
         };
         let measured = |place: usize| {
-            column(&|Run { setup, record }| {
+            column(&|SetupRun { setup, record }| {
                 let (from, late) = (setup.columns[place], setup.delays.of(place));
                 let readings = || (0..record.len()).map(|k| record.late_reading(from, k, late)).collect();
                 if late == 0.0 { Cow::Borrowed(record.measured(from)) } else { Cow::Owned(readings()) }
@@ -117,7 +117,8 @@ impl<'a> LaneInputs<'a> {
         };
         let setup = runs[0].setup;
         let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
-        let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
+        let truth =
+            |&channel| column(&|run: SetupRun<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
         Self {
             timed: setup.is_timed.then_some(runs[0]),
             force: column(&force),
@@ -130,18 +131,18 @@ impl<'a> LaneInputs<'a> {
 struct LanesInUnits<T> {
     logarithms: Vec<usize>,
     unit: Vec<T>,
-    belief: Belief<T>,
+    belief: GaussianBelief<T>,
 }
 
 impl<T: Number> LanesInUnits<T> {
-    fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
+    fn new(logarithms: &[usize], belief: &GaussianBelief<T>) -> Option<Self> {
         let unit = vec![T::of(1.0); belief.mean.len()];
         let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
         in_units.take(belief);
         (!logarithms.is_empty()).then_some(in_units)
     }
 
-    fn take(&mut self, belief: &Belief<T>) {
+    fn take(&mut self, belief: &GaussianBelief<T>) {
         convert(&self.logarithms, &mut self.unit, [&belief.mean, &belief.cov], &mut self.belief);
     }
 }
@@ -174,7 +175,9 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
                 let before = force;
                 force = inputs.force.at(k);
                 let goes_on = match inputs.timed {
-                    Some(Run { setup, record }) if record.parts_to(k, &setup.delays, &setup.columns, &mut parts) => {
+                    Some(SetupRun { setup, record })
+                        if record.parts_to(k, &setup.delays, &setup.columns, &mut parts) =>
+                    {
                         self.step_through(&parts, &mut measured, k)
                     }
                     _ => {

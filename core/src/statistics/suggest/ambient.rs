@@ -7,7 +7,7 @@ use kalmanscope_filters::{Channel, Hold, Quantity};
 use kalmanscope_records::Record;
 
 use super::likeliest::Climb;
-use super::response::{Response, free_response, is_within, order};
+use super::response::{MeasuredResponse, free_response, is_within, order};
 use super::spectra::{GapTreatment, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::Scenario;
@@ -176,7 +176,7 @@ impl Suggestion {
 
 #[derive(Clone, Copy, Debug)]
 struct AmbientFit {
-    found: Response,
+    found: MeasuredResponse,
     force: f64,
     noise: f64,
     /// The standard errors of ωₙ and ζ, relative to them.
@@ -247,7 +247,7 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
     let variances = lines.equations(&found, &lines.model(&found)).damped(0.0, 1e-6).variances()?;
     let [frequency, damping, ..] = variances.map(|variance| libm::sqrt(variance / spectra.independent()));
     let fit = AmbientFit {
-        found: Response { natural_frequency, damping_ratio: damping_ratio.max(1e-3), gain: None },
+        found: MeasuredResponse { natural_frequency, damping_ratio: damping_ratio.max(1e-3), gain: None },
         force: libm::sqrt(force),
         noise: libm::sqrt(noise),
         errors: [frequency, damping],

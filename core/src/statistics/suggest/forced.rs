@@ -8,7 +8,7 @@ use kalmanscope_filters::{Hold, Quantity};
 use kalmanscope_records::Record;
 
 use super::moments;
-use super::response::{Response, is_within, order, relative};
+use super::response::{MeasuredResponse, is_within, order, relative};
 use super::spectra::stride;
 
 /// Limits the samples that are fitted, and the least number of them.
@@ -153,8 +153,8 @@ pub(super) fn forced(
     record: &Record,
     quantity: Quantity,
     band: Option<[f64; 2]>,
-    guess: Option<&Response>,
-) -> Option<Response> {
+    guess: Option<&MeasuredResponse>,
+) -> Option<MeasuredResponse> {
     let measured = relative(record, quantity)?;
     let every = stride(&measured);
     // Where the frequency is about known and low, means over some samples do as well.
@@ -192,5 +192,5 @@ pub(super) fn forced(
     let is_certain = square(parts[0]) > square(CERTAIN) * variance * of_gain;
     let is_sound = cost < UNEXPLAINED * there as f64 && zeta < 0.8 && is_within(band, wn);
     let gain = Some(parts[0] * size / strength);
-    (is_certain && is_sound).then_some(Response { natural_frequency: wn, damping_ratio: zeta.max(1e-3), gain })
+    (is_certain && is_sound).then_some(MeasuredResponse { natural_frequency: wn, damping_ratio: zeta.max(1e-3), gain })
 }

@@ -8,7 +8,7 @@ use kalmanscope_filters::{Aspect, Channel, FilterKind, InputKind, PlantKind, Qua
 use kalmanscope_records::Record;
 
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
-use super::response::{Decay, Response, order};
+use super::response::{Decay, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::{FilterSettings, Run, Scenario};
 
@@ -16,8 +16,8 @@ use crate::{FilterSettings, Run, Scenario};
 pub(super) const LOOSE: f64 = 30.0;
 
 impl Suggestion {
-    pub(super) fn begin_at(&mut self, record: &mut Record, quantity: Quantity, found: &Response, reason: &str) {
-        let Response { natural_frequency, damping_ratio, gain } = *found;
+    pub(super) fn begin_at(&mut self, record: &mut Record, quantity: Quantity, found: &MeasuredResponse, reason: &str) {
+        let MeasuredResponse { natural_frequency, damping_ratio, gain } = *found;
         let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
         let hertz = rounded(wn / std::f64::consts::TAU);
         self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
@@ -46,7 +46,7 @@ impl Suggestion {
 
     /// Lets every filter expect a motion as large as a decay's beginning, and begin near the parameters of a fit that leaves noise alone.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { found: Response { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
+        let Decay { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {

@@ -15,7 +15,7 @@ use super::moments;
 use super::spectra::{GapTreatment, LONG, Spectra, passed};
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Response {
+pub(super) struct MeasuredResponse {
     /// ωₙ \[rad/s\]
     pub(super) natural_frequency: f64,
     /// ζ \[-\]
@@ -74,7 +74,12 @@ fn power(h: (f64, f64)) -> f64 {
 ///
 /// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
 /// complex polynomials.
-pub(super) fn response(record: &Record, quantity: Quantity, band: Option<[f64; 2]>, steps: usize) -> Option<Response> {
+pub(super) fn response(
+    record: &Record,
+    quantity: Quantity,
+    band: Option<[f64; 2]>,
+    steps: usize,
+) -> Option<MeasuredResponse> {
     let measured = relative(record, quantity)?;
     let spectra = Spectra::new(record, &measured, LONG, GapTreatment::Fill)?;
     let dt = record.dt() / steps as f64;
@@ -142,7 +147,7 @@ pub(super) fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
     band.is_none_or(|[low, high]| (low..=high).contains(&(frequency / TAU)))
 }
 
-fn misfit(points: &[Point], found: &Response) -> f64 {
+fn misfit(points: &[Point], found: &MeasuredResponse) -> f64 {
     let (wn, gain) = (found.natural_frequency, found.gain.unwrap_or(1.0));
     let error = |point: &Point| {
         let w = point.frequency;
@@ -153,7 +158,7 @@ fn misfit(points: &[Point], found: &Response) -> f64 {
     points.iter().map(error).sum()
 }
 
-fn fit(points: &[Point], peak: f64) -> Option<Response> {
+fn fit(points: &[Point], peak: f64) -> Option<MeasuredResponse> {
     let near: Vec<&Point> = points.iter().filter(|p| (0.4 * peak..2.0 * peak).contains(&p.frequency)).collect();
     if near.len() < 4 {
         return None;
@@ -184,13 +189,13 @@ fn fit(points: &[Point], peak: f64) -> Option<Response> {
     let damping_ratio = a / (2.0 * libm::sqrt(b));
     let is_sound = (0.2 * peak..5.0 * peak).contains(&natural_frequency) && damping_ratio < 1.0;
     let damping_ratio = damping_ratio.max(1e-3);
-    is_sound.then_some(Response { natural_frequency, damping_ratio, gain: Some(g * peak * peak) })
+    is_sound.then_some(MeasuredResponse { natural_frequency, damping_ratio, gain: Some(g * peak * peak) })
 }
 
 /// The highest peak of a measurement's spectrum, and its width at half the power.
 ///
 /// Source: Bendat and Piersol (2010), *Random Data*, section 5.2 (half-power bandwidth).
-pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<Response> {
+pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<MeasuredResponse> {
     let spectra = Spectra::new(record, measured, LONG, GapTreatment::Fill)?;
     let power = |place: usize| spectra.output[place];
     let within = (2..spectra.len()).filter(|&place| is_within(band, spectra.frequency(place)));
@@ -209,13 +214,13 @@ pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64
     // A window's own line is about one and a half steps wide.
     let width = libm::sqrt(((upper - lower) * (upper - lower) - 2.0).max(0.05)) * step;
     let damping_ratio = (0.5 * width / natural_frequency).clamp(1e-3, 0.5);
-    Some(Response { natural_frequency, damping_ratio, gain: None })
+    Some(MeasuredResponse { natural_frequency, damping_ratio, gain: None })
 }
 
 /// An oscillator that nothing moves any more, as one sensor shows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decay {
-    pub(super) found: Response,
+    pub(super) found: MeasuredResponse,
     /// The standard deviation of what it leaves, in the sensor's unit; and those of ωₙ and ζ, if that is white.
     pub(super) rest: f64,
     /// The power of that about the decay's frequency, over its mean power.
@@ -277,7 +282,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let is_sound = is_within(band, natural_frequency) && (1e-4..0.7).contains(&damping_ratio);
     let (is_all, nearby) = leaves_noise(&rests, frequency * record.dt(), passed(mapping, record.dt()));
     let found = Decay {
-        found: Response { natural_frequency, damping_ratio, gain: None },
+        found: MeasuredResponse { natural_frequency, damping_ratio, gain: None },
         rest: libm::sqrt(fit.cost / readings.len().saturating_sub(5).max(1) as f64),
         nearby,
         spread: [TAU * mode.std[0], mode.std[1]],

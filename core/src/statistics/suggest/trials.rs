@@ -42,7 +42,7 @@ pub struct Suggest {
     plucked: Option<Plucked>,
     given: Option<(Record, Suggestion)>,
     lost: Option<LostReadings>,
-    stage: Stage,
+    stage: TrialStage,
     trial: Trial,
     searches: Vec<Search>,
     between: Option<CourseTrials>,
@@ -57,7 +57,7 @@ pub struct Suggest {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum TrialStage {
     Data,
     /// A filter with these fills the gaps, and they are read again.
     GapTreatment,
@@ -79,7 +79,7 @@ impl Suggest {
             suggestion: Suggestion::new(scenario.clone()),
             record: longest.unwrap_or(record),
             plucked,
-            stage: Stage::Data,
+            stage: TrialStage::Data,
             given: None,
             lost: None,
             trial: Trial::default(),
@@ -128,7 +128,7 @@ impl Suggest {
         lost.lose(&mut self.record);
     }
 
-    fn begin_search(&mut self) -> Stage {
+    fn begin_search(&mut self) -> TrialStage {
         if let Some((Course::BandLimited, _)) = self.course {
             self.take_course(Course::BandLimited);
         }
@@ -136,7 +136,7 @@ impl Suggest {
         if has_no_input(&self.record) {
             self.searches.drain(..).take(1).for_each(|search| search.give_up(&mut self.suggestion));
         }
-        Stage::Search
+        TrialStage::Search
     }
 
     fn take_course(&mut self, course: Course) {
@@ -147,15 +147,15 @@ impl Suggest {
     }
 
     /// Ends the trials of the input between samples. Start values that depend on it are made again.
-    fn choose_course(&mut self) -> Stage {
+    fn choose_course(&mut self) -> TrialStage {
         self.timed = self.ambient.as_ref().and_then(|_| self.record.clocks()).map(|_| self.record.clone());
         if self.timed.is_some() {
             self.record = self.record.clone().at_samples();
         }
-        let Some(between) = self.between.take() else { return Stage::Likelihood(0) };
+        let Some(between) = self.between.take() else { return TrialStage::Likelihood(0) };
         let course = self.course.insert(between.chosen()).0;
         if course == Course::Linear {
-            return Stage::Likelihood(0);
+            return TrialStage::Likelihood(0);
         }
         if let Some((record, given)) = self.given.take() {
             (self.record, self.suggestion) = (record, given);
@@ -163,7 +163,7 @@ impl Suggest {
         if course == Course::Held {
             self.take_course(course);
         }
-        Stage::Data
+        TrialStage::Data
     }
 
     fn likely(&self) -> usize {
@@ -172,7 +172,7 @@ impl Suggest {
     }
 
     /// Ends the trials of noise with the most likely result, and says what comes next.
-    fn choose(&mut self) -> Stage {
+    fn choose(&mut self) -> TrialStage {
         let best = self.likelihoods.drain(..).max_by(|a, b| a.1.total_cmp(&b.1));
         let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
         let lead = if best.as_ref().is_some_and(|(share, ..)| *share > 0.0) { 0.0 } else { CLEARLY };
@@ -184,12 +184,12 @@ impl Suggest {
             let reason =
                 "a white force counts in samples: its filters take each reading at a sample, not at its own time";
             self.suggestion.reasons.extend(self.timed.as_ref().map(|_| reason.to_owned()));
-            return Stage::Done;
+            return TrialStage::Done;
         }
         if let Some(timed) = self.timed.take() {
             // Q is that of the readings at their times.
             self.record = timed;
-            return Stage::Likelihood(0);
+            return TrialStage::Likelihood(0);
         }
         let before = self.quieter.take();
         let is_open = self.suggestion.problem.is_none() && !has_no_input(&self.record);
@@ -201,23 +201,23 @@ impl Suggest {
             (None, Some((share, likelihood, sizes))) if is_open && sizes.iter().any(|size| !NEARLY.contains(size)) => {
                 self.quieter = Some((self.suggestion.clone(), share, likelihood));
                 self.suggestion.resize_noise(&sizes);
-                return Stage::Likelihood(0);
+                return TrialStage::Likelihood(0);
             }
             (None, Some((share, ..))) => self.suggestion.process_noise(share),
             (None, None) => {}
         }
-        Stage::FreeRun
+        TrialStage::FreeRun
     }
 
-    fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Stage> {
+    fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<TrialStage> {
         Some(match self.stage {
-            Stage::Data => {
+            TrialStage::Data => {
                 let (record, given) = (self.record.clone(), self.suggestion.clone());
                 let is_decay = self.begin(None);
                 if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
                     // A motion that continues through the pauses is one part.
                     (self.record, self.suggestion) = (whole, given);
-                    return Some(Stage::Data);
+                    return Some(TrialStage::Data);
                 }
                 if self.course.is_none() {
                     self.between = CourseTrials::of(&record, &given.scenario);
@@ -227,38 +227,38 @@ impl Suggest {
                 self.lost = LostReadings::of(&record).filter(|_| can_fill);
                 self.given = Some((record, given));
                 match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
-                    (true, _) => Stage::Done,
+                    (true, _) => TrialStage::Done,
                     (false, None) => self.begin_search(),
-                    (false, Some(_)) => Stage::GapTreatment,
+                    (false, Some(_)) => TrialStage::GapTreatment,
                 }
             }
-            Stage::GapTreatment => {
+            TrialStage::GapTreatment => {
                 let scenario = || self.suggestion.with_share(FILLING);
                 let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time)?;
                 self.fill(run.as_ref());
                 self.begin_search()
             }
-            Stage::Search => {
+            TrialStage::Search => {
                 let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
                 let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
                     Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
-                    return Some(Stage::CourseTrials);
+                    return Some(TrialStage::CourseTrials);
                 };
                 let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time)?;
                 search.take(run.as_ref());
-                Stage::Search
+                TrialStage::Search
             }
-            Stage::CourseTrials => {
+            TrialStage::CourseTrials => {
                 let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
                 if let Some((part, scenario)) = next {
                     let run = self.trial.follow(|| scenario, part, part.len(), while_time)?;
                     self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
-                    Stage::CourseTrials
+                    TrialStage::CourseTrials
                 } else {
                     self.choose_course()
                 }
             }
-            Stage::Likelihood(place) => {
+            TrialStage::Likelihood(place) => {
                 let (share, samples) = (SHARES[place], self.likely());
                 let scenario = || {
                     let mut scenario = self.suggestion.with_share(share);
@@ -267,9 +267,9 @@ impl Suggest {
                 };
                 let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
                 self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
-                if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
+                if place + 1 < SHARES.len() { TrialStage::Likelihood(place + 1) } else { TrialStage::WhiteForce }
             }
-            Stage::WhiteForce => {
+            TrialStage::WhiteForce => {
                 let samples = self.likely();
                 if let Some(ambient) = &mut self.ambient
                     && let Some(sizes) = ambient.next()
@@ -277,12 +277,12 @@ impl Suggest {
                     let scenario = || first_for_trial(&ambient.suggestion.with_white_force(&sizes));
                     let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
                     ambient.take(run.and_then(|run| likelihood(&run)));
-                    Stage::WhiteForce
+                    TrialStage::WhiteForce
                 } else {
                     self.choose()
                 }
             }
-            Stage::FreeRun => {
+            TrialStage::FreeRun => {
                 let scenario = || first_alone(&self.suggestion.scenario);
                 let (run, errors) = self.trial.follow_freely(scenario, &self.record, while_time)?;
                 if let Some(run) = run {
@@ -293,17 +293,17 @@ impl Suggest {
                 }
                 // The errors of a default guess are no noise.
                 self.errors = errors.filter(|_| self.suggestion.problem.is_none()).unwrap_or_default();
-                if self.errors.is_empty() { Stage::Done } else { Stage::ModelError }
+                if self.errors.is_empty() { TrialStage::Done } else { TrialStage::ModelError }
             }
-            Stage::ModelError => {
+            TrialStage::ModelError => {
                 let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
                 let (run, after) = self.trial.follow_freely(scenario, &self.record, while_time)?;
                 if let Some((run, after)) = run.zip(after) {
                     self.suggestion.model_error(&self.errors, &after, surprise(&run));
                 }
-                Stage::Done
+                TrialStage::Done
             }
-            Stage::Done => Stage::Done,
+            TrialStage::Done => TrialStage::Done,
         })
     }
 }
@@ -315,30 +315,30 @@ impl Task for Suggest {
         let all = (SHARES.len() + 4) as f64;
         match self.stage {
             // The course of the input is known: start values are made again.
-            Stage::Data | Stage::GapTreatment | Stage::Search if self.course.is_some() => 2.0 / all,
-            Stage::Data | Stage::GapTreatment => 0.0,
-            Stage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
-            Stage::CourseTrials => (1.0 + self.between.as_ref().map_or(1.0, CourseTrials::progress)) / all,
-            Stage::Likelihood(place) => (2 + place) as f64 / all,
-            Stage::WhiteForce => {
+            TrialStage::Data | TrialStage::GapTreatment | TrialStage::Search if self.course.is_some() => 2.0 / all,
+            TrialStage::Data | TrialStage::GapTreatment => 0.0,
+            TrialStage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
+            TrialStage::CourseTrials => (1.0 + self.between.as_ref().map_or(1.0, CourseTrials::progress)) / all,
+            TrialStage::Likelihood(place) => (2 + place) as f64 / all,
+            TrialStage::WhiteForce => {
                 let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());
                 ((1 + SHARES.len()) as f64 + done) / all
             }
-            Stage::FreeRun => (2 + SHARES.len()) as f64 / all,
-            Stage::ModelError => (3 + SHARES.len()) as f64 / all,
-            Stage::Done => 1.0,
+            TrialStage::FreeRun => (2 + SHARES.len()) as f64 / all,
+            TrialStage::ModelError => (3 + SHARES.len()) as f64 / all,
+            TrialStage::Done => 1.0,
         }
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while self.stage != Stage::Done {
+        while self.stage != TrialStage::Done {
             let Some(next) = self.follow(while_time) else { return false };
             self.stage = next;
             if !while_time() {
                 break;
             }
         }
-        self.stage == Stage::Done
+        self.stage == TrialStage::Done
     }
 
     fn finish(mut self) -> Suggestion {

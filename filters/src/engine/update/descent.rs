@@ -9,8 +9,8 @@
 //! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal Estimation*, section
 //! 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
 
-use super::{Observation, Target, Update, UpdateResult};
-use crate::engine::belief::Belief;
+use super::{MeasuredReadings, Target, Update, UpdateResult};
+use crate::engine::belief::GaussianBelief;
 use crate::engine::design::{Design, Method};
 use crate::engine::level::Level;
 use crate::engine::number::{Mask, Number};
@@ -20,7 +20,7 @@ const CONVERGED: f64 = 1e-12;
 
 #[derive(Clone, Debug)]
 pub(super) struct Descent<T> {
-    pub(super) prior: Belief<T>,
+    pub(super) prior: GaussianBelief<T>,
     /// The state in which the sensors are linearised.
     pub(super) at: Vec<T>,
     /// Innovation, S and the factor of S of the first step.
@@ -30,17 +30,17 @@ pub(super) struct Descent<T> {
 impl<T: Number> Descent<T> {
     pub(super) fn new(n: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
-        let prior = Belief { mean: zeros(n), cov: zeros(n * n) };
+        let prior = GaussianBelief { mean: zeros(n), cov: zeros(n * n) };
         Self { prior, at: zeros(n), first: [const { Vec::new() }; 3] }
     }
 
-    pub(super) fn linearise_again(&mut self, belief: &mut Belief<T>) {
+    pub(super) fn linearise_again(&mut self, belief: &mut GaussianBelief<T>) {
         self.at.copy_from_slice(&belief.mean);
         belief.copy_from(&self.prior);
     }
 
     /// Whether no component has moved by more than 1e-6 of its standard deviation.
-    pub(super) fn has_converged(&self, belief: &Belief<T>) -> bool {
+    pub(super) fn has_converged(&self, belief: &GaussianBelief<T>) -> bool {
         let n = belief.size();
         (0..n).all(|i| {
             let moved = belief.mean[i] - self.at[i];
@@ -56,7 +56,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         target: &mut Target<'_, T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         let (design, mut descent) = (target.design, self.descent.take());
         if let Some(Descent { prior, .. }) = descent.as_deref_mut() {
@@ -122,7 +122,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         Target { design, belief, checks, .. }: &mut Target<'_, T>,
-        observation: Observation<'_, T>,
+        observation: MeasuredReadings<'_, T>,
         at: &[T],
     ) -> UpdateResult<T> {
         let count = self.active.len();

@@ -1,7 +1,7 @@
 //! Noise that is learnt from the innovations.
 
 use super::{Learnt, Readings, Recursion, Span, Wrapper};
-use crate::engine::filter::Filter;
+use crate::engine::filter::GaussianFilter;
 use crate::engine::number::Number;
 use crate::engine::update::UpdateResult;
 use crate::filter::adaptation::Adaptation;
@@ -12,7 +12,7 @@ pub struct Adapting<T>(Learning<T>);
 
 impl<T: Number> Adapting<T> {
     /// Where Q is learnt, it becomes a whole matrix.
-    pub fn of(adaptation: Adaptation, filter: &mut Filter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of(adaptation: Adaptation, filter: &mut GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
         if adaptation.process_noise {
             filter.fill_process_noise();
         }
@@ -30,7 +30,7 @@ impl<T: Number> Wrapper<T> for Adapting<T> {
     fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let result = inner.update(readings);
         if self.0.learns_now() {
-            let Filter { noise, update, design, .. } = inner.filter();
+            let GaussianFilter { noise, update, design, .. } = inner.filter();
             let (innovations, [.., gain]) = (update.innovations(), update.parts());
             let white = design.white.map(|(place, _)| place);
             if self.0.adaptation.process_noise {

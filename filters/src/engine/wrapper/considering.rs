@@ -1,8 +1,8 @@
 //! Components that count but are not estimated.
 
 use super::{Readings, Recursion, Span, Wrapper};
-use crate::engine::belief::Belief;
-use crate::engine::filter::Filter;
+use crate::engine::belief::GaussianBelief;
+use crate::engine::filter::GaussianFilter;
 use crate::engine::number::Number;
 use crate::engine::update::UpdateResult;
 
@@ -22,16 +22,16 @@ use crate::engine::update::UpdateResult;
 /// Source: Schmidt (1966), Application of state-space methods to navigation problems.
 pub struct Considering<T> {
     places: Vec<usize>,
-    before: Belief<T>,
+    before: GaussianBelief<T>,
 }
 
 impl<T: Number> Considering<T> {
-    pub fn of(places: Vec<usize>, filter: &Filter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of(places: Vec<usize>, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
         let before = filter.belief.clone();
         (!places.is_empty()).then(|| Box::new(Self { places, before }) as _)
     }
 
-    fn take_fading_back(&self, filter: &mut Filter<T>, share: f64) {
+    fn take_fading_back(&self, filter: &mut GaussianFilter<T>, share: f64) {
         let (belief, noise) = filter.belief_and_noise(share);
         let (n, scale) = (belief.size(), T::of(1.0) / noise.fading.sqrt());
         let is_considered = |i: usize| self.places.contains(&i);

@@ -1,7 +1,7 @@
 //! A belief that widens once where the innovations grow at once.
 
 use super::{Learnt, Readings, Recursion, Span, Wrapper};
-use crate::engine::filter::Filter;
+use crate::engine::filter::GaussianFilter;
 use crate::engine::number::{Mask, Number};
 use crate::engine::update::UpdateResult;
 use crate::filter::jump::Jump;
@@ -15,7 +15,7 @@ pub struct Jumping<T> {
 }
 
 impl<T: Number> Jumping<T> {
-    pub fn of(is_on: bool, filter: &Filter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of(is_on: bool, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
         let n = filter.belief.size();
         let variances = |lane: usize| (0..n).map(|i| filter.belief.cov[i * n + i].lane(lane)).collect();
         let jumps = || (0..T::LANES).map(|lane| Jump::new(variances(lane))).collect();
@@ -26,7 +26,7 @@ impl<T: Number> Jumping<T> {
 impl<T: Number> Wrapper<T> for Jumping<T> {
     fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
         let Self { jumps, narrow } = self;
-        let Filter { noise, design, .. } = inner.filter();
+        let GaussianFilter { noise, design, .. } = inner.filter();
         let mut has_widened = false;
         for (lane, jump) in jumps.iter_mut().enumerate() {
             let Some(widening) = jump.widening() else { continue };

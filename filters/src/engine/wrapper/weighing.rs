@@ -1,9 +1,9 @@
 //! Measurements that are weighed by how well they fit.
 
 use super::{Learnt, Readings, Recursion, Wrapper};
-use crate::engine::belief::Belief;
+use crate::engine::belief::GaussianBelief;
 use crate::engine::columns::{factor, square};
-use crate::engine::filter::Filter;
+use crate::engine::filter::GaussianFilter;
 use crate::engine::number::{Mask, Number};
 use crate::engine::update::{Update, UpdateResult};
 use crate::engine::weights::Weights;
@@ -13,7 +13,7 @@ use crate::filter::robust::Robust;
 /// same update.
 pub struct Weighing<T> {
     weights: Weights<T>,
-    before: Belief<T>,
+    before: GaussianBelief<T>,
     /// The root of its covariance, of a filter that has one.
     before_root: Vec<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
@@ -21,16 +21,16 @@ pub struct Weighing<T> {
 }
 
 impl<T: Number> Weighing<T> {
-    pub fn of(rule: Robust, filter: &Filter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of(rule: Robust, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
         let weights = Weights::new(rule, filter.noise.sensors.len());
         let (before, before_root, claimed) = (filter.belief.clone(), Vec::new(), Vec::new());
         rule.is_on().then(|| Box::new(Self { weights, before, before_root, claimed }) as _)
     }
 
     /// By S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of it.
-    fn claim(&mut self, filter: &mut Filter<T>, result: UpdateResult<T>) -> UpdateResult<T> {
+    fn claim(&mut self, filter: &mut GaussianFilter<T>, result: UpdateResult<T>) -> UpdateResult<T> {
         let Self { weights, claimed, .. } = self;
-        let Filter { update, checks, noise, .. } = filter;
+        let GaussianFilter { update, checks, noise, .. } = filter;
         let variances = &noise.sensors[..];
         // Whether a sensor still measures, with whatever weight.
         let is_there = |sensor: usize| weights.measured[sensor].is_number();

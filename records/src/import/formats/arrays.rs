@@ -7,7 +7,7 @@ use super::super::guess::is_named_time;
 use super::super::header::{RATES, STEPS};
 use super::super::table::free_name;
 use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Table};
-use super::unpack::{Form, Room, entries, list, whole};
+use super::unpack::{NumberForm, Room, entries, list, whole};
 
 #[derive(Default)]
 pub(super) struct Arrays {
@@ -119,7 +119,7 @@ impl Arrays {
         let size = rest.as_str().parse::<usize>().unwrap_or(1).max(1);
         let count = product(&shape).and_then(|count| count.checked_mul(size));
         let data = count.and_then(|count| bytes[end..].get(..count)).ok_or("it is shorter than its header says")?;
-        self.add(name, &shape, is_by_columns, Form { kind, size, is_big }.numbers(data, room));
+        self.add(name, &shape, is_by_columns, NumberForm { kind, size, is_big }.numbers(data, room));
         Ok(())
     }
 }
@@ -168,12 +168,12 @@ const HEADER: usize = 128;
 const MATRIX: usize = 14;
 const COMPRESSED: usize = 15;
 
-struct Parts<'a> {
+struct ArrayParts<'a> {
     rest: &'a [u8],
     is_big: bool,
 }
 
-impl<'a> Iterator for Parts<'a> {
+impl<'a> Iterator for ArrayParts<'a> {
     type Item = (usize, &'a [u8]);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -195,15 +195,15 @@ impl<'a> Iterator for Parts<'a> {
 pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     let is_big = bytes.get(126) == Some(&b'M');
-    let mut parts = Parts { rest: bytes.get(HEADER..).unwrap_or_default(), is_big };
+    let mut parts = ArrayParts { rest: bytes.get(HEADER..).unwrap_or_default(), is_big };
     for (kind, data) in &mut parts {
         if kind == MATRIX {
-            add_variable(&mut arrays, Parts { rest: data, is_big }, &mut room);
+            add_variable(&mut arrays, ArrayParts { rest: data, is_big }, &mut room);
         } else if kind == COMPRESSED {
             match room.unpack(ZlibDecoder::new(data)) {
-                Ok(inside) => (Parts { rest: &inside, is_big })
+                Ok(inside) => (ArrayParts { rest: &inside, is_big })
                     .filter(|(kind, _)| *kind == MATRIX)
-                    .for_each(|(_, data)| add_variable(&mut arrays, Parts { rest: data, is_big }, &mut room)),
+                    .for_each(|(_, data)| add_variable(&mut arrays, ArrayParts { rest: data, is_big }, &mut room)),
                 Err(reason) => arrays.leave_out("", &format!("a variable ({reason})")),
             }
         }
@@ -214,7 +214,7 @@ pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
     arrays.table("a MATLAB file")
 }
 
-fn add_variable(arrays: &mut Arrays, mut parts: Parts<'_>, room: &mut Room) {
+fn add_variable(arrays: &mut Arrays, mut parts: ArrayParts<'_>, room: &mut Room) {
     let is_big = parts.is_big;
     let mut next = || parts.next().unwrap_or((0, &[]));
     let flags = whole(next().1, 0, 4, is_big).unwrap_or(0);
@@ -244,7 +244,7 @@ fn add_variable(arrays: &mut Arrays, mut parts: Parts<'_>, room: &mut Room) {
         _ => (if kind == 12 { 'i' } else { 'u' }, 8),
     };
     let values = match other {
-        "" => Form { kind, size, is_big }.numbers(data, room),
+        "" => NumberForm { kind, size, is_big }.numbers(data, room),
         other => Err(other.to_owned()),
     };
     let is_whole = |values: &Vec<f64>| product(&shape) == Some(values.len());

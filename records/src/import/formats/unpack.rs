@@ -148,13 +148,13 @@ pub(super) fn whole(bytes: &[u8], place: usize, size: usize, is_big: bool) -> Op
 
 /// NumPy's letter: `f`, `i`, `u` or `b`; and the bytes.
 #[derive(Clone, Copy)]
-pub(super) struct Form {
+pub(super) struct NumberForm {
     pub(super) kind: char,
     pub(super) size: usize,
     pub(super) is_big: bool,
 }
 
-impl Form {
+impl NumberForm {
     pub(super) fn number(self, bytes: &[u8]) -> f64 {
         let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
         let bits = if self.is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) };
