@@ -1,5 +1,4 @@
-//! Situations drawn at random: an oscillator, its excitation and its sensors, a filter that is well tuned for them, and one
-//! fault or several of random sizes.
+//! Situations drawn at random: an oscillator, its force and sensors, a well-tuned filter, and faults of random sizes.
 
 mod draw;
 mod fault;
@@ -56,12 +55,12 @@ impl Situation {
     }
 
     pub(crate) fn with(fault: Fault, seed: u64) -> Self {
-        // Not an accelerometer alone.
-        Self::of(&[fault], seed, true, &SETS[..5])
+        Self::of(&[fault], seed)
     }
 
-    /// Where the faults do not act, oscillator, force and noise are the same: the goal of a perfect remedy.
-    pub(crate) fn of(faults: &[Fault], seed: u64, they_act: bool, sets: &[&[(Quantity, i32)]]) -> Self {
+    pub(crate) fn of(faults: &[Fault], seed: u64) -> Self {
+        // Not an accelerometer alone.
+        let sets = &SETS[..5];
         let any = |of: &[Fault]| faults.iter().any(|fault| of.contains(fault));
         let mut draw = Draw::new(seed, 0x5eed);
         let wn = draw.log_uniform(2.0, 20.0);
@@ -118,12 +117,9 @@ impl Situation {
             truth.plant.disturbance_std = share * (power / dt).sqrt();
         }
         let mut note = String::new();
-        let mut changed = truth.clone();
         for &fault in faults {
-            truth::disturb(fault, &mut changed, &mut draw, wn, size, power, &mut note);
+            truth::disturb(fault, &mut truth, &mut draw, wn, size, power, &mut note);
         }
-        // Numbers are drawn for faults that do not act, too.
-        let truth = if they_act { changed } else { truth };
 
         let mut told = truth.clone();
         told.hold = Hold::Zero;
@@ -131,11 +127,10 @@ impl Situation {
         told.sensors.iter_mut().for_each(|sensor| sensor.faults = Faults::default());
         let filter_kind = if is_sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
         told.filters = vec![Self::well_tuned(&truth, filter_kind, &mut draw, wn, zeta, size)];
-        let faults = if they_act { faults.to_vec() } else { Vec::new() };
-        for &fault in &faults {
+        for &fault in faults {
             Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
         }
-        Self { faults, truth, told, note }
+        Self { faults: faults.to_vec(), truth, told, note }
     }
 
     fn well_tuned(
