@@ -119,8 +119,11 @@ fn after(situation: &Situation, remedy: &Remedy, record: &std::sync::Arc<Record>
 fn print_remedies(outcomes: &[Outcome]) {
     println!("\nfirst remedies: bad, good after it, largest error grows by a fifth, within 3σ before and after");
     let bad = |outcome: &&Outcome| outcome.verdicts.iter().flatten().any(|kind| !kind.is_good());
-    for fault in Fault::IN_TURN.iter().copied() {
+    for fault in Fault::ALL.iter().copied() {
         let all: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.fault == fault).filter(bad).collect();
+        if all.is_empty() {
+            continue;
+        }
         let count = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|outcome| is(outcome)).count();
         let off = |outcome: &Outcome| outcome.remedied.map_or(outcome.off, |(_, off)| off);
         println!(
@@ -153,7 +156,7 @@ fn print_causes(outcomes: &[Outcome]) {
         "\ncauses, of runs with a verdict that is not consistent: first, among the first two, of; the first ones named"
     );
     let (mut hits, mut runs) = (0, 0);
-    for fault in Fault::IN_TURN.iter().copied().filter(|fault| !fault.causes().is_empty()) {
+    for fault in Fault::ALL.iter().copied().filter(|fault| !fault.causes().is_empty()) {
         let of = |o: &&Outcome| o.fault == fault && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent);
         let all: Vec<&Outcome> = outcomes.iter().filter(of).collect();
         let named = |most: usize| {

@@ -9,8 +9,7 @@ use kalmanscope_core::{
     VerdictKind, signal, simulate,
 };
 
-use crate::run::{diagnosis, finished_on, forced, last, one_filter, oscillator, remedies, with_fault};
-use crate::situations::with_input;
+use crate::run::{diagnosis, finished_on, forced, last, one_filter, oscillator, remedies, with_fault, with_input};
 
 fn measured(scenario: &Scenario) -> Record {
     simulate(scenario).without_truth()

@@ -9,8 +9,9 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{apart, bits, distance, mean};
-use crate::run::{after_events, finished_on, one_filter, oscillator, readings, remedies, with_fault, with_times};
-use crate::situations::with_input;
+use crate::run::{
+    after_events, finished_on, one_filter, oscillator, readings, remedies, with_fault, with_input, with_times,
+};
 
 const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
 

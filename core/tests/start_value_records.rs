@@ -5,12 +5,11 @@ use std::fmt::Write as _;
 
 use kalmanscope_core::import::read;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, Propagation, Quantity, VerdictKind};
+use kalmanscope_core::{FilterKind, FilterSettings, Hold, Propagation, Quantity, VerdictKind};
 
 use crate::ambient::{Accelerometer, Ambient, End, building, end, end_on, mass};
 use crate::numbers::Random;
-use crate::run::{forced, imported};
-use crate::situations::with_input;
+use crate::run::{imported, with_input};
 use crate::start_values::{
     Excitation, Oscillator, RingDown, SENSORS, outcome, record, right_of_decays, right_of_short, shares_of_grid,
     suggestion, worst_of_losses,
@@ -192,17 +191,4 @@ fn three_minutes_of_an_accelerometer_on_a_mass_are_within_three_sigma() {
         assert!(is_white && sigmas.iter().all(|sigma| sigma.abs() < 3.0), "{kind:?} {rate} Hz: {text}");
         assert_eq!(verdict, VerdictKind::Consistent, "{kind:?} {rate} Hz: {text}");
     }
-}
-
-#[test]
-fn a_decay_needs_no_force() {
-    let (wn, zeta, dt) = (6.0_f64, 0.01_f64, 0.02);
-    let mut random = Random::new(4);
-    let at = |k: usize| (-zeta * wn * k as f64 * dt).exp() * (wn * k as f64 * dt).cos();
-    let measured = (0..4000).map(|k| at(k) + 0.003 * random.normal()).collect();
-    let record = forced(dt, Hold::First, vec![0.0; 4000], vec![(Quantity::DISPLACEMENT, measured)]);
-    let suggestion = suggestion(&record);
-    let filter = &suggestion.scenario.filters[0];
-    assert!(!filter.augment.contains(&Channel::WHITE_FORCE), "{:?}", suggestion.reasons);
-    assert!((filter.initial_mean[Channel::NATURAL_FREQUENCY] / wn - 1.0).abs() < 0.02, "{:?}", suggestion.reasons);
 }

@@ -59,6 +59,15 @@ pub(crate) fn with_times(record: &Record, time: impl Fn(usize, f64) -> f64) -> R
     record.clone().with_clocks(clocks).expect("the times rise")
 }
 
+pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let truth =
+        record.true_channels().into_iter().filter_map(|channel| Some((channel, record.truth(channel)?.to_vec())));
+    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
+    other.expect("the columns are as long")
+}
+
 pub(crate) fn simulated(scenario: &Scenario) -> Record {
     let record = simulate(scenario);
     assert_eq!(record.len(), scenario.samples());

@@ -241,13 +241,13 @@ impl RingDown {
         forced(dt, Hold::First, force, columns)
     }
 
-    /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ, and in words.
+    /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ and need no force, and in words.
     pub(crate) fn outcome(&self) -> (bool, String) {
         let filter = &suggestion(&self.record()).scenario.filters[0];
         let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency;
         let damping = filter.initial_mean[Channel::DAMPING_RATIO] / self.damping_ratio;
         let is_white = filter.augment.contains(&Channel::WHITE_FORCE);
-        let is_right = (guess - 1.0).abs() < 0.1 && (1.0 / 1.3..1.3).contains(&damping);
+        let is_right = !is_white && (guess - 1.0).abs() < 0.1 && (1.0 / 1.3..1.3).contains(&damping);
         (is_right, format!("{self:?}: ωₙ {guess:.3}, ζ {damping:.2}, white force {is_white}"))
     }
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::{
 
 use super::plants::written;
 use super::textbook::{Sample, filter};
-use crate::numbers::{DETERMINISTIC, beliefs};
+use crate::numbers::{DETERMINISTIC, beliefs, rms};
 use crate::run::{finished, finished_on, oscillator, values};
 
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
@@ -177,29 +177,20 @@ fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario
     scenario
 }
 
-/// Root mean squares, over a record, of a filter's deviation from the KF: means in standard deviations, standard
-/// deviations relative to the KF's; and the mean difference of the log likelihoods.
-struct Error {
-    mean: f64,
-    std: f64,
-    log_likelihood: f64,
-}
-
-fn error(kf: &Estimates, other: &Estimates) -> Error {
+/// Root mean squares, over a record, of a filter's deviation from the KF: means in standard deviations, standard deviations relative
+/// to the KF's; and the mean difference of the log likelihoods.
+fn error(kf: &Estimates, other: &Estimates) -> [f64; 3] {
     assert_eq!((other.stop(), other.len()), (None, kf.len()), "{}", other.name());
-    let (mut mean, mut std, mut log_likelihood, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for k in 1..kf.len() {
-        for i in 0..2 {
-            mean += ((other.mean(k)[i] - kf.mean(k)[i]) / kf.std(k, i)).powi(2);
-            std += (other.std(k, i) / kf.std(k, i) - 1.0).powi(2);
-            count += 1.0;
-        }
-        log_likelihood += other.log_likelihood(k) - kf.log_likelihood(k);
-    }
-    Error { mean: (mean / count).sqrt(), std: (std / count).sqrt(), log_likelihood: log_likelihood / kf.len() as f64 }
+    let each = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+        (1..kf.len()).flat_map(|k| [0, 1].map(|i| of(k, i))).collect()
+    };
+    let means = each(&|k, i| (other.mean(k)[i] - kf.mean(k)[i]) / kf.std(k, i));
+    let stds = each(&|k, i| other.std(k, i) / kf.std(k, i) - 1.0);
+    let log_likelihood = (1..kf.len()).map(|k| other.log_likelihood(k) - kf.log_likelihood(k)).sum::<f64>();
+    [rms(&means), rms(&stds), log_likelihood / kf.len() as f64]
 }
 
-fn errors(run: &Run) -> Vec<Error> {
+fn errors(run: &Run) -> Vec<[f64; 3]> {
     let [kf, others @ ..] = run.estimates() else { unreachable!("there is a KF") };
     others.iter().map(|other| error(kf, other)).collect()
 }
@@ -210,7 +201,7 @@ const SAMPLED: [FilterKind; 2] = [FilterKind::ENKF, FilterKind::PF];
 fn two_thousand_members_are_nearly_a_kalman_filter() {
     for kind in SAMPLED {
         for (seed, fading) in [(1, 1.0), (2, 1.002), (3, 1.02)] {
-            for Error { mean, std, log_likelihood } in errors(&finished(&linear(kind, &[2000], seed, fading))) {
+            for [mean, std, log_likelihood] in errors(&finished(&linear(kind, &[2000], seed, fading))) {
                 println!("{} {seed}: mean {mean:.3}, std {std:.3}, log likelihood {log_likelihood:.4}", kind.name());
                 assert!(mean < 0.09 && std < 0.06 && log_likelihood.abs() < 0.02, "{}, seed {seed}", kind.name());
             }
@@ -225,8 +216,7 @@ fn the_error_falls_with_the_root_of_the_size() {
         let mut squares = [[0.0; 2]; 3];
         for seed in 1..=4 {
             for (square, error) in squares.iter_mut().zip(errors(&finished(&linear(kind, &sizes, seed, 1.0)))) {
-                square[0] += error.mean * error.mean;
-                square[1] += error.std * error.std;
+                (square[0], square[1]) = (square[0] + error[0] * error[0], square[1] + error[1] * error[1]);
             }
         }
         for pair in squares.windows(2) {

@@ -66,9 +66,9 @@ impl Plant {
             kind if *kind == PlantKind::BOUC_WEN => bouc_wen(&y, force),
             _ => chain(&y, force),
         };
-        for i in rate.len()..y.len() {
-            let decay = -self.eta * y[i];
-            rate.push(if self.is_log(i) { decay / y[i] } else { decay });
+        for (i, &parameter) in y.iter().enumerate().skip(rate.len()) {
+            let decay = -self.eta * parameter;
+            rate.push(if self.is_log(i) { decay / parameter } else { decay });
         }
         rate
     }

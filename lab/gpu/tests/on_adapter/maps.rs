@@ -131,20 +131,6 @@ fn maps_of_guesses_are_the_processors() {
     }
 }
 
-/// `cargo test -p kalmanscope-gpu --test maps -- --ignored --nocapture`
-#[test]
-#[ignore = "the figures of whole maps"]
-fn whole_maps() {
-    for seed in 1..=3 {
-        for kind in ["EKF", "UKF"] {
-            for (name, runner) in [("Q and R", tuning(kind, seed, 128)), ("guesses", guesses(kind, seed, 128))] {
-                let comparison = compare(&format!("seed {seed}, {kind}, {name}"), &runner);
-                assert!(comparison.same_share() >= 0.99);
-            }
-        }
-    }
-}
-
 #[test]
 fn rows_do_not_depend_on_the_portion() {
     let runner = tuning("UKF", 1, 12);
@@ -241,19 +227,6 @@ fn check(name: &str, scenarios: &[Scenario]) {
 const KINDS: [FilterKind; 2] = [FilterKind::EKF, FilterKind::UKF];
 
 #[test]
-fn equations_have_the_scores_of_the_processor() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations");
-    for equation in ["pendulum", "dry-friction", "helmholtz"] {
-        for kind in KINDS {
-            let text = std::fs::read_to_string(folder.join(equation).with_extension("toml")).unwrap();
-            let scenario = Scenario { duration: 10.0, ..Scenario::from_toml(&text).unwrap() };
-            let name = format!("{equation}, {kind:?}");
-            check(&name, &with_guesses(scenario, kind));
-        }
-    }
-}
-
-#[test]
 fn plants_and_what_surrounds_them_have_the_scores_of_the_processor() {
     use {FilterKind as Kind, PlantKind as Plant};
     type Change = fn(&mut Scenario);
@@ -281,6 +254,11 @@ fn plants_and_what_surrounds_them_have_the_scores_of_the_processor() {
         cases.extend([Plant::DUFFING, Plant::BOUC_WEN, Plant::SHEAR_2].map(|plant| {
             let quantities: Vec<Quantity> = plant.quantities().take(2).collect();
             (built_in(plant, &quantities, &[], Hold::Zero), kind, (|_| ()) as Change)
+        }));
+        cases.extend(["pendulum", "dry-friction", "helmholtz"].map(|equation| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations").join(equation);
+            let text = std::fs::read_to_string(path.with_extension("toml")).unwrap();
+            (Scenario { duration: 10.0, ..Scenario::from_toml(&text).unwrap() }, kind, (|_| ()) as Change)
         }));
     }
     for (scenario, kind, change) in cases {
