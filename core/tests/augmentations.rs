@@ -7,7 +7,7 @@ use kalmanscope_core::{
     Signal,
 };
 
-use crate::numbers::{DETERMINISTIC, exponential};
+use crate::numbers::{DETERMINISTIC, exponential, mean};
 use crate::run::{finished, last, oscillator};
 
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
@@ -181,6 +181,30 @@ fn transitions_are_derivatives_of_steps() {
             assert!(error < 1e-7, "{plant:?}, {:?}: {error}", model.channels()[j]);
         }
     }
+}
+
+#[test]
+fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
+    let text = include_str!("accelerometer-disturbance.toml");
+    let mut nis = [0.0; 2];
+    const SEEDS: u64 = 20;
+    for seed in 0..SEEDS {
+        let mut scenario = Scenario::from_toml(text).unwrap();
+        scenario.seed = seed;
+        let (sensor_std, process_std) = scenario.true_noise();
+        scenario.filters.truncate(1);
+        scenario.filters[0].process_std = process_std;
+        let own = scenario.filters[0].clone();
+        scenario.filters.push(FilterSettings { sensor_std, ..own });
+        scenario.filters[1].id = scenario.filters[0].id + 1;
+        let run = finished(&scenario);
+        for (sum, estimates) in nis.iter_mut().zip(run.estimates()) {
+            *sum += mean(&estimates.nis()[1..]) / SEEDS as f64;
+        }
+    }
+    let [without, matched] = nis;
+    assert!((matched - 2.0).abs() < 0.1, "two sensors: {matched}");
+    assert!(without > 10.0, "the disturbance left out: {without}");
 }
 
 /// Here the filter's bias is a scalar Kalman filter, and its smoother a scalar one.

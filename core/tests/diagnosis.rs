@@ -282,7 +282,7 @@ fn missing_numbers_and_large_ones_change_nothing() {
         let (live, estimates) = (&mut LiveDiagnosis::default(), &run.estimates()[0]);
         assert!(live.over(0..0, &Diagnostics::default(), estimates, &record, None).is_none());
         let none = live.over(9000..9000, &Diagnostics::new(estimates, &record), estimates, &record, None).unwrap();
-        assert_eq!(none.verdict, None, "{name}");
+        assert!(none.verdict.is_none() || estimates.stop().is_some(), "{name}: {:?}", none.verdict);
     }
     assert!(compared.lines <= compared.all / 30, "{} of {}", compared.lines, compared.all);
 }

@@ -3,7 +3,7 @@
 use kalmanscope_core::{Aspect, Channel, FilterKind, PlantKind, Quantity, Scenario, Sensor, Trouble, simulate};
 use proptest::prelude::*;
 
-use crate::health::{check_scenario, scenario_of};
+use crate::health::{check_file, check_scenario, scenario_of};
 use crate::numbers::beliefs;
 use crate::run::{cases, finished, finished_on, oscillator, shrinking};
 
@@ -16,8 +16,9 @@ proptest! {
     #![proptest_config(cases(20_240_607, 400))]
 
     #[test]
-    fn beliefs_are_normal_distributions_until_a_filter_stops((scenario, gap) in any_scenario()) {
+    fn beliefs_are_normal_distributions_until_a_filter_stops_and_a_file_gives_the_scenario_back((scenario, gap) in any_scenario()) {
         check_scenario(&scenario, gap).map_err(TestCaseError::fail)?;
+        check_file(&scenario.to_toml().unwrap()).map_err(TestCaseError::fail)?;
     }
 
     #[test]

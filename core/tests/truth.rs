@@ -135,6 +135,13 @@ fn parameters_follow_their_signals() {
 }
 
 #[test]
+fn a_step_of_force_begins_at_its_time() {
+    let record = simulated(&steady(6.0, 0.05, Force::Step { amplitude: 3.0, at: 2.0 }));
+    assert!((0..record.len()).all(|k| record.force(k) == if k < 200 { 0.0 } else { 3.0 }));
+    assert!(deviation(&record, &[]) < 1e-9);
+}
+
+#[test]
 fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     let mut scenario = Scenario { dt: 5.0, duration: 500.0, force: Force::None, ..Scenario::default() };
     scenario.set_plant(PlantKind::DUFFING);
