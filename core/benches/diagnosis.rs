@@ -4,8 +4,8 @@
 //! cargo bench -p kalmanscope-core --bench diagnosis -- [FROM] [NUMBER]
 //! ```
 //!
-//! Prints confusion tables of verdict and cause, with and without the truth. The limits of tests and causes are set on seeds
-//! below 1,000,000; the tables are those of seeds from there on.
+//! Prints confusion tables of verdict and cause, with and without the truth, and what first remedies do; with `--two`, of two faults
+//! at once. The limits of tests, causes and remedies are set on seeds below 1,000,000; the tables are those of seeds from there on.
 
 mod situations;
 
@@ -31,11 +31,14 @@ fn main() {
     if trials {
         print_causes(&outcomes);
         print_probabilities(&outcomes);
+        print_remedies(&outcomes);
     }
 }
 
 struct Outcome {
     fault: Fault,
+    /// Those of all faults.
+    right: Vec<&'static str>,
     verdicts: [Option<VerdictKind>; 2],
     /// The largest error of a parameter over the last fifth, in standard deviations.
     off: f64,
@@ -43,20 +46,27 @@ struct Outcome {
     said: Vec<f64>,
     /// A model that is likelier than a filter with a good verdict, without the truth.
     likelier: Option<&'static str>,
+    /// Whether the first remedy makes a bad verdict good, and the largest error then.
+    remedied: Option<(bool, f64)>,
 }
 
 impl Outcome {
     fn of(seed: u64, with_trials: bool, verbose: bool) -> Self {
-        let situation = Situation::draw(seed);
+        let mut situation = Situation::draw(seed);
+        if is_asked_for("--two") {
+            let other = Fault::ALL[(seed / 7 % Fault::ALL.len() as u64) as usize];
+            situation = Situation::of(&[situation.faults[0], other], seed);
+        }
         let fault = situation.faults[0];
-        let record = situation.record().expect("the situation is valid");
+        let right = situation.faults.iter().flat_map(|fault| fault.causes().iter().copied()).collect();
+        let whole = situation.record().expect("the situation is valid");
         let mut verdicts = [None; 2];
-        let (mut causes, mut said, mut likelier) = (Vec::new(), Vec::new(), None);
-        let mut run = Run::on_record(&situation.told, record.clone()).expect("the situation is valid");
+        let (mut causes, mut said, mut likelier, mut remedied) = (Vec::new(), Vec::new(), None, None);
+        let mut run = Run::on_record(&situation.told, whole.clone()).expect("the situation is valid");
         run.finish();
-        let off = largest_error(&run.estimates()[0], &record);
+        let off = largest_error(&run.estimates()[0], &whole);
         for (place, known) in [true, false].into_iter().enumerate() {
-            let record: &Record = if known { &record } else { &without_truth(&record) };
+            let record: &Record = if known { &whole } else { &without_truth(&whole) };
             let estimates = &run.estimates()[0];
             let diagnostics = Diagnostics::new(estimates, record);
             let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
@@ -71,6 +81,7 @@ impl Outcome {
                 } else {
                     causes.extend(remedies.iter().map(|remedy| remedy.first.cause.key));
                     said = Remedy::probabilities(&remedies);
+                    remedied = remedies.first().and_then(|first| after(&situation, first, &whole));
                 }
                 if verbose {
                     for remedy in &remedies {
@@ -92,7 +103,38 @@ impl Outcome {
                 }
             }
         }
-        Self { fault, verdicts, off, causes, said, likelier }
+        Self { fault, right, verdicts, off, causes, said, likelier, remedied }
+    }
+}
+
+fn after(situation: &Situation, remedy: &Remedy, record: &std::sync::Arc<Record>) -> Option<(bool, f64)> {
+    let turned = Edit::apply_all(&remedy.edits, &situation.told).ok().filter(|_| !remedy.edits.is_empty())?;
+    let mut run = Run::on_record(&turned, record.clone()).ok()?;
+    run.finish();
+    let is_good = remedy.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
+    Some((is_good, largest_error(&run.estimates()[0], record)))
+}
+
+/// Of filters that are not to be believed.
+fn print_remedies(outcomes: &[Outcome]) {
+    println!("\nfirst remedies: bad, good after it, largest error grows by a fifth, within 3σ before and after");
+    let bad = |outcome: &&Outcome| outcome.verdicts.iter().flatten().any(|kind| !kind.is_good());
+    for fault in Fault::ALL.iter().copied() {
+        let all: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.fault == fault).filter(bad).collect();
+        if all.is_empty() {
+            continue;
+        }
+        let count = |is: &dyn Fn(&Outcome) -> bool| all.iter().filter(|outcome| is(outcome)).count();
+        let off = |outcome: &Outcome| outcome.remedied.map_or(outcome.off, |(_, off)| off);
+        println!(
+            "{:24} {:4} {:4} {:4} {:4} {:4}",
+            format!("{fault:?}"),
+            all.len(),
+            count(&|one| one.remedied.is_some_and(|(is_good, _)| is_good)),
+            count(&|one| off(one) > 1.2 * one.off),
+            count(&|one| one.off <= 3.0),
+            count(&|one| off(one) <= 3.0)
+        );
     }
 }
 
@@ -114,11 +156,11 @@ fn print_causes(outcomes: &[Outcome]) {
         "\ncauses, of runs with a verdict that is not consistent: first, among the first two, of; the first ones named"
     );
     let (mut hits, mut runs) = (0, 0);
-    for fault in Fault::IN_TURN.iter().copied().filter(|fault| !fault.causes().is_empty()) {
+    for fault in Fault::ALL.iter().copied().filter(|fault| !fault.causes().is_empty()) {
         let of = |o: &&Outcome| o.fault == fault && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent);
         let all: Vec<&Outcome> = outcomes.iter().filter(of).collect();
         let named = |most: usize| {
-            let hit = |o: &&&Outcome| o.causes.iter().take(most).any(|cause| fault.causes().contains(cause));
+            let hit = |o: &&&Outcome| o.causes.iter().take(most).any(|cause| o.right.contains(cause));
             all.iter().filter(hit).count()
         };
         let mut first: BTreeMap<&str, usize> = BTreeMap::new();
@@ -145,7 +187,7 @@ fn print_probabilities(outcomes: &[Outcome]) {
                 for (cause, said) in outcome.causes.iter().zip(&outcome.said).take(most) {
                     if (ends[0]..ends[1]).contains(said) {
                         (count, sum) = (count + 1, sum + said);
-                        right += usize::from(outcome.fault.causes().contains(cause));
+                        right += usize::from(outcome.right.contains(cause));
                     }
                 }
             }

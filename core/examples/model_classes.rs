@@ -11,95 +11,73 @@ use std::error::Error;
 
 use kalmanscope_core::{Evidence, ModelClasses, Run, Scenario};
 
-/// A plant as truth and as class: its name, its plant, the numbers of the truth, and what a filter believes at first.
+/// Key, truth, and the mean and standard deviation that a filter believes at first.
+type Parameter = (&'static str, f64, f64, f64);
+
+/// A plant as truth and as class.
 struct Class {
     name: &'static str,
-    /// Whether it has a natural frequency and a damping ratio.
-    is_oscillator: bool,
     plant: &'static str,
-    truth: &'static str,
-    mean: &'static str,
-    std: &'static str,
+    /// Those besides the oscillator's, or all of another motion.
+    parameters: &'static [Parameter],
 }
 
-const OSCILLATOR: [&str; 3] = [
-    "natural_frequency = 6.0\ndamping_ratio = 0.05\n",
-    "natural_frequency = 7.0, damping_ratio = 0.1",
-    "natural_frequency = 2.0, damping_ratio = 0.1",
-];
+const OSCILLATOR: [Parameter; 2] = [("natural_frequency", 6.0, 7.0, 2.0), ("damping_ratio", 0.05, 0.1, 0.1)];
 
 const CLASSES: [Class; 7] = [
-    Class { name: "linear", is_oscillator: true, plant: "kind = \"sdof\"", truth: "", mean: "", std: "" },
-    Class {
-        name: "Duffing",
-        is_oscillator: true,
-        plant: "kind = \"duffing\"",
-        truth: "cubic_stiffness = 200.0",
-        mean: ", cubic_stiffness = 0.0",
-        std: ", cubic_stiffness = 200.0",
-    },
+    Class { name: "linear", plant: "kind = \"sdof\"", parameters: &[] },
+    Class { name: "Duffing", plant: "kind = \"duffing\"", parameters: &[("cubic_stiffness", 200.0, 0.0, 200.0)] },
     Class {
         name: "Bouc-Wen",
-        is_oscillator: true,
         plant: "kind = \"bouc_wen\"",
-        truth: "post_yield_ratio = 0.1\nhysteresis_beta = 60.0\nhysteresis_gamma = 40.0",
-        mean: ", post_yield_ratio = 0.1, hysteresis_beta = 50.0, hysteresis_gamma = 25.0",
-        std: ", post_yield_ratio = 0.0, hysteresis_beta = 30.0, hysteresis_gamma = 30.0",
+        parameters: &[
+            ("post_yield_ratio", 0.1, 0.1, 0.0),
+            ("hysteresis_beta", 60.0, 50.0, 30.0),
+            ("hysteresis_gamma", 40.0, 25.0, 30.0),
+        ],
     },
     Class {
         name: "dry friction",
-        is_oscillator: true,
         plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + d tanh(x'/0.05) = f\"\nparameters = { d = { guess = 0.5, sign = \"not_negative\" } }",
-        truth: "d = 1.0",
-        mean: ", d = 0.5",
-        std: ", d = 0.5",
+        parameters: &[("d", 1.0, 0.5, 0.5)],
     },
     Class {
         name: "drag",
-        is_oscillator: true,
         plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + c x' abs(x') = f\"\nparameters = { c = { guess = 0.5, sign = \"not_negative\" } }",
-        truth: "c = 1.0",
-        mean: ", c = 0.5",
-        std: ", c = 0.5",
+        parameters: &[("c", 1.0, 0.5, 0.5)],
     },
-    Class {
-        name: "pendulum",
-        is_oscillator: true,
-        plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² sin(x) = f\"",
-        truth: "",
-        mean: "",
-        std: "",
-    },
+    Class { name: "pendulum", plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² sin(x) = f\"", parameters: &[] },
     Class {
         name: "two masses",
-        is_oscillator: false,
         plant: "equation = \"x1'' = f - k x1 - c x1' + q (x2 - x1) + c (x2' - x1'); x2'' = - q (x2 - x1) - c (x2' - x1')\"\nparameters = { k = { guess = 40.0 }, q = { guess = 80.0 }, c = { guess = 0.5 } }",
-        truth: "k = 36.0\nq = 60.0\nc = 0.4",
-        mean: "k = 40.0, q = 80.0, c = 0.5",
-        std: "k = 10.0, q = 30.0, c = 0.3",
+        parameters: &[("k", 36.0, 40.0, 10.0), ("q", 60.0, 80.0, 30.0), ("c", 0.4, 0.5, 0.3)],
     },
 ];
 
 impl Class {
+    fn written(&self, of: fn(&Parameter) -> f64, between: &str) -> String {
+        let own = self.parameters.iter().chain(if self.name == "two masses" { &[][..] } else { &OSCILLATOR });
+        own.map(|parameter| format!("{} = {:?}", parameter.0, of(parameter))).collect::<Vec<_>>().join(between)
+    }
+
     fn filter(&self) -> String {
-        let [mean, std] = if self.is_oscillator { [OSCILLATOR[1], OSCILLATOR[2]] } else { ["", ""] };
-        let x = if self.is_oscillator { "displacement = 0.0, velocity = 0.0, " } else { "" };
         let lines = self.plant.replace('\n', ", ");
         let plant = if lines.starts_with("kind") { lines.replace("kind = ", "") } else { format!("{{ {lines} }}") };
+        let [mean, std] = [(|of| of.2) as fn(&Parameter) -> f64, |of| of.3].map(|of| self.written(of, ", "));
         format!(
-            "\n[[filters]]\nname = \"{}\"\nkind = \"ukf\"\nplant = {plant}\ninitial_mean = {{ {x}{mean}{} }}\ninitial_std = {{ {std}{} }}\n",
-            self.name, self.mean, self.std
+            "\n[[filters]]\nname = \"{}\"\nkind = \"ukf\"\nplant = {plant}\ninitial_mean = {{ {mean} }}\ninitial_std = {{ {std} }}\n",
+            self.name
         )
     }
 
     /// The truth of this class, and a filter of every class.
     fn scenario(&self, seed: u64) -> String {
-        let truth = if self.is_oscillator { OSCILLATOR[0] } else { "" };
         let filters: String = CLASSES.iter().map(Self::filter).collect();
         format!(
-            "seed = {seed}\ndt = 0.01\nduration = 60.0\n[plant]\n{}\n{truth}{}\n[force]\nwhite_noise = {{ std = 20.0 }}\n\
+            "seed = {seed}\ndt = 0.01\nduration = 60.0\n[plant]\n{}\n{}\n[force]\nwhite_noise = {{ std = 20.0 }}\n\
              [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.01\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.06\n{filters}",
-            self.plant, self.truth
+            self.plant,
+            self.written(|of| of.1, "\n")
         )
     }
 }

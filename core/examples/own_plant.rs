@@ -50,14 +50,9 @@ pub(crate) const PENDULUM: PlantKind = PlantKind::new(&Pendulum);
 /// # Errors
 /// [`RunError`] where the scenario is impossible.
 pub(crate) fn identify() -> Result<Vec<(f64, f64)>, RunError> {
-    let filter = |kind: FilterKind| FilterSettings { kind, ..FilterSettings::default() };
-    let mut scenario = Scenario { duration: 40.0, filters: vec![filter(FilterKind::EKF)], ..Scenario::default() };
-    let mut ukf = scenario.filters[0].clone();
-    ukf.kind = FilterKind::UKF;
-    scenario.filters.push(ukf);
-    for filter in &mut scenario.filters {
-        filter.sensor_std = vec![0.01, 0.06];
-    }
+    let filter = |kind| FilterSettings { kind, sensor_std: vec![0.01, 0.06], ..FilterSettings::default() };
+    let filters = [FilterKind::EKF, FilterKind::UKF].map(filter).to_vec();
+    let mut scenario = Scenario { duration: 40.0, filters, ..Scenario::default() };
     scenario.set_plant(PENDULUM);
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(5.0));
     let mut run = Run::new(&scenario)?;

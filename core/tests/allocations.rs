@@ -30,34 +30,35 @@ const KINDS: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
 fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
-    let mut plain = Scenario { duration: 5.0, ..Scenario::default() };
-    plain.filters.truncate(1);
-    plain.filters[0].kind = kind;
-    let linear = Scenario { hold: Hold::First, ..plain.clone() };
-    let mut augmented = plain.clone();
-    augmented.filters[0].augment = vec![Channel::INPUT_GAIN];
-    let mut logarithms = linear.clone();
-    logarithms.filters[0].log_parameters = true;
-    let feeling = |mut scenario: Scenario| {
+    type Change = fn(&mut Scenario);
+    let feel = |scenario: &mut Scenario| {
         scenario.remove_sensor(Quantity::VELOCITY);
         scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
+    };
+    let learn = |scenario: &mut Scenario| {
+        let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99, training: 0.0 };
+        scenario.filters[0].adaptation = adaptation;
+    };
+    let changes: [(&str, Hold, Change); 8] = [
+        ("augmented", Hold::Zero, |scenario| scenario.filters[0].augment = vec![Channel::INPUT_GAIN]),
+        ("logarithms", Hold::First, |scenario| scenario.filters[0].log_parameters = true),
+        ("accelerometer", Hold::Zero, feel),
+        ("accelerometer, linear force", Hold::First, feel),
+        ("learns its noise", Hold::First, learn),
+        ("jumps", Hold::First, |scenario| scenario.filters[0].jump = scenario.filters[0].kind != FilterKind::KF),
+        ("plain", Hold::Zero, |_| ()),
+        ("linear force", Hold::First, |_| ()),
+    ];
+    let plain = |hold, change: &dyn Fn(&mut Scenario)| {
+        let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        scenario.filters[0].kind = kind;
+        change(&mut scenario);
         scenario
     };
-    let one = ("accelerometer", feeling(plain.clone()));
-    let other = ("accelerometer, linear force", feeling(linear.clone()));
-    let mut all = vec![("augmented", augmented), ("logarithms", logarithms), one, other];
-    for rule in Robust::ALL {
-        let mut robust = plain.clone();
-        robust.filters[0].robust = rule;
-        all.push((rule.info().key, robust));
-    }
-    let mut learning = linear.clone();
-    learning.filters[0].adaptation =
-        Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99, training: 0.0 };
-    let mut jumping = linear.clone();
-    jumping.filters[0].jump = kind != FilterKind::KF;
-    all.extend([("learns its noise", learning), ("jumps", jumping), ("plain", plain), ("linear force", linear)]);
-    all
+    let changed = changes.map(|(name, hold, change)| (name, plain(hold, &change)));
+    let robust = Robust::ALL.map(|rule| (rule.info().key, plain(Hold::Zero, &|of| of.filters[0].robust = rule)));
+    changed.into_iter().chain(robust).collect()
 }
 
 fn record(scenario: &Scenario) -> Record {

@@ -34,21 +34,7 @@ fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
 }
 
 #[test]
-fn a_bias_of_each_kind_of_sensor_is_found() {
-    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
-        for quantity in PlantKind::SDOF.quantities() {
-            let noise = quantity.aspect().info().usual_noise;
-            // The drift of a single mass is its displacement: both are measured, one of them with a bias.
-            let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, quantity];
-            let mut scenario = scenario(&sensors, kind, &[quantity.bias()]);
-            scenario.plant.set(quantity.bias(), 4.0 * noise);
-            assert_found(&scenario, quantity.bias(), 0.5 * noise);
-        }
-    }
-}
-
-#[test]
-fn a_gain_of_each_kind_of_sensor_is_found() {
+fn gain_and_bias_of_each_kind_of_sensor_are_found() {
     for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::IEKF] {
         for quantity in PlantKind::SDOF.quantities() {
             for gain in [1.3, -0.8] {

@@ -1,5 +1,4 @@
-//! Filters side by side: a bank of still and walking parameters, its arithmetic, its limits and what it is for; filters that begin from
-//! several guesses of the natural frequency; and filters as model classes, the probability of each given the readings.
+//! Filters side by side: a bank of still and walking parameters, several guesses of the natural frequency, and model classes.
 
 use kalmanscope_core::signal::{Signal, Step};
 use kalmanscope_core::{
@@ -10,7 +9,6 @@ use kalmanscope_diagnosis::{Study, Wanted};
 use nalgebra::{DMatrix, DVector};
 
 use crate::numbers::{ADAPTIVE, apart, joint_motion, log_normal};
-use crate::oracles::matrix::{Matrix, along};
 use crate::oracles::textbook::Textbook;
 use crate::run::{finished, finished_on, knowing, last, one_filter, oscillator, values, verdict};
 
@@ -22,6 +20,8 @@ fn scenario(kind: FilterKind, walk: f64) -> Scenario {
     (filter.fading, filter.walk, filter.process_std) = (1.0, walk, values([0.0, 1e-3, 0.0, 0.0]));
     scenario
 }
+
+type Belief = (DVector<f64>, DMatrix<f64>);
 
 struct Book<'a> {
     filters: [Textbook<'a>; 2],
@@ -47,7 +47,7 @@ impl<'a> Book<'a> {
         Self { filters, probability: [1.0, 0.0], transition: [[1.0 - a, a], [b, 1.0 - b]] }
     }
 
-    fn step(&mut self, record: &Record, k: usize) -> (Vec<f64>, Matrix) {
+    fn step(&mut self, record: &Record, k: usize) -> Belief {
         let old = self.filters.each_ref().map(|filter| (filter.mean.clone(), filter.cov.clone()));
         let before = [0, 1].map(|j| (0..2).map(|i| self.transition[i][j] * self.probability[i]).sum::<f64>());
         let mut likelihoods = [1.0; 2];
@@ -66,11 +66,10 @@ impl<'a> Book<'a> {
     }
 }
 
-fn mixture(weights: [f64; 2], [(a, p), (b, q)]: &[(Vec<f64>, Matrix); 2]) -> (Vec<f64>, Matrix) {
-    let mean = along(&a.iter().map(|x| x * weights[0]).collect::<Vec<_>>(), b, weights[1]);
-    let [of_a, of_b] = [along(a, &mean, -1.0), along(b, &mean, -1.0)];
-    let spread = |cov: &Matrix, of: &[f64]| cov.plus(&Matrix::outer(of, of));
-    (mean, spread(p, &of_a).scaled(weights[0]).plus(&spread(q, &of_b).scaled(weights[1])))
+fn mixture(weights: [f64; 2], [(a, p), (b, q)]: &[Belief; 2]) -> Belief {
+    let mean = a * weights[0] + b * weights[1];
+    let spread = |cov: &DMatrix<f64>, of: &DVector<f64>| cov + (of - &mean) * (of - &mean).transpose();
+    (mean.clone(), spread(p, a) * weights[0] + spread(q, b) * weights[1])
 }
 
 #[test]
@@ -85,11 +84,11 @@ fn it_is_that_of_the_book() {
         for k in 1..record.len() {
             let (mean, cov) = book.step(&record, k);
             most = most.max(book.probability[1]);
-            let std: Vec<f64> = (0..4).map(|i| cov.at(i, i).sqrt()).collect();
+            let std: Vec<f64> = (0..4).map(|i| cov[(i, i)].sqrt()).collect();
             for i in 0..4 {
                 assert!((mean[i] - estimates.mean(k)[i]).abs() < 1e-6 * std[i], "{kind:?}, mean of {i} at {k}");
                 for j in 0..4 {
-                    let error = (cov.at(i, j) - estimates.cov(k)[4 * i + j]).abs();
+                    let error = (cov[(i, j)] - estimates.cov(k)[4 * i + j]).abs();
                     assert!(error < 1e-6 * std[i] * std[j], "{kind:?}, covariance of {i} and {j} at {k}");
                 }
             }
@@ -212,15 +211,6 @@ fn the_likeliest_is_one_of_the_guesses_bit_by_bit_and_keeps_its_errors_bounds() 
     let (alone, _) = last(&alone.estimates()[0], NATURAL_FREQUENCY);
     assert!((mean - 6.0).abs() < 4.0 * std, "{mean} ± {std}");
     assert!((mean - alone).abs() < 0.1 * std, "{mean}, alone {alone}");
-}
-
-#[test]
-fn a_run_that_is_continued_has_the_bits_of_one_in_one_go() {
-    let scenario = from_means(721, FilterKind::UKF, (Quantity::DISPLACEMENT, 0.01), &[20.0], 0.1, 4);
-    let whole = finished(&scenario);
-    let mut parts = Run::new(&scenario).unwrap();
-    while parts.advance_to(parts.done() + 77) > 0 {}
-    assert_eq!(parts.checksum(), whole.checksum());
 }
 
 fn log_density(run: &Run, of: [f64; 2], sensor_std: [f64; 2]) -> f64 {

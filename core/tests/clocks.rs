@@ -10,7 +10,7 @@ use kalmanscope_core::{
 
 use crate::events::{Told, on_fine_grid, own_clocks};
 use crate::numbers::apart;
-use crate::run::{finished_on, forced, one_filter};
+use crate::run::{finished_on, forced, one_filter, with_times};
 
 const DT: f64 = 0.01;
 
@@ -200,14 +200,10 @@ fn times_of_the_samples_change_nothing() {
             let mut scenario = Scenario { hold, ..scenario(FilterKind::EKF, 9) };
             change(&mut scenario.filters[0]);
             let even = simulate(&scenario).without_truth().with_gaps(|sensor, k| k % 9 == sensor);
-            let of = |values: &[f64]| {
-                let there = values.iter().enumerate().filter(|(_, value)| !value.is_nan());
-                let (times, values) = there.map(|(k, value)| (k as f64, *value)).unzip();
-                Timed { times, values }
-            };
-            let readings = [0, 1].map(|sensor| of(even.measured(sensor))).to_vec();
-            for input in [None, Some(of(even.input()))] {
-                let clocks = Clocks { input, readings: readings.clone() };
+            let timed = with_times(&even, |_, k| k);
+            let times = (0..even.len()).map(|k| k as f64).collect();
+            for input in [None, Some(Timed { times, values: even.input().to_vec() })] {
+                let clocks = Clocks { input, ..timed.clocks().expect("it has times").clone() };
                 let own = run(&scenario, even.clone().with_clocks(clocks).expect("the times are usable"));
                 let expected = run(&scenario, even.clone());
                 let [own, expected] = [&own, &expected].map(|run| &run.estimates()[0]);

@@ -64,7 +64,7 @@ fn assert_identified(decay: &Decay, phone: &Phone, shares: [f64; 2], what: &str)
 }
 
 #[test]
-fn a_decay_ends_at_rest_or_before_a_second_pluck() {
+fn a_decay_ends_at_rest() {
     let long = Phone { damping: 0.05, seconds: 60.0, ..USUAL };
     let decay = Decay::of(&long.readings()).expect("it swings");
     assert!((2.0..4.0).contains(&decay.begin), "{}", decay.begin);
@@ -73,11 +73,6 @@ fn a_decay_ends_at_rest_or_before_a_second_pluck() {
     assert!((0.01..0.03).contains(&decay.noise), "{}", decay.noise);
     let along: f64 = decay.axis.iter().zip([1.2, 9.6, -0.7]).map(|(axis, gravity)| axis * gravity).sum();
     assert!((decay.gravity - along).abs() < 0.01, "{} for {along}", decay.gravity);
-    let twice = Phone { again: Some(15.0), damping: 0.03, ..USUAL };
-    let decay = Decay::of(&twice.readings()).expect("it swings");
-    let end = decay.begin + decay.times[decay.times.len() - 1];
-    assert!(!decay.rests, "it still swings: {end} s");
-    assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
 }
 
 #[test]
@@ -101,7 +96,7 @@ fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
     for seed in 1..=5 {
         let twice = Phone { again: Some(15.0), damping: 0.03, seed, ..USUAL };
         let decays = Decay::all(&twice.readings()).expect("it swings");
-        assert_eq!(decays.len(), 2, "seed {seed}: {decays:?}");
+        assert!(decays.len() == 2 && !decays[0].rests, "seed {seed}: {decays:?}");
         assert!(decays[0].begin + decays[0].seconds() <= 15.0 && decays[1].begin > 15.0, "seed {seed}");
         for decay in &decays {
             assert_identified(decay, &twice, [0.005, 0.15], &format!("seed {seed}"));

@@ -1,16 +1,17 @@
-//! Inputs and sensors that are recorded late or early: filters that know, in every way in which a filter can run, filters that do not,
-//! and the cause that is named.
+//! Inputs and sensors that are recorded late or early: filters that know, filters that do not, and the cause that is named.
 
 use std::sync::Arc;
 
-use kalmanscope_core::record::{Clocks, LiveRecord, Record, Timed};
+use kalmanscope_core::record::{LiveRecord, Record};
+use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::{
     Estimates, FilterKind, LastSample, OnlineFilter, Quantity, Run, Scenario, Sensor, Source, Trouble, simulate,
 };
 
 use crate::numbers::{apart, bits, distance, mean};
-use crate::run::{after_events, finished_on, one_filter, oscillator, readings, remedies};
-use crate::situations::with_input;
+use crate::run::{
+    after_events, finished_on, one_filter, oscillator, readings, remedies, with_fault, with_input, with_times,
+};
 
 const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
 
@@ -91,16 +92,6 @@ fn run(scenario: &Scenario, record: &Record) -> Run {
     run
 }
 
-fn moved(record: &Record, delays: [f64; 2]) -> Record {
-    let timed = |sensor: usize| {
-        let late = delays[sensor] / record.dt();
-        let times = (0..record.len()).map(|k| k as f64 - late);
-        Timed { times: times.collect(), values: record.measured(sensor).to_vec() }
-    };
-    let clocks = Clocks { input: None, readings: vec![timed(0), timed(1)] };
-    record.clone().with_clocks(clocks).expect("the times rise")
-}
-
 fn far(one: &Estimates, other: &Estimates) -> f64 {
     assert_eq!(one.len(), other.len());
     (0..one.len()).map(|k| apart((one, k), (other, k))).fold(0.0, f64::max)
@@ -114,7 +105,8 @@ fn a_delay_is_a_reading_at_another_time() {
             let record = simulate(&late);
             let mut own = late.clone();
             own.filters[0].sensor_delay.clear();
-            let (known, told) = (run(&late, &record), run(&own, &moved(&record, delays)));
+            let (known, told) =
+                (run(&late, &record), run(&own, &with_times(&record, |sensor, k| k - delays[sensor] / record.dt())));
             let [known, told] = [&known, &told].map(|run| &run.estimates()[0]);
             assert!(far(known, told) < 1e-9, "{kind:?} {delays:?}: {}", far(known, told));
             let [own, other] = [known, told].map(|estimates| estimates.nis()[300]);
@@ -219,11 +211,7 @@ fn a_filter_that_knows_of_a_late_sensor_is_consistent() {
         for (place, delay) in [0.05, 0.0].into_iter().enumerate() {
             let mut late = late(FilterKind::EKF, [0.0, delay]);
             (late.seed, late.duration) = (seed, 20.0);
-            let text = late.to_toml().expect("it can be written");
-            let sensor = "measures = \"velocity\"\n";
-            assert!(text.contains(sensor), "{text}");
-            let text = text.replace(sensor, "measures = \"velocity\"\nfaults = { late = { delay = 0.05 } }\n");
-            let late = Scenario::from_toml(&text).expect("it is a scenario");
+            with_fault(&mut late.sensors[1], Fault::LATE, &[0.05]);
             let run = run(&late, &simulate(&late).without_truth());
             nis[place] += mean(&run.estimates()[0].nis()[200..1900]) / 20.0;
         }

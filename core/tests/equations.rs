@@ -3,7 +3,7 @@
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::{Channel, PlantKind, Scenario, document};
 
-use crate::numbers::{ADAPTIVE, Random};
+use crate::numbers::Random;
 use crate::run::finished;
 
 fn plant(text: &str) -> PlantKind {
@@ -73,40 +73,6 @@ fn rates_and_derivatives_of_built_in_plants_are_the_same_when_typed() {
     }
 }
 
-fn duffing(plant: &str, cubic: &str) -> Scenario {
-    Scenario::from_toml(&format!(
-        "dt = 0.01\nduration = 12.0\nseed = 4\nforce = {{ white_noise = {{ std = 10.0 }} }}\n[plant]\n{plant}\nnatural_frequency = 6.0\n\
-         damping_ratio = 0.05\n{cubic} = 200.0\n[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n[[sensors]]\nmeasures = \
-         \"acceleration\"\nnoise_std = 0.1\n[[filters]]\nkind = \"ekf\"\n[filters.initial_mean]\n{cubic} = 100.0\n[filters.initial_std]\n\
-         {cubic} = 200.0\n[filters.process_std]\n{cubic} = 0.01\n"
-    ))
-    .unwrap()
-}
-
-#[test]
-fn filters_of_a_typed_plant_are_those_of_the_built_in_one() {
-    let built_in = duffing("kind = \"duffing\"", "cubic_stiffness");
-    let typed = duffing("equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"", "mu");
-    assert_eq!(typed.filters[0].initial_mean[typed.channel("mu").unwrap()], 100.0);
-    for kind in ADAPTIVE {
-        let of = |scenario: &Scenario| {
-            let mut scenario = scenario.clone();
-            scenario.filters[0].kind = kind;
-            let run = finished(&scenario);
-            let estimates = run.estimates()[0].clone();
-            assert!(estimates.stop().is_none());
-            estimates
-        };
-        let (expected, found) = (of(&built_in), of(&typed));
-        for k in 0..expected.len() {
-            for i in 0..5 {
-                let (a, b, std) = (expected.mean(k)[i], found.mean(k)[i], expected.std(k, i));
-                assert!((a - b).abs() < 1e-9 * (a.abs() + std), "{kind:?} sample {k}, component {i}: {a} {b}");
-            }
-        }
-    }
-}
-
 #[test]
 fn a_scenario_with_an_equation_can_be_written_and_read() {
     let text = "filters = [{ kind = \"ekf\", initial_mean = { c = 0.3 }, plant = { equation = \"x'' + c x' + k x = f\" } }]\n\
@@ -163,39 +129,6 @@ fn numbers_of_an_earlier_equation_are_not_written() {
     assert!(scenario.channel("k").is_none() && !text.contains("\nk =") && !json.contains("\"k\""), "{text}\n{json}");
     let again = [Scenario::from_toml(&text).unwrap(), document::read_json(&json).unwrap()];
     assert!(again.iter().all(|again| again.plant.kind == PlantKind::SDOF));
-}
-
-#[test]
-fn a_fault_is_said_with_its_character_and_what_is_allowed() {
-    for (text, said) in [
-        (
-            "x' + x = f",
-            "`x'` is a velocity, and no equation has the acceleration `x''`, at character 1 (▶): ▶x' + x = f",
-        ),
-        ("x'' + y'' = f", "masses are x, or x1 to x10: `y''` is not one, at character 7 (▶): x'' + ▶y'' = f"),
-        ("x2'' + x2 = f", "`x2` lacks the masses before it, at character 1 (▶): ▶x2'' + x2 = f"),
-        ("x'' + z = f; z' = x'; x'' = 0", "there are 3 equations for 2 components that move, at character 1 (▶)"),
-        ("x1'' + x2'' = f; x2'' = x1", "this equation has the highest derivatives of two components"),
-        ("x''^2 = f", "the highest derivative is in a product or a function of itself"),
-        (
-            "m x'' + k x = f",
-            "f is the force over mass, and its factor is a number: write `m f` beside `m x''`, or divide by m",
-        ),
-        ("x'' + k x = f; z' = 1; z' = 2", "there are 3 equations for 2 components that move"),
-        ("x'' + x''' = f", "`x` has at most two primes"),
-        ("x'' + initial x = f", "`initial` cannot be a name"),
-        ("x'' + input_gain x = f", "`input_gain` cannot be a name: an augmentation has that name"),
-        ("x'' + velocity x = f", "`velocity` already means the velocity"),
-        ("x'' + a x = sin(f'; 2)", "f is the force over mass"),
-    ] {
-        let error = refused(text);
-        assert!(error.starts_with(said) || text.contains("f'") && error.contains("expected"), "{text}: {error}");
-    }
-    let of_scenario = Scenario::from_toml("[plant]\nequation = \"x'' + c x' + = f\"").unwrap_err().to_string();
-    assert!(of_scenario.contains("is expected here, at character 14 (▶): x'' + c x' + ▶= f"), "{of_scenario}");
-    let unknown =
-        Scenario::from_toml("[plant]\nequation = \"x'' + c x' = f\"\nparameters = { d = {} }").unwrap_err().to_string();
-    assert!(unknown.contains("the equation has no parameter `d`"), "{unknown}");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Filters of sensors with clocks of their own.
 
 use kalmanscope_core::{
-    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, PlantKind, Quantity, Record, Robust, Run,
-    Sample, Scenario, Sensor, Values, simulate, smoothed,
+    Channel, EventError, EventFilter, EventSetupError, FilterKind, Force, Hold, PlantKind, Quantity, Record, Robust,
+    Run, Sample, Scenario, Sensor, Values, simulate, smoothed,
 };
 
 use crate::numbers::{DETERMINISTIC, Random, distance};
@@ -155,61 +155,40 @@ fn hindsight_is_the_smoother_with_a_look_ahead() {
 }
 
 #[test]
-fn hindsight_does_not_depend_on_the_order() {
-    let base = Scenario::from_toml(CHIRP).expect("it can be read");
-    let mut scenario = Scenario { force: base.force, duration: 6.0, ..scenario(FilterKind::EKF, Hold::Zero) };
-    (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.4);
-    let told = own_clocks(&scenario, 5);
-    let mut ordered = told.clone();
-    ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
-    let [late, in_order] = [told, ordered].map(|told| {
-        let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
-        let mut waited = 0;
-        for one in told {
-            events.take(one.time, one.input, &one.readings).expect("it is taken in");
-            waited += usize::from(events.hindsight().is_none());
-        }
-        assert!((30..70).contains(&waited), "it waits for the look-ahead: {waited}");
-        let (newest, known) = (events.time().expect("it has begun"), events.sample().cov[10]);
-        let (time, sample) = events.hindsight().expect("it is known");
-        assert!((0.4..0.42).contains(&(newest - time)), "{time} of {newest}");
-        assert!(sample.cov[10] <= known * (1.0 + 1e-9), "a constant is known then as well as now");
-        (time, sample.mean.to_vec(), sample.cov.to_vec())
-    });
-    assert_eq!(late.0, in_order.0);
-    for i in 0..4 {
-        let far = (late.1[i] - in_order.1[i]).abs() / in_order.2[5 * i].sqrt();
-        assert!(far < 1e-6, "{far}");
-    }
-}
-
-const CHIRP: &str = "dt = 0.01\n[force]\nchirp = { amplitude = 5.0, from = 3.0, to = 9.0, sweep = 10.0 }";
-
-#[test]
-fn late_readings_end_where_the_same_readings_in_order_do() {
+fn late_readings_end_where_the_same_readings_in_order_do_and_so_does_hindsight() {
     let plain = [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF].map(|kind| (kind, Robust::NONE));
     for (kind, robust) in plain.into_iter().chain([(FilterKind::EKF, Robust::STUDENT_T)]) {
         for hold in [Hold::Zero, Hold::First] {
             let mut scenario = scenario(kind, hold);
-            scenario.filters[0].robust = robust;
-            scenario.force = Scenario::from_toml(CHIRP).expect("the scenario is valid").force;
+            scenario.force = Force::Chirp { amplitude: 5.0, from: 3.0, to: 9.0, sweep: 10.0 };
+            let filter = &mut scenario.filters[0];
+            (filter.robust, filter.smoother, filter.look_ahead) = (robust, true, 0.4);
             let told = own_clocks(&scenario, 5);
             let mut ordered = told.clone();
             ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
             let end = |told: &[Told]| {
-                let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
-                let mut mean = Vec::new();
+                let (mut events, mut waited) = (EventFilter::new(&scenario, 0).expect("it follows events"), 0);
                 for one in told {
-                    mean = events.take(one.time, one.input, &one.readings).expect("it is taken in").mean.to_vec();
+                    events.take(one.time, one.input, &one.readings).expect("it is taken in");
+                    waited += usize::from(events.hindsight().is_none());
                 }
-                mean
+                assert!((30..70).contains(&waited), "it waits for the look-ahead: {waited}");
+                let (newest, last) = (events.time().expect("it has begun"), events.sample().mean.to_vec());
+                let known = events.sample().cov[10];
+                let (time, sample) = events.hindsight().expect("it is known");
+                assert!((0.4..0.42).contains(&(newest - time)), "{time} of {newest}");
+                assert!(sample.cov[10] <= known * (1.0 + 1e-9), "a constant is known then as well as now");
+                (last, time, sample.mean.to_vec(), sample.cov.to_vec())
             };
             let [late, ordered] = [end(&told), end(&ordered)];
-            let largest =
-                late.iter().zip(&ordered).map(|(a, b)| ((a - b) / b.abs().max(1e-3)).abs()).fold(0.0, f64::max);
-            assert!(largest < 1e-9, "{kind:?} {hold:?}: {late:?} {ordered:?}");
+            for (i, (a, b)) in late.0.iter().zip(&ordered.0).enumerate() {
+                assert!(((a - b) / b.abs().max(1e-3)).abs() < 1e-9, "{kind:?} {hold:?} {i}: {late:?} {ordered:?}");
+                let far = (late.2[i] - ordered.2[i]).abs() / ordered.3[5 * i].sqrt();
+                assert!(far < 1e-6, "hindsight of {kind:?} {hold:?}, {i}: {far}");
+            }
+            assert_eq!(late.1, ordered.1, "{kind:?} {hold:?}");
             // An input that moves is linear between its values, and not held.
-            let is_right = (late[2] / 6.0 - 1.0).abs() < 0.02 && (late[3] / 0.05 - 1.0).abs() < 0.2;
+            let is_right = (late.0[2] / 6.0 - 1.0).abs() < 0.02 && (late.0[3] / 0.05 - 1.0).abs() < 0.2;
             assert!(hold == Hold::Zero || is_right, "{kind:?}: {late:?}");
         }
     }

@@ -17,6 +17,13 @@ fn readings(scenario: &Scenario) -> Vec<f64> {
     simulate(scenario).measured(0).to_vec()
 }
 
+fn swinging(fault: &str, duration: f64, noise_std: f64) -> Vec<f64> {
+    let mut scenario = Scenario { duration, ..at_rest(fault) };
+    (scenario.plant.initial.displacement, scenario.sensors[0].noise_std) = (1.0, noise_std);
+    scenario.plant.set(Channel::DAMPING_RATIO, 0.001);
+    readings(&scenario)
+}
+
 fn both(fault: &str) -> [Vec<f64>; 2] {
     [readings(&at_rest(fault)), readings(&at_rest(""))]
 }
@@ -73,13 +80,7 @@ fn noise_changes_at_its_time() {
 /// An error of the time is an error of the reading that is the speed times it; uniform, it is of 0.5/√3 steps.
 #[test]
 fn jitter_is_an_error_of_the_time() {
-    let moving = |fault: &str| {
-        let mut scenario = at_rest(fault);
-        (scenario.duration, scenario.plant.initial.displacement, scenario.sensors[0].noise_std) = (100.0, 1.0, 0.0);
-        scenario.plant.set(Channel::DAMPING_RATIO, 0.001);
-        readings(&scenario)
-    };
-    let (clean, jittered) = (moving(""), moving("jitter = { spread = 0.5 }"));
+    let [clean, jittered] = ["", "jitter = { spread = 0.5 }"].map(|fault| swinging(fault, 100.0, 0.0));
     let shift = |k: usize| {
         let slope = 0.5 * (clean[k + 1] - clean[k - 1]);
         (slope.abs() > 0.03).then(|| (jittered[k] - clean[k]) / slope)
@@ -93,11 +94,7 @@ fn jitter_is_an_error_of_the_time() {
 
 #[test]
 fn biases_scales_limits_and_steps_are_exact() {
-    let moving = |fault: &str| {
-        let mut scenario = at_rest(fault);
-        (scenario.duration, scenario.plant.initial.displacement) = (10.0, 1.0);
-        readings(&scenario)
-    };
+    let moving = |fault: &str| swinging(fault, 10.0, 0.02);
     let clean = moving("");
     let pairs = |fault: &str| moving(fault).into_iter().zip(clean.clone()).collect::<Vec<_>>();
     assert!(pairs("bias = { offset = 0.3 }").iter().all(|(a, b)| (a - b - 0.3).abs() < 1e-12));

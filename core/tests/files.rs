@@ -1,5 +1,4 @@
-//! Files: whose times are kept, with the course of an input between samples, two with clocks of their own that are one record, and what
-//! LibreOffice writes.
+//! Files: their times, the course of an input between samples, two that are one record, and those of LibreOffice.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -13,14 +12,26 @@ use crate::clocks::{record, run, scenario, told};
 use crate::numbers::{Random, rms};
 use crate::run::{identified, imported, last, oscillator};
 
-/// A slow chirp and a displacement at these milliseconds: a line between two values is nearly the force.
+/// The displacement of an oscillator under a slow chirp that is linear between samples: a file cannot show a change within its step.
+fn chirped(seed: u64, dt: f64, to: f64, sweep: f64, noise_std: f64) -> Record {
+    let force = Force::Chirp { amplitude: 3.0, from: 1.0, to, sweep };
+    let (plant, sensors) = (oscillator(6.0, 0.05), vec![Sensor::new(Quantity::DISPLACEMENT, noise_std)]);
+    simulate(&Scenario {
+        dt,
+        duration: 60.0,
+        hold: Hold::First,
+        force,
+        seed,
+        plant,
+        sensors,
+        filters: vec![],
+        ..Scenario::default()
+    })
+}
+
+/// Its values at these milliseconds.
 fn text(seed: u64, wanted: &[usize]) -> String {
-    let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 4.0, sweep: 30.0 };
-    let plant = oscillator(6.0, 0.05);
-    let mut scenario =
-        Scenario { dt: 1e-3, duration: 60.0, hold: Hold::First, force, seed, plant, ..Scenario::default() };
-    scenario.sensors.truncate(1);
-    let record = simulate(&scenario);
+    let record = chirped(seed, 1e-3, 4.0, 30.0, 0.01);
     let row = |k: &usize| format!("{:.3},{},{}\n", *k as f64 * 1e-3, record.input()[*k], record.measured(0)[*k]);
     "t [s],force,displacement\n".to_owned() + &wanted.iter().map(row).collect::<String>()
 }
@@ -120,15 +131,6 @@ fn a_file_of_a_record_keeps_its_times() {
     assert!(refused.contains("samples"), "{refused}");
 }
 
-fn truth(seed: u64) -> Record {
-    let mut scenario = Scenario { seed, dt: 0.002, duration: 60.0, hold: Hold::First, ..Scenario::default() };
-    // Linear between samples, and slow: a file cannot show a change within its step.
-    scenario.force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
-    scenario.plant = oscillator(6.0, 0.05);
-    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.002)];
-    simulate(&scenario)
-}
-
 fn file(
     record: &Record,
     values: &[f64],
@@ -150,7 +152,7 @@ fn file(
 #[test]
 fn both_files_are_one_record_that_identifies_the_oscillator() {
     for (every, jitter) in [([2, 7], 0.0), ([5, 3], 0.4), ([4, 25], 0.6)] {
-        let record = truth(21);
+        let record = chirped(21, 0.002, 25.0, 60.0, 0.002);
         let input = file(&record, record.input(), "force", (every[0], 0.0, 60.0, 0.0, 0.0));
         let sensor = file(&record, record.measured(0), "x [m]", (every[1], 4.0, 50.0, jitter, 100.0));
         let both = join(&input, &sensor, -100.0).expect("they overlap");
@@ -168,7 +170,7 @@ fn both_files_are_one_record_that_identifies_the_oscillator() {
 
 #[test]
 fn files_without_common_time_say_so() {
-    let record = truth(2);
+    let record = chirped(2, 0.002, 25.0, 60.0, 0.002);
     let input = file(&record, record.input(), "force", (2, 0.0, 10.0, 0.0, 0.0));
     let sensor = file(&record, record.measured(0), "x [m]", (2, 20.0, 30.0, 0.0, 0.0));
     let apart = join(&input, &sensor, 0.0).expect_err("they do not overlap").to_string();
@@ -211,13 +213,9 @@ const NOISE: f64 = 0.01;
 
 fn simulated(hold: Hold, per_swing: f64, samples: usize, seed: u64) -> String {
     let dt = TAU / FREQUENCY / per_swing;
-    let duration = dt * (samples - 1) as f64;
-    let text = format!(
-        "seed = {seed}\ndt = {dt}\nduration = {duration}\n[plant]\nkind = \"sdof\"\nnatural_frequency = {FREQUENCY}\n\
-         damping_ratio = {DAMPING}\n[force]\nwhite_noise = {{ std = 1.0 }}\n[[sensors]]\nmeasures = \"displacement\"\n\
-         noise_std = 0.001\n[[filters]]\nkind = \"ekf\"\n"
-    );
-    let record = simulate(&Scenario { hold, ..Scenario::from_toml(&text).unwrap() });
+    let (duration, plant) = (dt * (samples - 1) as f64, oscillator(FREQUENCY, DAMPING));
+    let force = Force::WhiteNoise { std: 1.0 };
+    let record = simulate(&Scenario { seed, dt, duration, hold, plant, force, filters: vec![], ..Scenario::default() });
     let displacement = record.truth(Channel::DISPLACEMENT).unwrap();
     table(dt, record.input(), displacement, seed)
 }

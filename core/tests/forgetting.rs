@@ -7,22 +7,17 @@ use kalmanscope_core::{
 use kalmanscope_diagnosis::{Diagnosis, Summary};
 
 use crate::numbers::bits;
-use crate::run::{bound, finished, finished_on, oscillator};
+use crate::run::{bound, finished, finished_on, of_all_kinds, oscillator};
 
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
     scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let template = scenario.filters[0].clone();
-    let of = |kind: FilterKind| FilterSettings {
-        name: kind.name().to_owned(),
-        kind,
-        ensemble_size: 40,
-        log_parameters: kind == FilterKind::IEKF,
-        ..template.clone()
-    };
     let learning = Adaptation { sensor_noise: true, process_noise: true, ..Adaptation::default() };
-    scenario.filters = FilterKind::ALL.map(of).to_vec();
+    scenario.filters = of_all_kinds(&template);
+    let is_iterated = |filter: &&mut FilterSettings| filter.kind == FilterKind::IEKF;
+    scenario.filters.iter_mut().filter(is_iterated).for_each(|filter| filter.log_parameters = true);
     scenario.filters.extend([
         FilterSettings { name: "learning".to_owned(), adaptation: learning, ..template.clone() },
         FilterSettings { name: "stopping".to_owned(), fading: 1e30, ..template.clone() },
@@ -147,6 +142,17 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
         assert_eq!((diagnostics.len(), diagnostics.stop()), (estimates.len(), None));
         assert_eq!(bits(diagnostics.nees()), bits(&whole.nees()[gone..]));
         assert_eq!(diagnostics.log_likelihood().to_bits(), anew.log_likelihood().to_bits());
+        let n = diagnostics.len();
+        for range in [0..n, 0..n / 3, n / 2..n, n - 7..n] {
+            let moved = range.start + gone..range.end + gone;
+            let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{range:?}: {a} and {b}");
+            close(anew.nis_within(range.clone()).sum, whole.nis_within(moved.clone()).sum);
+            close(anew.nees_within(range.clone()).sum, whole.nees_within(moved.clone()).sum);
+            for channel in anew.known() {
+                let squares = |d: &Diagnostics, range| d.tally(channel, range).unwrap().squares;
+                close(squares(&anew, range.clone()), squares(&whole, moved.clone()));
+            }
+        }
         let verdict = |d| Diagnosis::new(d, estimates, kept.record(), None).map(|diagnosis| diagnosis.verdict);
         assert_eq!(verdict(diagnostics), verdict(&anew));
         for channel in diagnostics.known() {
@@ -169,6 +175,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
     }
     let frequency = following[0].settled(Channel::NATURAL_FREQUENCY).unwrap();
     assert!(frequency < gone, "the time of settling is not forgotten, but it is {frequency}");
+    assert!(CramerRao::new(&scenario, 3, scenario.dt).is_none(), "there is no such filter");
     let late = bound(&scenario, 0, kept.record());
     assert!(late.is_empty(), "no bound without the beginning");
 }

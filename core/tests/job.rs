@@ -1,15 +1,15 @@
-//! Jobs give the same bits as a run in one go, for any slices, also where a single sample of a large filter is divided: a screen must be
-//! able to continue within a fraction of a second.
+//! Jobs give the same bits as a run in one go, for any slices, also where a single sample of a large filter is divided.
 
 use std::sync::Arc;
 
+use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, InputKind, Pass, Quantity, Record, Run, RunError, Scenario, ScenarioError,
-    Sensor, Source, Tape, Update, simulate,
+    Sensor, Signal, Source, Tape, Update, simulate,
 };
 use kalmanscope_diagnosis::{Job, Study, Wanted};
 
-use crate::run::{finished, finished_on};
+use crate::run::{assert_same_estimates, finished, finished_on, of_all_kinds};
 
 const WINDOW: usize = 100_000;
 
@@ -328,17 +328,13 @@ fn a_truth_that_is_hard_to_follow_is_divided() {
 }
 
 /// For filters that are computed elsewhere, as by workers of a page.
-fn of_all_kinds() -> Scenario {
+fn elsewhere() -> Scenario {
     let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
     let first = scenario.filters[0].clone();
-    let of = |kind: FilterKind| FilterSettings {
-        kind,
-        ensemble_size: 50,
-        id: 0,
-        name: kind.name().to_owned(),
-        ..first.clone()
-    };
-    scenario.filters = FilterKind::ALL.map(of).to_vec();
+    // The plant changes, so that filters jump.
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 3.0, at: 3.0 }));
+    scenario.filters = of_all_kinds(&first);
+    scenario.filters.iter_mut().for_each(|filter| filter.jump = filter.kind != FilterKind::KF);
     let mut learns = FilterSettings { id: 0, kind: FilterKind::EKF, ..first.clone() };
     learns.adaptation.sensor_noise = true;
     let stops = FilterSettings { id: 0, kind: FilterKind::EKF, fading: 1e100, ..first };
@@ -353,7 +349,7 @@ fn short_study() -> Study {
 
 #[test]
 fn filters_that_are_computed_elsewhere_have_the_same_bits() {
-    let (scenario, mut near, mut far) = (of_all_kinds(), short_study(), short_study());
+    let (scenario, mut near, mut far) = (elsewhere(), short_study(), short_study());
     let mut job = Job::new(&mut near, &scenario, None, 601).unwrap();
     while !job.advance(&near, &mut || true).is_done() {}
     job.finish(&mut near);
@@ -374,15 +370,19 @@ fn filters_that_are_computed_elsewhere_have_the_same_bits() {
     assert!(job.advance(&far, &mut || true).is_done());
     assert_eq!(job.finish(&mut far), Update::Everything);
     for (near, far) in near.run().estimates().iter().zip(far.run().estimates()) {
-        assert_eq!(format!("{near:?}"), format!("{far:?}"));
+        assert_same_estimates(near, far, near.name());
+        assert!(near.jumps().eq(far.jumps()), "{}", near.name());
     }
     assert!(near.run().estimates().iter().any(|estimates| estimates.stop().is_some()));
+    assert!(near.run().estimates().iter().filter(|estimates| estimates.jumps().next().is_some()).count() > 3);
     assert!(near.run().estimates().iter().any(|estimates| !estimates.remarks().is_empty()));
 }
 
 #[test]
 fn filters_that_are_taken_back_begin_again() {
-    let (scenario, mut study) = (of_all_kinds(), short_study());
+    let (scenario, mut study) = (elsewhere(), short_study());
+    let part = Job::new(&mut study, &scenario, None, 300).unwrap().leave_long(0.0);
+    assert!(part.is_empty(), "a part of a record is computed here");
     let mut job = Job::new(&mut study, &scenario, None, 601).unwrap();
     let places = job.leave_long(0.0);
     job.advance(&study, &mut || true);
@@ -394,10 +394,4 @@ fn filters_that_are_taken_back_begin_again() {
     assert!(job.advance(&study, &mut || true).is_done());
     job.finish(&mut study);
     assert_eq!(study.run().checksum(), finished(&scenario).checksum());
-}
-
-#[test]
-fn a_part_of_a_record_is_computed_here() {
-    let (scenario, mut study) = (of_all_kinds(), short_study());
-    assert!(Job::new(&mut study, &scenario, None, 300).unwrap().leave_long(0.0).is_empty());
 }

@@ -2,10 +2,10 @@
 
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Pass, Quantity, Run, Scenario, Sensor, Signal, Tape, Trouble,
+    Channel, Estimates, FilterKind, FilterSettings, Quantity, Run, Scenario, Sensor, Signal, Trouble,
 };
 
-use crate::numbers::{ADAPTIVE, rms};
+use crate::numbers::rms;
 use crate::run::{finished, last, oscillator, truth, values};
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
@@ -146,24 +146,6 @@ fn every_kind_jumps_and_says_when() {
         assert_eq!((remark.sample, remark.last), (first, first));
         let place = estimates.place(NATURAL_FREQUENCY).unwrap();
         assert!(estimates.std(first, place) > 2.0 * estimates.std(first - 1, place), "{kind:?}");
-    }
-}
-
-#[test]
-fn a_filter_that_is_computed_elsewhere_tells_its_jumps() {
-    for kind in ADAPTIVE {
-        for log_parameters in [false, true] {
-            let mut scenario = stepping(602, 4.5, &BOTH);
-            scenario.filters = vec![FilterSettings { jump: true, log_parameters, ..filter(kind, &BOTH) }];
-            let run = finished(&scenario);
-            let jumps = jump_times(&run.estimates()[0]);
-            assert_eq!(jumps.len(), 1, "{kind:?}");
-            let mut tape = Tape::default();
-            Pass::new(&scenario, 0, run.record()).unwrap().follow(run.record(), 4001, &mut tape);
-            let widened = tape.numbers()[3..].chunks_exact((tape.numbers().len() - 3) / 4001).map(|s| s[s.len() - 1]);
-            let at: Vec<usize> = widened.enumerate().filter(|(_, flag)| *flag == 1.0).map(|(k, _)| k).collect();
-            assert_eq!(at, jumps);
-        }
     }
 }
 

@@ -175,16 +175,15 @@ fn numbers_that_are_not_finite_and_matrices_that_are_no_covariances_are_refused(
             assert_eq!(message, format!("{name}[2, 1] is {value}, but must be a finite number"));
         }
     }
-    let mean = refused(|_, start| start.mean[1] = f64::NAN);
-    assert_eq!(mean, "the initial mean[1] is NaN, but must be a finite number");
-    let asymmetric = refused(|matrices, _| {
-        matrices[3] = Matrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
-    });
-    assert_eq!(asymmetric, "Q must be symmetric, but Q[1, 0] is 0.5 and Q[0, 1] is 0");
-    let negative = refused(|matrices, _| {
-        matrices[4] = Matrix::from_diagonal(&Vector::from_column_slice(&[1.0, -1.0, 1.0]));
-    });
-    assert_eq!(negative, "R must be a covariance, but has a negative variance in some direction");
+    let asymmetric = Matrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let negative = Matrix::from_diagonal(&Vector::from_column_slice(&[1.0, -1.0, 1.0]));
+    for (message, said) in [
+        (refused(|_, start| start.mean[1] = f64::NAN), "the initial mean[1] is NaN, but must be a finite number"),
+        (refused(|all, _| all[3] = asymmetric), "Q must be symmetric, but Q[1, 0] is 0.5 and Q[0, 1] is 0"),
+        (refused(|all, _| all[4] = negative), "R must be a covariance, but has a negative variance in some direction"),
+    ] {
+        assert_eq!(message, said);
+    }
 }
 
 #[test]

@@ -1,10 +1,9 @@
 //! How large R and Q are: a filter that learns noise, and filters with several scales of Q.
 
-use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Trouble};
 
 use crate::numbers::{apart, mean};
-use crate::run::{finished, finished_on, one_filter, oscillator, values};
+use crate::run::{finished, finished_on, one_filter, oscillator, values, with_times};
 
 fn coverage(
     kind: FilterKind,
@@ -188,15 +187,7 @@ fn readings_keep_their_times() {
     let scenario = scenario(7, 0.5);
     let run = finished(&scenario);
     let record = run.record().clone().without_truth();
-    let readings = |at: &dyn Fn(f64) -> f64| {
-        let of = |sensor: usize| {
-            let values = record.measured(sensor)[1..].to_vec();
-            Timed { times: (1..record.len()).map(|k| at(k as f64)).collect(), values }
-        };
-        Clocks { input: None, readings: (0..record.sensors().len()).map(of).collect() }
-    };
-    let timed = record.clone().with_clocks(readings(&|k| k)).expect("times rise");
-    let again = finished_on(&scenario, timed);
+    let again = finished_on(&scenario, with_times(&record, |_, k| k));
     let [one, other] = [&run, &again].map(|run| &run.estimates()[0]);
     for k in (0..one.len()).step_by(50) {
         let [[a, std], [b, _]] = [one, other].map(|of| of.process_scale(k).expect("it tells the scale"));
@@ -213,28 +204,6 @@ fn a_scale_beyond_the_last_one_is_told() {
         let run = finished(&scenario);
         let told = run.estimates()[0].remarks().iter().any(|remark| remark.what == Trouble::ScaleAtEnd);
         assert_eq!(told, is_told, "{disturbance}");
-    }
-}
-
-#[test]
-fn what_it_cannot_have_is_refused() {
-    let refused = |change: fn(&mut FilterSettings)| {
-        let mut scenario = scenario(1, 1.0);
-        change(&mut scenario.filters[0]);
-        scenario.validate().expect_err("it is refused").to_string()
-    };
-    for change in [
-        (|filter| filter.walk = 1.0) as fn(&mut FilterSettings),
-        |filter| filter.guesses = 3,
-        |filter| filter.jump = true,
-        |filter| filter.smoother = true,
-        |filter| filter.kind = FilterKind::ENKF,
-        |filter| filter.adaptation.process_noise = true,
-        |filter| filter.process_scales = 0,
-        |filter| filter.process_scales = 42,
-    ] {
-        let said = refused(change);
-        assert!(said.contains("process_scales") || said.contains("guesses"), "{said}");
     }
 }
 

@@ -152,8 +152,4 @@ fn a_look_ahead_is_at_least_a_step() {
     assert_eq!(apart((&least, 50), (&step, 50)), 0.0);
     assert!(apart((&long, 50), (&whole, 50)) < 1e-6 && apart((&step, 50), (&whole, 50)) > 1e-3);
     assert_eq!(apart((&endless, 50), (&long, 50)), 0.0);
-    for wrong in [-0.1, f64::NAN, f64::INFINITY] {
-        scenario.filters[0].look_ahead = wrong;
-        assert!(scenario.validate().is_err(), "{wrong}");
-    }
 }

@@ -2,7 +2,7 @@
 //! which ones have programs of their own. `cargo test -p kalmanscope-core --test all NAME::` runs those of one file.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-// Several of the files below use these modules. Benchmarks and the fuzzer use some of them too.
+// Several of the files below use these modules, and the fuzzer uses some of them.
 #[path = "common/ambient.rs"]
 mod ambient;
 #[path = "common/health.rs"]

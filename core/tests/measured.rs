@@ -6,10 +6,7 @@ use std::fmt::Write as _;
 use kalmanscope_core::import::{Mapping, Time, read};
 use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor,
-    simulate,
-};
+use kalmanscope_core::{Channel, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor, simulate};
 use kalmanscope_diagnosis::VerdictKind;
 
 use nalgebra::Vector2;
@@ -125,32 +122,6 @@ fn benchmark(seed: u64) -> Record {
     BENCHMARK.into_iter().for_each(|(channel, value)| scenario.plant.set(channel, value));
     scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 8e-6)];
     simulate(&scenario)
-}
-
-#[test]
-fn the_benchmark_is_identified_better_than_by_a_linear_oscillator() {
-    for seed in 901..904 {
-        let (record, other) = (benchmark(seed), benchmark(seed + 50));
-        let mut scenario = scenario_for(&record);
-        let settings = FilterSettings { id: 0, ..scenario.filters[0].clone() };
-        let of = |name: &str, kind, plant| FilterSettings { name: name.to_owned(), kind, plant, ..settings.clone() };
-        scenario.filters = vec![
-            of("linear", FilterKind::EKF, None),
-            of("one", FilterKind::UKF, Some(PlantKind::BOUC_WEN_1)),
-            of("two", FilterKind::UKF, Some(PlantKind::BOUC_WEN)),
-        ];
-        scenario.number_filters();
-        let scenario = suggest(&scenario, &record).scenario;
-        for (filter, name) in scenario.filters.iter().zip(["linear", "one", "two"]) {
-            println!("{name}: {:?}\n  ± {:?}", filter.initial_mean, filter.initial_std);
-        }
-        let run = finished_on(&scenario, record.clone());
-        let errors = [0, 1, 2].map(|place| free_run(&scenario, &other, &run, place).rms);
-        let one = &run.estimates()[1];
-        let last = one.mean(one.len() - 1);
-        println!("seed {seed}: free run of linear, exponent 1, exponent 2 {errors:?} m; {last:.4?}, {:?}", one.stop());
-        assert!(errors[1] < 0.5 * errors[0], "seed {seed}: {errors:?}");
-    }
 }
 
 /// The plant that is asked for has the exponent 2; the record is that of the exponent 1.

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{TestError, TestRunner};
 
 use crate::health::{check_file, check_scenario, scenario_of};
-use crate::run::{asset, built_in, cases, finished, finished_on, shrinking, values};
+use crate::run::{asset, built_in, cases, finished, finished_on, values};
 
 /// The same cases every time, and other ones with another `KALMANSCOPE_TEST_SEED`.
 fn config(count: u32) -> ProptestConfig {
@@ -104,93 +104,82 @@ fn forgetting_without_excitation_winds_up_and_is_remarked_once() {
     }
 }
 
-#[test]
-fn a_wound_up_covariance_that_overflows_stops_the_filter() {
-    let mut scenario = Scenario { force: Force::None, sensors: vec![], ..with_filter(FilterKind::EKF) };
-    scenario.filters[0].sensor_std = vec![];
-    scenario.filters[0].fading = 3.0;
-    let stop = stop(&scenario).unwrap();
-    assert_eq!(stop.reason, FilterError::NotFinite);
-    // The variance triples at each sample until it overflows.
-    assert!((640..650).contains(&stop.sample), "{stop:?}");
+fn is_blind(scenario: &mut Scenario) {
+    (scenario.sensors, scenario.filters[0].sensor_std) = (Vec::new(), Vec::new());
 }
 
 #[test]
-fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
-    for kind in FilterKind::ALL {
-        let mut scenario = with_filter(kind);
+fn a_filter_that_fails_stops_with_its_reason() {
+    use FilterError::{ImpossibleMeasurement, NotFinite, SingularInnovation, TooLarge};
+    type Case = (&'static str, &'static [FilterKind], fn(&mut Scenario), FilterError, std::ops::Range<usize>);
+    let wind_up = |scenario: &mut Scenario| {
+        is_blind(scenario);
+        (scenario.force, scenario.filters[0].fading) = (Force::None, 3.0);
+    };
+    let certain = |scenario: &mut Scenario| {
         let filter = &mut scenario.filters[0];
-        (filter.initial_std, filter.process_std) = (Values::ZERO, Values::ZERO);
-        filter.sensor_std = vec![1e-200; 2];
-        let expected = Stop { sample: 1, reason: FilterError::SingularInnovation };
-        assert_eq!(stop(&scenario), Some(expected), "{}", kind.name());
-    }
-}
-
-#[test]
-fn perfect_sensors_make_s_singular_sooner_or_later() {
-    let mut scenario = with_filter(FilterKind::EKF);
-    scenario.sensors.push(Sensor::new(Quantity::ACCELERATION, 0.0));
-    let filter = &mut scenario.filters[0];
-    (filter.sensor_std, filter.process_std) = (vec![1e-200; 3], Values::ZERO);
-    filter.initial_std = values([0.1, 0.3, 0.0, 0.0]);
+        (filter.initial_std, filter.process_std, filter.sensor_std) = (Values::ZERO, Values::ZERO, vec![1e-200; 2]);
+    };
     // The acceleration follows from displacement and velocity.
-    assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::SingularInnovation }));
-}
-
-#[test]
-fn an_indefinite_covariance_is_refused_or_remarked() {
-    let scenario = shrinking(FilterKind::EKF);
-    let run = checked(&scenario);
-    let indefinite = |r: &&Remark| matches!(r.what, Trouble::Indefinite(..));
-    assert!(run.estimates()[0].remarks().iter().any(|r| indefinite(&r)), "{:?}", run.estimates()[0].remarks());
-}
-
-#[test]
-fn a_diverging_filter_stops_with_divergence() {
-    let mut scenario = with_filter(FilterKind::EKF);
-    (scenario.dt, scenario.duration) = (0.5, 1000.0);
-    scenario.filters[0].propagation = Some(Propagation::Euler);
-    (scenario.sensors, scenario.filters[0].sensor_std) = (vec![], vec![]);
-    assert_eq!(stop(&scenario).unwrap().reason, FilterError::NotFinite);
-}
-
-#[test]
-fn settings_that_overflow_when_squared_stop_at_the_first_sample() {
-    for kind in FilterKind::ALL {
-        let wide = |settings: &mut FilterSettings| settings.initial_std[Channel::DISPLACEMENT] = 1e200;
-        let noisy = |settings: &mut FilterSettings| settings.process_std[Channel::DISPLACEMENT] = 1e200;
-        let blind = |settings: &mut FilterSettings| settings.sensor_std[0] = 1e200;
-        for change in [wide, noisy, blind] {
+    let perfect = |scenario: &mut Scenario| {
+        scenario.sensors.push(Sensor::new(Quantity::ACCELERATION, 0.0));
+        let filter = &mut scenario.filters[0];
+        (filter.sensor_std, filter.process_std) = (vec![1e-200; 3], Values::ZERO);
+        filter.initial_std = values([0.1, 0.3, 0.0, 0.0]);
+    };
+    let coarse = |scenario: &mut Scenario| {
+        is_blind(scenario);
+        (scenario.dt, scenario.duration) = (0.5, 1000.0);
+        scenario.filters[0].propagation = Some(Propagation::Euler);
+    };
+    let far = |scenario: &mut Scenario| {
+        scenario.plant.initial.displacement = 1e160;
+        scenario.filters[0].sensor_std = vec![1e-5, 1.0];
+    };
+    // The gain of a particle filter is a report only, so that its overflow affects no estimate.
+    let scattered = |scenario: &mut Scenario| {
+        scenario.filters[0].ensemble_size = 10;
+        scenario.filters[0].initial_std = values([0.0, 1e153, 1e153, 0.0]);
+    };
+    let (all, ekf, any) = (&FilterKind::ALL[..], &[FilterKind::EKF][..], 0..usize::MAX);
+    let cases: [Case; 9] = [
+        // The variance triples at each sample.
+        ("a variance that winds up until it overflows", ekf, wind_up, NotFinite, 640..650),
+        ("sensors that cannot err and a state that is known", all, certain, SingularInnovation, 1..2),
+        ("perfect sensors", ekf, perfect, SingularInnovation, 1..2),
+        ("divergence", ekf, coarse, NotFinite, any.clone()),
+        ("an immense σ", all, |s| s.filters[0].initial_std[Channel::DISPLACEMENT] = 1e200, TooLarge, 0..1),
+        ("an immense Q", all, |s| s.filters[0].process_std[Channel::DISPLACEMENT] = 1e200, TooLarge, 0..1),
+        ("an immense R", all, |s| s.filters[0].sensor_std[0] = 1e200, TooLarge, 0..1),
+        ("a reading without a likelihood", all, far, ImpossibleMeasurement, any),
+        ("particles too far apart for a covariance", &[FilterKind::PF], scattered, NotFinite, 1..2),
+    ];
+    for (name, kinds, change, reason, samples) in cases {
+        for &kind in kinds {
             let mut scenario = with_filter(kind);
-            change(&mut scenario.filters[0]);
-            assert_eq!(stop(&scenario), Some(Stop { sample: 0, reason: FilterError::TooLarge }), "{}", kind.name());
+            change(&mut scenario);
+            let stop = stop(&scenario).unwrap_or_else(|| panic!("{name}, {}: it does not stop", kind.name()));
+            assert!(stop.reason == reason && samples.contains(&stop.sample), "{name}, {}: {stop:?}", kind.name());
         }
     }
 }
 
-#[test]
-fn a_measurement_without_likelihood_is_not_called_divergence() {
-    for kind in FilterKind::ALL {
-        let mut scenario = with_filter(kind);
-        scenario.plant.initial.displacement = 1e160;
-        scenario.filters[0].sensor_std = vec![1e-5, 1.0];
-        let reason = stop(&scenario).unwrap().reason;
-        assert_eq!(reason, FilterError::ImpossibleMeasurement, "{}", kind.name());
-    }
-}
-
+/// Beyond `|x| = ωₙ/√-μ` a softening spring pushes outwards.
 #[test]
 fn a_diverging_plant_ends_the_record_with_a_reason() {
-    let plant = Plant::default().of_kind(PlantKind::DUFFING).with(Channel::CUBIC_STIFFNESS, -300.0);
-    let mut scenario = Scenario { plant, ..with_filter(FilterKind::UKF) };
-    scenario.plant.initial.displacement = 1.0;
-    let run = checked(&scenario);
-    let TruthStop { sample, reason } = run.truth_stop().unwrap();
-    assert!([Channel::DISPLACEMENT, Channel::VELOCITY].map(TruthError::Channel).contains(&reason), "{reason:?}");
-    assert!(reason.to_string().contains("plant is unstable"));
-    assert_eq!((sample, sample), (run.len(), run.samples()));
-    assert!(sample < scenario.samples());
+    for (dt, displacement) in [(0.01, 1.0), (0.001, 0.36), (0.01, 0.36), (0.1, 0.36), (0.5, 0.36)] {
+        let plant = Plant::default().of_kind(PlantKind::DUFFING).with(Channel::CUBIC_STIFFNESS, -300.0);
+        let plant = plant.with(Channel::NATURAL_FREQUENCY, 6.0);
+        let mut scenario = Scenario { plant, dt, ..with_filter(FilterKind::UKF) };
+        scenario.plant.initial.displacement = displacement;
+        scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
+        let run = checked(&scenario);
+        let TruthStop { sample, reason } = run.truth_stop().unwrap();
+        assert!([Channel::DISPLACEMENT, Channel::VELOCITY].map(TruthError::Channel).contains(&reason), "{reason:?}");
+        assert!(reason.to_string().contains("plant is unstable"));
+        assert!(0 < sample && sample < scenario.samples(), "{sample}");
+        assert_eq!((sample, sample, sample), (run.len(), run.samples(), run.record().len()), "dt {dt}");
+    }
 }
 
 #[test]
@@ -212,15 +201,6 @@ fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
     let plant = Plant::default().of_kind(PlantKind::BOUC_WEN).with(Channel::NATURAL_FREQUENCY, 1e9);
     let scenario = Scenario { plant, dt: 1.0, duration: 20.0, filters: vec![], ..Scenario::default() };
     check_scenario(&scenario, 0).unwrap();
-}
-
-/// The gain of a particle filter is a report only, so that its overflow affects no estimate.
-#[test]
-fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
-    let mut scenario = with_filter(FilterKind::PF);
-    scenario.filters[0].ensemble_size = 10;
-    scenario.filters[0].initial_std = values([0.0, 1e153, 1e153, 0.0]);
-    assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
 }
 
 #[test]

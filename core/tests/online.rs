@@ -6,8 +6,7 @@ use kalmanscope_core::{
     Sample, Scenario, Sensor, Sink as _, simulate,
 };
 
-use crate::numbers::bits;
-use crate::run::{Each, finished, one_filter, readings};
+use crate::run::{Each, assert_same_estimates, finished, one_filter, readings};
 
 fn of(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { duration: 3.0, ..one_filter(kind) };
@@ -28,17 +27,6 @@ fn passed(scenario: &Scenario, record: &Record) -> Estimates {
     let mut estimates = Pass::history(scenario, 0).expect("there is a filter");
     Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut estimates);
     estimates
-}
-
-fn assert_same(one: &Estimates, other: &Estimates, what: &str) {
-    let updates = |estimates: &Estimates| {
-        let sample = |k| [estimates.innovation(k), estimates.innovation_cov(k), estimates.gain(k)].map(bits);
-        let updates = (0..estimates.len()).flat_map(sample).flatten();
-        updates.chain(estimates.log_likelihoods().map(f64::to_bits)).collect::<Vec<u64>>()
-    };
-    assert_eq!((one.len(), one.stop()), (other.len(), other.stop()), "{what}");
-    assert_eq!(one.checksum(), other.checksum(), "{what}");
-    assert!(updates(one) == updates(other), "{what}");
 }
 
 fn variants(kind: FilterKind) -> Vec<(String, Scenario)> {
@@ -84,7 +72,7 @@ fn samples_that_come_in_have_the_bits_of_a_pass() {
             assert_eq!((estimates.len(), online.pass().done()), ([(k + 1).saturating_sub(late); 2]).into(), "{what}");
         }
         online.finish(&mut estimates);
-        assert_same(&estimates, &expected, &what);
+        assert_same_estimates(&estimates, &expected, &what);
     }
 }
 
@@ -127,10 +115,16 @@ fn variants_with_prior(kind: FilterKind) -> Vec<Scenario> {
 }
 
 #[test]
-fn a_linear_update_leads_from_the_prior_to_the_mean() {
+fn a_linear_update_leads_from_the_prior_to_the_mean_and_a_sink_gets_the_prior_that_asks_for_it() {
     for scenario in FilterKind::ALL.into_iter().flat_map(variants_with_prior) {
         let (run, kind) = (finished(&scenario), scenario.filters[0].kind);
         let all = samples(&scenario, run.record(), true);
+        for (k, (with, without)) in all.iter().zip(samples(&scenario, run.record(), false)).enumerate() {
+            let (with, without) = (with.sample(), without.sample());
+            assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty(), "{kind:?}: nobody asks for it");
+            assert_eq!((with.mean, with.cov), (without.mean, without.cov), "{kind:?} {k}");
+            assert_eq!(with.mean, run.estimates()[0].mean(k), "{kind:?} {k}");
+        }
         let first = all[0].sample();
         assert_eq!((&first.prior_mean, &first.prior_cov), (&first.mean, &first.cov), "{kind:?}");
         for (k, sample) in all.iter().map(LastSample::sample).enumerate().skip(1) {
@@ -159,20 +153,6 @@ fn a_linear_update_leads_from_the_prior_to_the_mean() {
                     assert!((expected - sample.cov[j * n + i]).abs() < 1e-10, "{kind:?} {k} {i} {j}: P = (I - K H) P⁻");
                 }
             }
-        }
-    }
-}
-
-#[test]
-fn a_sink_that_does_not_ask_gets_none_and_the_same_estimates() {
-    for scenario in FilterKind::ALL.into_iter().flat_map(variants_with_prior) {
-        let run = finished(&scenario);
-        let (with, without) = (samples(&scenario, run.record(), true), samples(&scenario, run.record(), false));
-        for (k, (with, without)) in with.iter().zip(&without).enumerate() {
-            let (with, without) = (with.sample(), without.sample());
-            assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty());
-            assert_eq!((with.mean, with.cov), (without.mean, without.cov));
-            assert_eq!(with.mean, run.estimates()[0].mean(k));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::import::read;
-use kalmanscope_core::record::{Clocks, Record, Timed};
+use kalmanscope_core::record::Record;
 use kalmanscope_core::{
     Channel, EventFilter, FilterKind, FilterSettings, Hold, Identified, Quantity, Scenario, Sensor, Values,
 };
@@ -11,7 +11,7 @@ use nalgebra::{RowVector2, SMatrix, SVector, Vector2};
 
 use crate::numbers::{ADAPTIVE, Random, transition};
 use crate::phone::{Phone, USUAL};
-use crate::run::{finished_on, forced, identified, values};
+use crate::run::{finished_on, forced, identified, values, with_times};
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;
@@ -132,12 +132,7 @@ fn readings_with_times_have_the_same_plucks() {
     let scenario = scenario(FilterKind::EKF, &[3.99, 8.19]);
     let run = finished_on(&scenario, even.clone());
     let there: Vec<usize> = (1..even.len()).filter(|&k| !even.measured(0)[k].is_nan()).collect();
-    let timed = Timed {
-        times: there.iter().map(|&k| k as f64).collect(),
-        values: there.iter().map(|&k| even.measured(0)[k]).collect(),
-    };
-    let clocks = Clocks { input: None, readings: vec![timed] };
-    let timed = finished_on(&scenario, even.clone().with_clocks(clocks).expect("times rise"));
+    let timed = finished_on(&scenario, with_times(&even, |_, k| k));
     let mut by_its_clock = scenario.clone();
     by_its_clock.filters[0].plucks.iter_mut().for_each(|time| *time += 7.0);
     let mut events = EventFilter::new(&by_its_clock, 0).expect("it can follow events");
@@ -176,16 +171,6 @@ fn a_phone_that_is_plucked_twice_knows_more() {
     println!("inside {inside:?}, narrower {narrower}, consistent {consistent} of 20");
     assert!(consistent >= 17, "{consistent} of 20 are consistent");
     assert!(inside.iter().all(|inside| *inside >= 16) && narrower >= 18, "{inside:?} inside, {narrower} narrower");
-}
-
-#[test]
-fn what_samples_its_belief_has_no_plucks() {
-    let sampled = [FilterKind::ENKF, FilterKind::PF].map(|kind| (kind, &[1.0][..]));
-    let wrong = [&[2.0, 1.0][..], &[1.0, 1.0], &[f64::NAN], &[f64::INFINITY]].map(|plucks| (FilterKind::EKF, plucks));
-    for (kind, plucks) in sampled.into_iter().chain(wrong) {
-        let error = scenario(kind, plucks).validate().expect_err("it is refused").to_string();
-        assert!(error.contains("plucks"), "{error}");
-    }
 }
 
 #[test]

@@ -65,11 +65,6 @@ fn the_stiffness_loss_is_the_default() {
     assert_eq!(built_in("stiffness-loss"), Scenario::default());
 }
 
-fn final_errors(run: &Run, place: usize) -> Vec<f64> {
-    let error = |s: &Summary| s.finals[place].score.unwrap().error.abs() / s.finals[place].std;
-    summaries(run).iter().map(error).collect()
-}
-
 fn settled(run: &Run, filter: usize, start: f64) -> f64 {
     let truth = truth(run.record(), Channel::NATURAL_FREQUENCY);
     let estimates = &run.estimates()[filter];
@@ -79,12 +74,6 @@ fn settled(run: &Run, filter: usize, start: f64) -> f64 {
 
 #[test]
 fn the_filters_do_what_the_first_lines_claim() {
-    for name in ["constant", "free-vibration", "hammer", "chirp", "stiffness-loss", "acceleration-only"] {
-        let run = run(name);
-        for place in [2, 3] {
-            assert!(final_errors(&run, place).iter().all(|&error| error < 3.0), "{name}");
-        }
-    }
     let (both, blind) = (run("stiffness-loss"), run("acceleration-only"));
     for filter in 0..2 {
         assert!((30.0..40.0).contains(&settled(&both, filter, 0.0)));
@@ -95,10 +84,6 @@ fn the_filters_do_what_the_first_lines_claim() {
     let drift = summaries(&run("slow-drift"));
     let mean_nis = |i: usize| drift[i].nis.as_ref().unwrap().mean;
     assert!(mean_nis(0) < 2.2 && mean_nis(1) > 2.8, "fading follows, trusting the past does not");
-
-    let known = summaries(&run("known-parameters"));
-    let nis = |i: usize| known[i].nis.as_ref().unwrap();
-    assert!(nis(0).is_inside() && nis(1).mean > 10.0);
 
     for summary in summaries(&run("no-excitation")) {
         let std = |place: usize| summary.finals[place].std;

@@ -46,28 +46,9 @@ faults! {
     LargeSample: [],
     /// A slow force that nobody records; one in three is a wave.
     UnknownForce: ["unknown_force", "periodic_force"],
-    Swing: ["slow_drift"],
-    UnknownWave: ["unknown_force", "periodic_force"],
-    DryFriction: ["dry_friction"],
-    Drag: ["drag"],
-    Quantised: ["coarse"],
-    Clipped: ["clipped"],
-    /// One reading in a hundred is far off.
-    Outliers: ["outliers"],
-    Coloured: ["coloured_noise"],
-    NoisierLater: ["changing_noise"],
-    NoiseSwings: ["changing_noise"],
-    /// A line in a sensor.
-    Hum: [],
-    NoisyInput: ["process_noise", "white_force"],
-    Scale: ["sensor_scale"],
-    DeadInput: ["still_input"],
 }
 
 impl Fault {
-    /// Those that take turns in situations of one fault; the others come with a second one, or alone.
-    pub(crate) const IN_TURN: &[Self] = Self::ALL.split_at(24).0;
-
     pub(crate) fn contrary(self) -> &'static [VerdictKind] {
         match self {
             Self::SensorNoiseTooLarge | Self::ProcessNoiseTooLarge | Self::ProcessNoiseTenfold => {

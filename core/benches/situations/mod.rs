@@ -1,5 +1,4 @@
-//! Situations drawn at random: an oscillator, its excitation and its sensors, a filter that is well tuned for them, and one
-//! fault or several of random sizes.
+//! Situations drawn at random: an oscillator, its force and sensors, a well-tuned filter, and faults of random sizes.
 
 mod draw;
 mod fault;
@@ -8,8 +7,6 @@ mod truth;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::record::Input;
-use kalmanscope_core::scenario::Faults;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
     Sensor,
@@ -40,28 +37,25 @@ pub(crate) struct Situation {
     pub(crate) note: String,
 }
 
-/// Quantities that sensors may measure together, with the power of ωₙ that makes one of a displacement.
-pub(crate) const SETS: &[&[(Quantity, i32)]] = &[
+/// Quantities that sensors may measure together, with the power of ωₙ that makes one of a displacement; not an accelerometer alone.
+const SETS: &[&[(Quantity, i32)]] = &[
     &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1)],
     &[(Quantity::DISPLACEMENT, 0), (Quantity::ACCELERATION, 2)],
     &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2)],
     &[(Quantity::DISPLACEMENT, 0)],
     &[(Quantity::VELOCITY, 1)],
-    &[(Quantity::ACCELERATION, 2)],
 ];
 
 impl Situation {
     pub(crate) fn draw(seed: u64) -> Self {
-        Self::with(Fault::IN_TURN[(seed % Fault::IN_TURN.len() as u64) as usize], seed)
+        Self::with(Fault::ALL[(seed % Fault::ALL.len() as u64) as usize], seed)
     }
 
     pub(crate) fn with(fault: Fault, seed: u64) -> Self {
-        // Not an accelerometer alone.
-        Self::of(&[fault], seed, true, &SETS[..5])
+        Self::of(&[fault], seed)
     }
 
-    /// Where the faults do not act, oscillator, force and noise are the same: the goal of a perfect remedy.
-    pub(crate) fn of(faults: &[Fault], seed: u64, they_act: bool, sets: &[&[(Quantity, i32)]]) -> Self {
+    pub(crate) fn of(faults: &[Fault], seed: u64) -> Self {
         let any = |of: &[Fault]| faults.iter().any(|fault| of.contains(fault));
         let mut draw = Draw::new(seed, 0x5eed);
         let wn = draw.log_uniform(2.0, 20.0);
@@ -82,7 +76,7 @@ impl Situation {
         };
         let of_the_spring = [Fault::HardeningSpring, Fault::YieldingSpring, Fault::MissingMode];
         let is_sampled = any(&[Fault::CollapsedSample, Fault::LargeSample]);
-        let is_linear = is_sampled || any(&of_the_spring) || any(&[Fault::DryFriction, Fault::Drag]);
+        let is_linear = is_sampled || any(&of_the_spring);
         let kind = if !is_linear && draw.chance(0.15) { PlantKind::DUFFING } else { PlantKind::SDOF };
         let mut truth =
             Scenario { seed, dt, duration: samples.round() * dt, force, filters: Vec::new(), ..Scenario::default() };
@@ -94,13 +88,13 @@ impl Situation {
         let size = (power / (4.0 * zeta * wn)).sqrt() / wn;
         truth.plant.set(Channel::CUBIC_STIFFNESS, draw.uniform(0.1, 0.6) * wn * wn / (9.0 * size * size));
         let relative = draw.log_uniform(0.02, 0.15);
-        let needs_two = [Fault::SensorNoiseContrary, Fault::SensorBias, Fault::InputOffset, Fault::Scale];
+        let needs_two = [Fault::SensorNoiseContrary, Fault::SensorBias, Fault::InputOffset];
         let set = draw.choice(if any(&[Fault::FeltDisturbance]) {
-            &sets[1..3]
+            &SETS[1..3]
         } else if any(&needs_two) {
-            &sets[..3]
+            &SETS[..3]
         } else {
-            sets
+            SETS
         });
         let noise = |draw: &mut Draw, rate: i32| relative * draw.log_uniform(0.7, 1.4) * size * wn.powi(rate);
         truth.sensors = set.iter().map(|&(measures, rate)| Sensor::new(measures, noise(&mut draw, rate))).collect();
@@ -118,24 +112,19 @@ impl Situation {
             truth.plant.disturbance_std = share * (power / dt).sqrt();
         }
         let mut note = String::new();
-        let mut changed = truth.clone();
         for &fault in faults {
-            truth::disturb(fault, &mut changed, &mut draw, wn, size, power, &mut note);
+            truth::disturb(fault, &mut truth, &mut draw, wn, size, power, &mut note);
         }
-        // Numbers are drawn for faults that do not act, too.
-        let truth = if they_act { changed } else { truth };
 
         let mut told = truth.clone();
         told.hold = Hold::Zero;
         told.plant.kind = kind;
-        told.sensors.iter_mut().for_each(|sensor| sensor.faults = Faults::default());
         let filter_kind = if is_sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
         told.filters = vec![Self::well_tuned(&truth, filter_kind, &mut draw, wn, zeta, size)];
-        let faults = if they_act { faults.to_vec() } else { Vec::new() };
-        for &fault in &faults {
+        for &fault in faults {
             Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
         }
-        Self { faults, truth, told, note }
+        Self { faults: faults.to_vec(), truth, told, note }
     }
 
     fn well_tuned(
@@ -211,10 +200,7 @@ impl Situation {
     pub(crate) fn record(&self) -> Result<Arc<Record>, RunError> {
         let mut run = Run::new(&self.truth)?;
         run.finish();
-        let mut draw = Draw::new(self.truth.seed, 0xfa17);
-        let record = run.record().clone();
-        let disturbed = |record, &fault| truth::recorded(fault, record, &self.truth, &mut draw);
-        Ok(Arc::new(self.faults.iter().fold(record, disturbed)))
+        Ok(Arc::new(run.record().clone()))
     }
 }
 
@@ -230,15 +216,6 @@ pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
 
 pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
     Arc::new(record.clone().without_truth())
-}
-
-pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
-    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
-    let truth =
-        record.true_channels().into_iter().filter_map(|channel| Some((channel, record.truth(channel)?.to_vec())));
-    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
-    other.expect("the columns are as long")
 }
 
 pub(crate) fn on_two_threads<T: Sync, R: Send>(jobs: &[T], outcome: impl Fn(&T) -> R + Sync) -> Vec<R> {

@@ -1,11 +1,9 @@
-//! The faults of the truth (a plant, an input or sensors that the filter does not know), and those of its record.
+//! The faults of the truth: a plant, an input or sensors that the filter does not know.
 
-use kalmanscope_core::equation::EquationSettings;
-use kalmanscope_core::scenario::Fault as Family;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Force, Hold, PlantKind, Record, Scenario, Sensor, Signal};
+use kalmanscope_core::{Channel, Force, Hold, PlantKind, Scenario, Signal};
 
-use super::{Draw, Fault, SETS, with_input};
+use super::{Draw, Fault};
 
 /// `size` is the root mean square of the displacement \[m\], `power` the density of the force \[m²/s³\].
 pub(super) fn disturb(
@@ -103,92 +101,6 @@ pub(super) fn disturb(
                 (sensor.measures.key(), bias / sensor.noise_std, if drifts { ", drifts" } else { "" });
             *note = format!("{key} {size:.1} of noise{drifts}");
         }
-        Fault::Swing => {
-            let (amplitude, period) = (wn * draw.uniform(0.03, 0.08), truth.duration * draw.uniform(0.3, 0.7));
-            truth.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: wn, amplitude, period }));
-        }
-        Fault::UnknownWave => {
-            let amplitude = draw.log_uniform(0.2, 1.0) * size * wn * wn;
-            let period = std::f64::consts::TAU / (wn * draw.uniform(0.6, 1.4));
-            truth.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(Sine { mean: 0.0, amplitude, period }));
-        }
-        Fault::DryFriction => {
-            // The sign of the velocity takes a little speed to turn.
-            let (force, turn) = (draw.choice(&[0.04, 0.1]) * size * wn * wn, 0.015 * size * wn);
-            damp(truth, "friction tanh(x' / turn)", &[("friction", force), ("turn", turn)]);
-        }
-        Fault::Drag => damp(truth, "drag x' abs(x')", &[("drag", draw.choice(&[0.03, 0.11]) / size)]),
-        Fault::Quantised => {
-            for sensor in &mut truth.sensors {
-                flaw(sensor, Family::QUANTISED, &[draw.log_uniform(5.0, 20.0) * sensor.noise_std]);
-            }
-        }
-        Fault::Outliers => {
-            truth.sensors.iter_mut().for_each(|sensor| flaw(sensor, Family::OUTLIERS, &[0.01, 8.0, 25.0]));
-        }
-        Fault::Coloured => {
-            let time = truth.dt * draw.uniform(1.5, 10.0);
-            truth.sensors.iter_mut().for_each(|sensor| flaw(sensor, Family::COLOURED, &[time]));
-        }
-        Fault::Clipped | Fault::NoisierLater | Fault::Scale => {
-            let place = draw.choice(&(0..truth.sensors.len()).collect::<Vec<_>>());
-            let own = truth.sensors[place].measures;
-            let rate = SETS[2].iter().find(|(quantity, _)| *quantity == own).map_or(0, |(_, rate)| *rate);
-            let rms = size * wn.powi(rate);
-            let (family, numbers) = match fault {
-                Fault::Clipped => (Family::CLIPPED, vec![draw.uniform(0.9, 1.6) * rms]),
-                Fault::NoisierLater => {
-                    (Family::CHANGING, vec![truth.duration * draw.uniform(0.3, 0.8), draw.uniform(1.4, 2.7)])
-                }
-                _ => {
-                    let scale = if draw.chance(0.5) { draw.uniform(0.7, 0.9) } else { draw.uniform(1.1, 1.4) };
-                    (Family::SCALED, vec![scale])
-                }
-            };
-            flaw(&mut truth.sensors[place], family, &numbers);
-        }
         _ => {}
     }
-}
-
-fn flaw(sensor: &mut Sensor, family: Family, numbers: &[f64]) {
-    sensor.faults.add(family, sensor.measures);
-    sensor.faults.numbers_mut(family).expect("it is there").copy_from_slice(numbers);
-}
-
-fn damp(truth: &mut Scenario, damping: &str, parameters: &[(&str, f64)]) {
-    let equation = EquationSettings::new(format!("x'' + 2 ζ ωₙ x' + {damping} + ωₙ² x = f"));
-    truth.plant.kind = PlantKind::of_equation(&equation).expect("it is an equation");
-    for (key, value) in parameters {
-        truth.plant.set(truth.channel(key).expect("it is of the equation"), *value);
-    }
-}
-
-pub(super) fn recorded(fault: Fault, record: Record, truth: &Scenario, draw: &mut Draw) -> Record {
-    let n = record.len();
-    let place = draw.choice(&(0..truth.sensors.len()).collect::<Vec<_>>());
-    let noise = truth.sensors[place].noise_std;
-    let mut input = record.input().to_vec();
-    match fault {
-        Fault::NoiseSwings => {
-            let (more, period) = (draw.uniform(1.0, 2.5), draw.uniform(0.4, 0.9));
-            let turn = |k: usize| std::f64::consts::TAU * k as f64 / (n as f64 * period);
-            let size = |k: usize| more * noise * (0.5 + 0.5 * libm::sin(turn(k)));
-            let errors: Vec<f64> = (0..n).map(|k| size(k) * draw.normal()).collect();
-            return record.with_measured(|sensor, k, value| value + if sensor == place { errors[k] } else { 0.0 });
-        }
-        Fault::Hum => {
-            let (turn, size) = (draw.uniform(0.6, 2.5), draw.uniform(1.0, 3.0) * noise);
-            let line = |k: usize| size * libm::sin(turn * k as f64);
-            return record.with_measured(|sensor, k, value| value + if sensor == place { line(k) } else { 0.0 });
-        }
-        Fault::NoisyInput => {
-            let rms = (input.iter().map(|force| force * force).sum::<f64>() / n as f64).sqrt();
-            let std = draw.uniform(0.2, 0.5) * rms;
-            input.iter_mut().for_each(|force| *force += std * draw.normal());
-        }
-        Fault::DeadInput => input[n * 3 / 4..].fill(0.0),
-        _ => return record,
-    }
-    with_input(&record, input)
 }

@@ -3,9 +3,8 @@
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, Quantity, Record};
 use kalmanscope_diagnosis::VerdictKind;
-use nalgebra::Vector2;
 
-use crate::numbers::{Random, rms, transition};
+use crate::numbers::{Random, motion, rms};
 use crate::run::{finished_on, forced, last, verdict};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,9 +15,6 @@ pub(crate) enum Accelerometer {
     BandLimited,
     /// A Butterworth filter of fourth order at 0.4 of the rate comes before the sample.
     Filtered,
-    /// Nothing keeps aliases away: the sample is that of the instant.
-    #[allow(dead_code, reason = "the measurements take it, and the tests do not")]
-    Instant,
     /// The force is held from its sample to the next, and the sample is that of the instant.
     Held,
 }
@@ -81,44 +77,21 @@ impl Ambient {
         // Ten time constants before the first sample.
         let before = (10.0 / (zeta * wn) * rate) as usize + 4;
         let force = self.force(before + samples + 1, &mut random);
-        let transition = transition([wn, zeta], h);
+        let motion = motion([wn, zeta], h, Hold::Zero, &force, [0.0; 2]);
         let mut low_pass =
             [Biquad::low_pass(0.4 / fine as f64, 0.541_196), Biquad::low_pass(0.4 / fine as f64, 1.306_563)];
-        let mut state = Vector2::zeros();
-        let (mut xs, mut vs, mut accelerations) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut halves, mut last) = (Vec::new(), 0.0);
-        for (k, &f) in force.iter().enumerate() {
-            let [x, v]: [f64; 2] = state.into();
-            let acceleration = f - 2.0 * zeta * wn * v - wn * wn * x;
-            let filtered = low_pass.iter_mut().fold(acceleration, |value, biquad| biquad.next(value));
-            if k % fine == 0 && k / fine >= before {
-                xs.push(x);
-                vs.push(v);
-                accelerations.push(match self.accelerometer {
-                    Accelerometer::Filtered => filtered,
-                    _ => acceleration,
-                });
-            }
-            let rest = Vector2::new(f / (wn * wn), 0.0);
-            state = transition * (state - rest) + rest;
-            if (k + 1) % fine == HALF {
-                if (k + 1) / fine >= before {
-                    halves.push((state[1] - last) * rate);
-                }
-                last = state[1];
-            }
-        }
-        if self.accelerometer == Accelerometer::Mean {
-            accelerations = halves;
-        }
+        let filtered: Vec<f64> =
+            motion.iter().map(|of| low_pass.iter_mut().fold(of[2], |value, biquad| biquad.next(value))).collect();
+        let reading = |quantity: Quantity, at: usize| match (quantity, self.accelerometer) {
+            (quantity, _) if quantity == Quantity::DISPLACEMENT => motion[at][0],
+            (quantity, _) if quantity == Quantity::VELOCITY => motion[at][1],
+            (_, Accelerometer::Filtered) => filtered[at],
+            (_, Accelerometer::Mean) => (motion[at + HALF][1] - motion[at - HALF][1]) * rate,
+            _ => motion[at][2],
+        };
         let columns = self.sensors.iter().map(|&quantity| {
-            let signal = match quantity {
-                q if q == Quantity::DISPLACEMENT => &xs,
-                q if q == Quantity::VELOCITY => &vs,
-                _ => &accelerations,
-            };
-            let signal = &signal[..samples];
-            let size = rms(signal);
+            let signal: Vec<f64> = (before..before + samples).map(|k| reading(quantity, k * fine)).collect();
+            let size = rms(&signal);
             (quantity, signal.iter().map(|y| y + self.noise * size * random.normal()).collect())
         });
         let columns = columns.collect();
@@ -175,16 +148,8 @@ pub(crate) fn end_on(record: &Record, truth: [f64; 2], place: usize) -> End {
     let stds = [0, 1].map(|i| ends[i].1 / truth[i]);
     let verdict = verdict(&run, place);
     let text = format!(
-        "guess {:+.2} % {:+.0} %, end {:+.2} % {:+.0} % (σ {:.2} % {:.0} %), {:?}, force {force:?}, R {:?}, {}",
-        100.0 * guess[0],
-        100.0 * guess[1],
-        100.0 * errors[0],
-        100.0 * errors[1],
-        100.0 * stds[0],
-        100.0 * stds[1],
-        suggestion.scenario.hold,
-        filter.sensor_std,
-        verdict.name(),
+        "guess {guess:.4?}, end {errors:.4?} ± {stds:.4?}, {:?}, force {force:?}, R {:?}, {verdict:?}",
+        suggestion.scenario.hold, filter.sensor_std
     );
     let is_white = force.is_some();
     let (sigmas, reasons) = ([0, 1].map(|i| errors[i] / stds[i]), suggestion.reasons.join("\n"));
@@ -203,13 +168,6 @@ pub(crate) fn building(rate: f64, sensors: &[Quantity], accelerometer: Accelerom
         seed,
     }
 }
-
-pub(crate) const SETS: [&[Quantity]; 4] = [
-    &[Quantity::DISPLACEMENT],
-    &[Quantity::VELOCITY],
-    &[Quantity::ACCELERATION],
-    &[Quantity::DISPLACEMENT, Quantity::ACCELERATION],
-];
 
 pub(crate) fn mass(accelerometer: Accelerometer, rate: f64, seed: u64) -> Ambient {
     Ambient {

@@ -144,6 +144,8 @@ fn check_sample(
         let effective = estimates.effective_samples()[k];
         let range = 0.999..=1.001 * settings.ensemble_size as f64;
         require(if told { range.contains(&effective) } else { effective.is_nan() }, || format!("{effective} samples"))?;
+    } else {
+        require(estimates.effective_samples().is_empty(), || "it has no particles".to_owned())?;
     }
 
     let first = estimates.mean(0);

@@ -1,6 +1,6 @@
 //! Differences of numbers and of estimates, motions by textbook formulas, and random numbers that the core has no part in.
 
-use kalmanscope_core::{Estimates, FilterKind, Record};
+use kalmanscope_core::{Estimates, FilterKind, Hold, Record};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
@@ -62,6 +62,21 @@ pub(crate) fn transition([wn, zeta]: [f64; 2], t: f64) -> Matrix2<f64> {
     let (sin, cos) = (wd * t).sin_cos();
     let ratio = zeta * wn / wd;
     Matrix2::new(cos + ratio * sin, sin / wd, -wn * wn / wd * sin, cos - ratio * sin) * (-zeta * wn * t).exp()
+}
+
+/// x, ẋ and ẍ of an oscillator at each sample, under a force that is held, or linear between samples.
+pub(crate) fn motion(of: [f64; 2], dt: f64, hold: Hold, force: &[f64], start: [f64; 2]) -> Vec<[f64; 3]> {
+    let ([wn, zeta], transition, mut state) = (of, transition(of, dt), Vector2::from(start));
+    let step = |k: usize| {
+        let [x, v]: [f64; 2] = state.into();
+        let next = if hold == Hold::First { force[(k + 1).min(force.len() - 1)] } else { force[k] };
+        let slope = (next - force[k]) / dt;
+        // Besides its free motion it follows a line by a line.
+        let follows = |force: f64| Vector2::new(force - 2.0 * zeta / wn * slope, slope) / (wn * wn);
+        state = transition * (state - follows(force[k])) + follows(next);
+        [x, v, force[k] - 2.0 * zeta * wn * v - wn * wn * x]
+    };
+    (0..force.len()).map(step).collect()
 }
 
 /// By the belief of a filter that is `run::knowing`, before any reading: they are jointly normal.

@@ -3,15 +3,18 @@
 use std::sync::Arc;
 
 use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
-use kalmanscope_core::record::Input;
+use kalmanscope_core::record::{Clocks, Input, Timed};
+use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{
     Channel, CramerRao, Diagnostics, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant,
-    Quantity, Record, Run, Sample, Scenario, Signal, Sink, Stop, Task as _, Values, simulate,
+    Quantity, Record, Run, Sample, Scenario, Sensor, Signal, Sink, Stop, Task as _, Values, simulate,
 };
 use kalmanscope_diagnosis::Remedy;
 use kalmanscope_diagnosis::{Diagnosis, VerdictKind};
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+
+use crate::numbers::{beliefs, bits};
 
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");
@@ -29,12 +32,40 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
 pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) -> Run {
     let mapping = scenario.record.as_ref().expect("it says what the columns are");
     let table = read(file, mapping.dialect).expect("it is a table");
-    let imported = Builder::new(&table, mapping, scenario.input, scenario.hold).and_then(Builder::finish);
-    finished_on(scenario, imported.expect("it is a record").record)
+    finished_on(scenario, built(&table, mapping, scenario.input, scenario.hold).record)
+}
+
+fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
+    Builder::new(table, mapping, kind, hold).and_then(Builder::finish).expect("it is a record")
 }
 
 pub(crate) fn forced(dt: f64, hold: Hold, values: Vec<f64>, columns: Vec<(Quantity, Vec<f64>)>) -> Record {
     Record::new(dt, Input { kind: InputKind::Force, hold, values }, columns).expect("the columns are a record")
+}
+
+pub(crate) fn with_fault(sensor: &mut Sensor, fault: Fault, numbers: &[f64]) {
+    sensor.faults.add(fault, sensor.measures);
+    sensor.faults.numbers_mut(fault).expect("it is there").copy_from_slice(numbers);
+}
+
+/// The record whose readings have these times of their own, in steps.
+pub(crate) fn with_times(record: &Record, time: impl Fn(usize, f64) -> f64) -> Record {
+    let timed = |sensor: usize| {
+        let there = record.measured(sensor).iter().enumerate().filter(|(_, value)| !value.is_nan());
+        let (times, values) = there.map(|(k, value)| (time(sensor, k as f64), *value)).unzip();
+        Timed { times, values }
+    };
+    let clocks = Clocks { input: None, readings: (0..record.sensors().len()).map(timed).collect() };
+    record.clone().with_clocks(clocks).expect("the times rise")
+}
+
+pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let truth =
+        record.true_channels().into_iter().filter_map(|channel| Some((channel, record.truth(channel)?.to_vec())));
+    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
+    other.expect("the columns are as long")
 }
 
 pub(crate) fn simulated(scenario: &Scenario) -> Record {
@@ -52,6 +83,33 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     scenario.filters.truncate(1);
     scenario.filters[0].kind = kind;
     scenario
+}
+
+/// A filter of each kind, with few members.
+pub(crate) fn of_all_kinds(settings: &FilterSettings) -> Vec<FilterSettings> {
+    let of = |kind: FilterKind| FilterSettings {
+        kind,
+        id: 0,
+        name: kind.name().to_owned(),
+        ensemble_size: 40,
+        ..settings.clone()
+    };
+    FilterKind::ALL.map(of).to_vec()
+}
+
+/// Bit by bit, with what there was before the update and every remark.
+#[track_caller]
+pub(crate) fn assert_same_estimates(one: &Estimates, other: &Estimates, what: &str) {
+    let updates = |estimates: &Estimates| {
+        let sample = |k| [estimates.innovation(k), estimates.innovation_cov(k), estimates.gain(k)].map(bits);
+        let updates = (0..estimates.len()).flat_map(sample).flatten();
+        updates.chain(estimates.log_likelihoods().map(f64::to_bits)).collect::<Vec<u64>>()
+    };
+    assert_eq!((one.len(), one.stop()), (other.len(), other.stop()), "{what}");
+    assert!(beliefs(one) == beliefs(other) && updates(one) == updates(other), "{what}");
+    let rest = |of: &Estimates| [of.nis(), of.determinant(), of.effective_samples()].map(bits);
+    assert_eq!((rest(one), one.remarks()), (rest(other), other.remarks()), "{what}");
+    assert_eq!(one.checksum(), other.checksum(), "{what}");
 }
 
 pub(crate) fn oscillator(natural_frequency: impl Into<Signal>, damping_ratio: impl Into<Signal>) -> Plant {
@@ -136,8 +194,7 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
 
 pub(crate) fn imported(table: &Table, hold: Hold) -> (Imported, Mapping) {
     let (mapping, kind) = Mapping::guess(table);
-    let imported = Builder::new(table, &mapping, kind, hold).and_then(Builder::finish);
-    (imported.expect("it is a record"), mapping)
+    (built(table, &mapping, kind, hold), mapping)
 }
 
 pub(crate) fn suggested(
@@ -147,24 +204,19 @@ pub(crate) fn suggested(
 ) -> (Suggestion, Run) {
     let (mut mapping, kind) = Mapping::guess(table);
     change_mapping(&mut mapping);
-    let build = |mapping: &Mapping, hold| Builder::new(table, mapping, kind, hold).and_then(Builder::finish);
-    let record = build(&mapping, Hold::First).expect("it is a record").record;
+    let record = built(table, &mapping, kind, Hold::First).record;
     let mut scenario = scenario_for(&record);
     scenario.record = Some(mapping.clone());
     change(&mut scenario);
     let suggestion = suggest(&scenario, &record);
     let scenario = &suggestion.scenario;
-    let record = build(scenario.record.as_ref().unwrap_or(&mapping), scenario.hold).expect("it is a record").record;
+    let record = built(table, scenario.record.as_ref().unwrap_or(&mapping), kind, scenario.hold).record;
     let run = finished_on(scenario, record);
     (suggestion, run)
 }
 
 pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
-    let (Imported { record, .. }, mapping) = imported(table, Hold::First);
-    let mut scenario = scenario_for(&record);
-    scenario.record = Some(mapping);
-    let scenario = suggest(&scenario, &record).scenario;
-    let run = finished_on(&scenario, record);
+    let (_, run) = suggested(table, |_| (), |_| ());
     let of = |channel| last(&run.estimates()[0], channel);
     ([Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(of), run)
 }
@@ -210,5 +262,5 @@ impl<F: FnMut(&Sample<'_>)> Sink for Each<F> {
 pub(crate) fn record_of(file: Vec<u8>, sensors: &[Quantity]) -> Record {
     let table = read(file, None).expect("it is a table");
     let (mapping, kind, _) = Mapping::guess_for(&table, sensors);
-    Builder::new(&table, &mapping, kind, Hold::Zero).and_then(Builder::finish).expect("it is a record").record
+    built(&table, &mapping, kind, Hold::Zero).record
 }

@@ -1,13 +1,9 @@
-//! Start values on records of many excitations, sensors and dampings, on free decays without an input, and on short records under a
-//! force whose column has another unit, made here and not by the core: the guess, and the end of the filter that begins with it.
-
-use std::collections::BTreeMap;
+//! Start values and ends of filters on records of many excitations, free decays, and short records whose force has another unit.
 
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Channel, FilterSettings, Hold, Quantity, Record};
-use nalgebra::Vector2;
 
-use crate::numbers::{Random, largest, rms, runge_kutta, transition};
+use crate::numbers::{Random, largest, motion, rms};
 use crate::run::{finished_on, forced, last};
 
 #[derive(Clone, Copy)]
@@ -109,24 +105,24 @@ pub(crate) fn record(
 ) -> Record {
     let mut random = Random::new(seed);
     let force = excitation.force(truth, dt, samples, &mut random);
-    let Oscillator { natural_frequency: wn, damping_ratio: zeta } = truth;
-    let transition = transition([wn, zeta], dt);
-    let mut state = Vector2::zeros();
-    let mut signal = Vec::with_capacity(samples);
-    for &f in &force {
-        signal.push(reading(sensor, state.into(), f - 2.0 * zeta * wn * state[1] - wn * wn * state[0]));
-        let rest = Vector2::new(f / (wn * wn), 0.0);
-        state = transition * (state - rest) + rest;
-    }
-    let size = rms(&signal);
-    let measured = signal.iter().map(|y| y + 0.01 * size * random.normal()).collect();
-    forced(dt, Hold::Zero, force, vec![(sensor, measured)])
+    let motion = motion([truth.natural_frequency, truth.damping_ratio], dt, Hold::Zero, &force, [0.0; 2]);
+    forced(dt, Hold::Zero, force, measured(sensor, &motion, 0.01, rms, &mut random))
 }
 
 pub(crate) const SENSORS: [Quantity; 3] = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
 
-pub(crate) fn reading(sensor: Quantity, [x, v]: [f64; 2], acceleration: f64) -> f64 {
-    [x, v, acceleration][SENSORS.iter().position(|one| *one == sensor).unwrap()]
+/// With noise that is this share of the size of the readings.
+fn measured(
+    sensor: Quantity,
+    motion: &[[f64; 3]],
+    noise: f64,
+    size: fn(&[f64]) -> f64,
+    random: &mut Random,
+) -> Vec<(Quantity, Vec<f64>)> {
+    let place = SENSORS.iter().position(|one| *one == sensor).unwrap();
+    let clean: Vec<f64> = motion.iter().map(|motion| motion[place]).collect();
+    let std = noise * size(&clean);
+    vec![(sensor, clean.iter().map(|y| y + std * random.normal()).collect())]
 }
 
 pub(crate) fn suggestion(record: &Record) -> Suggestion {
@@ -152,40 +148,22 @@ pub(crate) fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String
     (error(guess, truth.natural_frequency) < 0.1, ends && ekf.stop().is_none(), text)
 }
 
-pub(crate) type Counts = [usize; 3];
-
-pub(crate) fn grid(
-    seeds: std::ops::Range<u64>,
-    oscillators: &[(f64, f64)],
-    verbose: bool,
-) -> (Counts, BTreeMap<String, Counts>) {
-    let (mut all, mut parts) = ([0; 3], BTreeMap::<String, Counts>::new());
+/// The shares \[%\] of guesses and of ends that are right, over all excitations, sensors and dampings. The others are printed.
+pub(crate) fn shares_of_grid(hertz: f64, rate: f64) -> [f64; 2] {
+    let mut counts = [0; 3];
     for excitation in Excitation::ALL {
         for sensor in SENSORS {
             for damping_ratio in [0.005, 0.02, 0.1] {
-                for seed in seeds.clone() {
-                    let (hertz, rate) = oscillators[seed as usize % oscillators.len()];
-                    let truth = Oscillator { natural_frequency: std::f64::consts::TAU * hertz, damping_ratio };
-                    let record = record(truth, excitation, sensor, 1.0 / rate, 8192, seed);
-                    let (is_right, is_end, text) = outcome(&record, truth);
-                    if verbose && !(is_right && is_end) {
-                        println!("{excitation:?} {} ζ {damping_ratio} seed {seed}: {text}", sensor.key());
-                    }
-                    let names = [format!("{excitation:?}"), sensor.key().to_owned(), format!("ζ {damping_ratio}")];
-                    let add = |counts: &mut Counts| {
-                        *counts = [counts[0] + usize::from(is_right), counts[1] + usize::from(is_end), counts[2] + 1];
-                    };
-                    names.into_iter().for_each(|name| add(parts.entry(name).or_default()));
-                    add(&mut all);
+                let truth = Oscillator { natural_frequency: std::f64::consts::TAU * hertz, damping_ratio };
+                let (is_right, is_end, text) = outcome(&record(truth, excitation, sensor, 1.0 / rate, 8192, 0), truth);
+                if !(is_right && is_end) {
+                    println!("{excitation:?} {} ζ {damping_ratio}: {text}", sensor.key());
                 }
+                counts = [counts[0] + usize::from(is_right), counts[1] + usize::from(is_end), counts[2] + 1];
             }
         }
     }
-    (all, parts)
-}
-
-pub(crate) fn shares([right, ends, all]: Counts) -> [f64; 2] {
-    [right, ends].map(|count| 100.0 * count as f64 / all as f64)
+    [0, 1].map(|i| 100.0 * counts[i] as f64 / counts[2] as f64)
 }
 
 fn gain(filter: &FilterSettings) -> f64 {
@@ -194,14 +172,9 @@ fn gain(filter: &FilterSettings) -> f64 {
 
 type Losses = Box<dyn Fn(usize) -> bool>;
 
-pub(crate) fn worst_of_losses(
-    sensor: Quantity,
-    excitation: Excitation,
-    damping_ratio: f64,
-    seed: u64,
-) -> (f64, String) {
+pub(crate) fn worst_of_losses(sensor: Quantity, excitation: Excitation, seed: u64) -> (f64, String) {
     let mut worst = (0.0, String::new());
-    let truth = Oscillator { natural_frequency: 19.5, damping_ratio };
+    let truth = Oscillator { natural_frequency: 19.5, damping_ratio: 0.02 };
     let whole = record(truth, excitation, sensor, 0.01, 8000, seed);
     let mut random = Random::new(seed + 1000);
     let random: Vec<bool> = (0..8000).map(|_| random.uniform() < 0.01).collect();
@@ -262,33 +235,25 @@ impl RingDown {
     fn record(&self) -> Record {
         let Self { natural_frequency: wn, damping_ratio: zeta, rate, periods, sensor, noise, seed } = *self;
         let dt = std::f64::consts::TAU / wn / rate;
-        let clean = |k: usize| {
-            let [x, v]: [f64; 2] = (transition([wn, zeta], k as f64 * dt) * Vector2::new(1.0, 0.0)).into();
-            reading(sensor, [x, v], -wn * wn * x - 2.0 * zeta * wn * v)
-        };
-        let clean: Vec<f64> = (0..(rate * periods) as usize).map(clean).collect();
-        let (size, mut random) = (largest(&clean), Random::new(seed + 100_000));
-        let measured: Vec<f64> = clean.iter().map(|y| y + noise * size * random.normal()).collect();
-        forced(dt, Hold::First, vec![0.0; clean.len()], vec![(sensor, measured)])
+        let force = vec![0.0; (rate * periods) as usize];
+        let motion = motion([wn, zeta], dt, Hold::Zero, &force, [1.0, 0.0]);
+        let columns = measured(sensor, &motion, noise, largest, &mut Random::new(seed + 100_000));
+        forced(dt, Hold::First, force, columns)
     }
 
-    /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ, and in words.
+    /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ and need no force, and in words.
     pub(crate) fn outcome(&self) -> (bool, String) {
         let filter = &suggestion(&self.record()).scenario.filters[0];
         let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency;
         let damping = filter.initial_mean[Channel::DAMPING_RATIO] / self.damping_ratio;
         let is_white = filter.augment.contains(&Channel::WHITE_FORCE);
-        let is_right = (guess - 1.0).abs() < 0.1 && (1.0 / 1.3..1.3).contains(&damping);
+        let is_right = !is_white && (guess - 1.0).abs() < 0.1 && (1.0 / 1.3..1.3).contains(&damping);
         (is_right, format!("{self:?}: ωₙ {guess:.3}, ζ {damping:.2}, white force {is_white}"))
     }
 }
 
-pub(crate) fn right(seeds: std::ops::Range<u64>) -> f64 {
-    let all = seeds.end - seeds.start;
-    let outcomes = seeds.map(|seed| RingDown::of(seed).outcome());
-    let wrong: Vec<String> = outcomes.filter(|(is_right, _)| !is_right).map(|(_, text)| text).collect();
-    wrong.iter().for_each(|text| println!("{text}"));
-    1.0 - wrong.len() as f64 / all as f64
+pub(crate) fn right_of_decays(seeds: std::ops::Range<u64>) -> [usize; 2] {
+    count(seeds.map(|seed| RingDown::of(seed).outcome()))
 }
 
 /// A short record of an oscillator under a force whose column has another unit, drawn from its seed.
@@ -307,8 +272,6 @@ struct Short {
     hold: Hold,
     seed: u64,
 }
-
-const FINE: usize = 8;
 
 impl Short {
     fn of(samples: usize, rate: f64, gain: f64, seed: u64) -> Self {
@@ -342,18 +305,9 @@ impl Short {
             state
         };
         let input: Vec<f64> = (0..samples).map(|_| draw()).collect();
-        let (mut y, h) = (Vector2::zeros(), dt / FINE as f64);
-        let mut signal = Vec::with_capacity(samples);
-        for k in 0..samples {
-            let next = if hold == Hold::First { input[(k + 1).min(samples - 1)] } else { input[k] };
-            let force = |t: f64| gain * (input[k] + t / dt * (next - input[k]));
-            let rate = |y: Vector2<f64>, t: f64| Vector2::new(y[1], force(t) - 2.0 * zeta * wn * y[1] - wn * wn * y[0]);
-            signal.push(reading(sensor, y.into(), rate(y, 0.0)[1]));
-            y = (0..FINE).fold(y, |y, i| runge_kutta(y, i as f64 * h, h, rate));
-        }
-        let size = rms(&signal);
-        let measured = signal.iter().map(|y| y + noise * size * random.normal()).collect();
-        forced(dt, hold, input, vec![(sensor, measured)])
+        let force: Vec<f64> = input.iter().map(|input| gain * input).collect();
+        let columns = measured(sensor, &motion([wn, zeta], dt, hold, &force, [0.0; 2]), noise, rms, &mut random);
+        forced(dt, hold, input, columns)
     }
 
     fn outcome(&self) -> (bool, String) {
@@ -364,19 +318,19 @@ impl Short {
     }
 }
 
-/// The records of a grid of lengths, rates and gains whose start values are right, and all. The others are printed.
-pub(crate) fn right_of_short(lengths: impl Iterator<Item = usize>, rates: &[f64], gains: &[f64]) -> [usize; 2] {
-    let mut counts = [0; 2];
-    for samples in lengths {
-        for &rate in rates {
-            for &gain in gains {
-                let (is_right, text) = Short::of(samples, rate, gain, counts[1] as u64).outcome();
-                counts = [counts[0] + usize::from(is_right), counts[1] + 1];
-                if !is_right {
-                    println!("{text}");
-                }
-            }
+/// A grid of lengths, rates and gains.
+pub(crate) fn right_of_short(lengths: &[usize], rates: &[f64], gains: &[f64]) -> [usize; 2] {
+    let of = |samples: usize, rate: f64| gains.iter().map(move |gain| (samples, rate, *gain));
+    let all = lengths.iter().flat_map(|samples| rates.iter().flat_map(move |rate| of(*samples, *rate)));
+    count(all.enumerate().map(|(seed, (samples, rate, gain))| Short::of(samples, rate, gain, seed as u64).outcome()))
+}
+
+/// The records whose start values are right, and all. The others are printed.
+fn count(outcomes: impl Iterator<Item = (bool, String)>) -> [usize; 2] {
+    outcomes.fold([0; 2], |[right, all], (is_right, text)| {
+        if !is_right {
+            println!("{text}");
         }
-    }
-    counts
+        [right + usize::from(is_right), all + 1]
+    })
 }

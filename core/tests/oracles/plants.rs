@@ -1,82 +1,38 @@
-//! The plants' equations of motion again, on dual numbers, which need no formula for the Jacobian.
-
-use std::ops::{Add, Mul, Neg, Sub};
+//! The plants' equations of motion again, on complex numbers: an infinitesimal imaginary part gives the Jacobian without a formula.
 
 use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::matrix::Matrix;
+pub(crate) type Number = Complex<f64>;
 
-#[derive(Clone, Debug)]
-pub(crate) struct Dual {
-    pub(crate) value: f64,
-    pub(crate) slope: Vec<f64>,
+/// The values of functions of a state, and their Jacobian.
+///
+/// Source: Squire and Trapp (1998), Using complex variables to estimate derivatives of real functions.
+pub(crate) fn with_jacobian(of: impl Fn(&[Number]) -> Vec<Number>, at: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    const STEP: f64 = 1e-100;
+    let real: Vec<Number> = at.iter().map(|x| Number::new(*x, 0.0)).collect();
+    let values = of(&real);
+    let mut jacobian = DMatrix::zeros(values.len(), at.len());
+    for j in 0..at.len() {
+        let mut moved = real.clone();
+        moved[j].im = STEP;
+        let slopes = of(&moved).into_iter().map(|value| value.im / STEP);
+        jacobian.column_mut(j).iter_mut().zip(slopes).for_each(|(to, slope)| *to = slope);
+    }
+    (DVector::from_iterator(values.len(), values.iter().map(|value| value.re)), jacobian)
 }
 
-impl Dual {
-    pub(crate) fn state(values: &[f64]) -> Vec<Self> {
-        let slope = |i: usize| (0..values.len()).map(|j| f64::from(u8::from(i == j))).collect();
-        values.iter().enumerate().map(|(i, &value)| Self { value, slope: slope(i) }).collect()
-    }
-
-    fn chained(&self, value: f64, derivative: f64) -> Self {
-        Self { value, slope: self.slope.iter().map(|s| s * derivative).collect() }
-    }
-
-    pub(crate) fn exp(&self) -> Self {
-        self.chained(self.value.exp(), self.value.exp())
-    }
-
-    fn abs(&self) -> Self {
-        if self.value < 0.0 { -self.clone() } else { self.clone() }
-    }
-
-    fn inverse(&self) -> Self {
-        self.chained(1.0 / self.value, -1.0 / (self.value * self.value))
-    }
+pub(crate) fn value(of: impl Fn(&[Number]) -> Vec<Number>, at: &[f64]) -> DVector<f64> {
+    let real: Vec<Number> = at.iter().map(|x| Number::new(*x, 0.0)).collect();
+    DVector::from_vec(of(&real).iter().map(|value| value.re).collect())
 }
 
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        self.chained(-self.value, -1.0)
-    }
+fn exp(x: Number) -> Number {
+    Number::new(x.im.cos(), x.im.sin()) * x.re.exp()
 }
 
-impl Add for Dual {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        let slope = self.slope.iter().zip(&other.slope).map(|(a, b)| a + b).collect();
-        Self { value: self.value + other.value, slope }
-    }
-}
-
-impl Sub for Dual {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-impl Mul for Dual {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        let value = self.value * other.value;
-        Self { value, ..self.chained(0.0, other.value) + other.chained(0.0, self.value) }
-    }
-}
-
-impl Mul<Dual> for f64 {
-    type Output = Dual;
-    fn mul(self, other: Dual) -> Dual {
-        other.chained(self * other.value, self)
-    }
-}
-
-impl Add<f64> for Dual {
-    type Output = Self;
-    fn add(self, other: f64) -> Self {
-        Self { value: self.value + other, slope: self.slope }
-    }
+fn abs(x: Number) -> Number {
+    if x.re < 0.0 { -x } else { x }
 }
 
 pub(crate) fn written() -> impl Iterator<Item = PlantKind> {
@@ -102,94 +58,60 @@ impl Plant {
     }
 
     /// `ẏ = g(y, f)`
-    pub(crate) fn rate(&self, state: &[Dual], force: f64) -> Vec<Dual> {
-        let plain = |i: usize| if self.is_log(i) { state[i].exp() } else { state[i].clone() };
-        let y: Vec<Dual> = (0..state.len()).map(plain).collect();
-        let moving = match &self.kind {
-            kind if *kind == PlantKind::SDOF => {
-                let [x, v, wn, zeta] = &y[..] else { unreachable!("four components") };
-                vec![v.clone(), linear(x, v, wn, zeta) + force]
-            }
-            kind if *kind == PlantKind::DUFFING => {
-                let [x, v, wn, zeta, mu] = &y[..] else { unreachable!("five components") };
-                let cubic = mu.clone() * x.clone() * x.clone() * x.clone();
-                vec![v.clone(), linear(x, v, wn, zeta) - cubic + force]
-            }
+    pub(crate) fn rate(&self, state: &[Number], force: f64) -> Vec<Number> {
+        let y: Vec<Number> = (0..state.len()).map(|i| if self.is_log(i) { exp(state[i]) } else { state[i] }).collect();
+        let mut rate = match &self.kind {
+            kind if *kind == PlantKind::SDOF => vec![y[1], linear(&y) + force],
+            kind if *kind == PlantKind::DUFFING => vec![y[1], linear(&y) - y[4] * y[0] * y[0] * y[0] + force],
             kind if *kind == PlantKind::BOUC_WEN => bouc_wen(&y, force),
             _ => chain(&y, force),
         };
-        let decay = |i: usize| {
-            let rate = -self.eta * y[i].clone();
-            if self.is_log(i) { rate * y[i].inverse() } else { rate }
-        };
-        let parameters = (moving.len()..y.len()).map(decay);
-        moving.iter().cloned().chain(parameters).collect()
+        for (i, &parameter) in y.iter().enumerate().skip(rate.len()) {
+            let decay = -self.eta * parameter;
+            rate.push(if self.is_log(i) { decay / parameter } else { decay });
+        }
+        rate
     }
 
-    pub(crate) fn reading(&self, state: &[Dual], force: f64, quantity: Quantity) -> Option<Dual> {
+    pub(crate) fn reading(&self, state: &[Number], force: f64, quantity: Quantity) -> Option<Number> {
         let place = |channel: Channel| self.channels().iter().position(|&c| c == channel);
         if quantity.aspect() == Aspect::ACCELERATION {
-            return Some(self.rate(state, force)[place(Channel::velocity(quantity.mass()))?].clone());
+            return Some(self.rate(state, force)[place(Channel::velocity(quantity.mass()))?]);
         }
-        Some(state[place(quantity.channel()?)?].clone())
+        Some(state[place(quantity.channel()?)?])
     }
 }
 
 /// `-2ζωₙv - ωₙ²x`
-fn linear(x: &Dual, v: &Dual, wn: &Dual, zeta: &Dual) -> Dual {
-    -2.0 * (zeta.clone() * wn.clone() * v.clone()) - wn.clone() * wn.clone() * x.clone()
+fn linear(y: &[Number]) -> Number {
+    let [x, v, wn, zeta, ..] = y else { unreachable!("four components") };
+    -2.0 * zeta * wn * v - wn * wn * x
 }
 
-fn bouc_wen(y: &[Dual], force: f64) -> Vec<Dual> {
-    let [x, v, z, wn, zeta, alpha, beta, gamma] = y else { unreachable!("eight components") };
-    let elastic = alpha.clone() * x.clone();
-    let hysteretic = (-alpha.clone() + 1.0) * z.clone();
-    let spring = wn.clone() * wn.clone() * (elastic + hysteretic);
-    let damper = 2.0 * (zeta.clone() * wn.clone() * v.clone());
-    let memory =
-        v.clone() - beta.clone() * v.abs() * z.abs() * z.clone() - gamma.clone() * v.clone() * z.clone() * z.clone();
-    vec![v.clone(), -damper - spring + force, memory]
+fn bouc_wen(y: &[Number], force: f64) -> Vec<Number> {
+    let &[x, v, z, wn, zeta, alpha, beta, gamma] = y else { unreachable!("eight components") };
+    let spring = wn * wn * (alpha * x + (1.0 - alpha) * z);
+    let memory = v - beta * abs(v) * abs(z) * z - gamma * v * z * z;
+    vec![v, -2.0 * zeta * wn * v - spring + force, memory]
 }
 
 /// `ẍ = f 1 - K x - C v` with the tridiagonal matrices of a shear building.
-fn chain(y: &[Dual], force: f64) -> Vec<Dual> {
+fn chain(y: &[Number], force: f64) -> Vec<Number> {
     let masses = (y.len() - 1) / 3;
-    let (x, v, stiffness, damping) = (&y[..masses], &y[masses..2 * masses], &y[2 * masses..3 * masses], &y[3 * masses]);
-    let zero = || 0.0 * damping.clone();
-    let above = |i: usize| if i + 1 < masses { (stiffness[i + 1].clone(), damping.clone()) } else { (zero(), zero()) };
-    let acceleration = |i: usize| {
-        let (k, c) = above(i);
-        let mut pull = (stiffness[i].clone() + k.clone()) * x[i].clone() + (damping.clone() + c.clone()) * v[i].clone();
-        if i > 0 {
-            pull = pull - stiffness[i].clone() * x[i - 1].clone() - damping.clone() * v[i - 1].clone();
-        }
-        if i + 1 < masses {
-            pull = pull - k * x[i + 1].clone() - c * v[i + 1].clone();
-        }
-        -pull + force
+    let (x, v, stiffness, damping) = (&y[..masses], &y[masses..2 * masses], &y[2 * masses..3 * masses], y[3 * masses]);
+    let pull = |i: usize| match i {
+        0 => stiffness[0] * x[0] + damping * v[0],
+        _ => stiffness[i] * (x[i] - x[i - 1]) + damping * (v[i] - v[i - 1]),
     };
-    v.iter().cloned().chain((0..masses).map(acceleration)).collect()
+    let acceleration = |i: usize| if i + 1 < masses { pull(i + 1) - pull(i) + force } else { -pull(i) + force };
+    v.iter().copied().chain((0..masses).map(acceleration)).collect()
 }
 
-pub(crate) fn values(duals: &[Dual]) -> Vec<f64> {
-    duals.iter().map(|d| d.value).collect()
-}
-
-pub(crate) fn jacobian(duals: &[Dual]) -> Matrix {
-    Matrix(duals.iter().map(|d| d.slope.clone()).collect())
-}
-
-pub(crate) fn runge_kutta(plant: &Plant, state: &[Dual], force: f64, dt: f64) -> Vec<Dual> {
-    let along = |rate: &[Dual], by: f64| -> Vec<Dual> {
-        state.iter().zip(rate).map(|(y, r)| y.clone() + by * r.clone()).collect()
-    };
+pub(crate) fn runge_kutta(plant: &Plant, state: &[Number], force: f64, dt: f64) -> Vec<Number> {
+    let along = |rate: &[Number], by: f64| -> Vec<Number> { state.iter().zip(rate).map(|(y, r)| y + by * r).collect() };
     let k1 = plant.rate(state, force);
     let k2 = plant.rate(&along(&k1, dt / 2.0), force);
     let k3 = plant.rate(&along(&k2, dt / 2.0), force);
     let k4 = plant.rate(&along(&k3, dt), force);
-    let mean = |i: usize| {
-        let middle = 2.0 * (k2[i].clone() + k3[i].clone());
-        (1.0 / 6.0) * (k1[i].clone() + middle + k4[i].clone())
-    };
-    along(&(0..state.len()).map(mean).collect::<Vec<_>>(), dt)
+    along(&(0..state.len()).map(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0).collect::<Vec<_>>(), dt)
 }

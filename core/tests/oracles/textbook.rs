@@ -1,13 +1,17 @@
 //! The filters as in their papers: weighted sums, explicit inverses, `P - K S Kᵀ`.
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Values};
+use nalgebra::{DMatrix, DVector};
 
-use super::matrix::{Matrix, along, dot};
-use super::plants::{Dual, Plant, jacobian, runge_kutta, values};
+use super::plants::{Number, Plant, runge_kutta, value, with_jacobian};
+use crate::numbers::exponential;
+
+type Matrix = DMatrix<f64>;
+type Vector = DVector<f64>;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
-    pub(crate) mean: Vec<f64>,
+    pub(crate) mean: Vector,
     pub(crate) cov: Matrix,
     /// NaN where nothing was measured.
     pub(crate) nis: f64,
@@ -23,7 +27,7 @@ pub(crate) struct Textbook<'a> {
     /// The steps of a prediction, and the time of one.
     parts: usize,
     dt: f64,
-    pub(crate) mean: Vec<f64>,
+    pub(crate) mean: Vector,
     pub(crate) cov: Matrix,
     process: Matrix,
     noise: Vec<f64>,
@@ -31,12 +35,12 @@ pub(crate) struct Textbook<'a> {
 
 struct Measured {
     sensors: Vec<(usize, Quantity)>,
-    values: Vec<f64>,
+    values: Vector,
     force: f64,
 }
 
 struct Expected {
-    innovation: Vec<f64>,
+    innovation: Vector,
     innovation_cov: Matrix,
     cross: Matrix,
 }
@@ -63,7 +67,7 @@ impl<'a> Textbook<'a> {
         let unit = |i: usize| if plant.is_log(i) { 1.0 / settings.initial_mean[channels[i]] } else { 1.0 };
         let variances = |stds: &Values| {
             let std = |(i, &c): (usize, &Channel)| if known && c.is_parameter() { 0.0 } else { stds[c] * unit(i) };
-            Matrix::diagonal(&channels.iter().enumerate().map(std).map(|s| s * s).collect::<Vec<_>>())
+            diagonal(channels.iter().enumerate().map(std).map(|s| s * s))
         };
         let start = |(i, &c): (usize, &Channel)| {
             if plant.is_log(i) { settings.initial_mean[c].ln() } else { settings.initial_mean[c] }
@@ -72,7 +76,7 @@ impl<'a> Textbook<'a> {
         Self {
             scenario,
             propagation: settings.propagation_for(&scenario.plant.kind),
-            mean: channels.iter().enumerate().map(start).collect(),
+            mean: Vector::from_iterator(channels.len(), channels.iter().enumerate().map(start)),
             cov: variances(&settings.initial_std),
             process: variances(&settings.process_std),
             noise: settings.sensor_std.iter().map(|s| s * s).collect(),
@@ -90,11 +94,11 @@ impl Textbook<'_> {
         self.predict(record.force(k - 1));
         let sensors = self.scenario.sensors.iter().map(|s| s.measures).enumerate();
         let seen = |&(i, quantity): &(usize, _)| {
-            let state = Dual::state(&self.mean);
+            let state = vec![Number::default(); self.mean.len()];
             self.plant.reading(&state, 0.0, quantity).is_some() && !record.measured(i)[k].is_nan()
         };
         let sensors: Vec<_> = sensors.filter(seen).collect();
-        let values = sensors.iter().map(|&(i, _)| record.measured(i)[k]).collect();
+        let values = Vector::from_iterator(sensors.len(), sensors.iter().map(|&(i, _)| record.measured(i)[k]));
         self.update(&Measured { sensors, values, force: record.force(k) })
     }
 
@@ -105,7 +109,7 @@ impl Textbook<'_> {
             mean[i] = mean[i].exp();
             scale[i] = mean[i];
         }
-        let cov = Matrix::diagonal(&scale).times(&self.cov).times(&Matrix::diagonal(&scale));
+        let cov = Matrix::from_fn(mean.len(), mean.len(), |i, j| scale[i] * self.cov[(i, j)] * scale[j]);
         Sample { mean, cov, nis, log_likelihood }
     }
 
@@ -118,42 +122,37 @@ impl Textbook<'_> {
             self.cov = if self.is_linearising() {
                 let (mean, transition) = self.linearised_step(force);
                 self.mean = mean;
-                transition.times(&self.cov).times(&transition.transposed())
+                &transition * &self.cov * transition.transpose()
             } else {
                 let (points, weights) = self.sigma_points();
-                let step = |y: &Vec<f64>| values(&runge_kutta(&self.plant, &Dual::state(y), force, self.dt));
-                let images: Vec<Vec<f64>> = points.iter().map(step).collect();
+                let step = |y: &[Number]| runge_kutta(&self.plant, y, force, self.dt);
+                let images: Vec<Vector> = points.iter().map(|y| value(step, y.as_slice())).collect();
                 self.mean = weighted_mean(&images, &weights);
                 weighted_cov((&images, &self.mean), (&images, &self.mean), &weights)
             };
         }
-        self.cov = self.cov.scaled(self.settings.fading).plus(&self.process);
+        self.cov = &self.cov * self.settings.fading + &self.process;
     }
 
-    fn linearised_step(&self, force: f64) -> (Vec<f64>, Matrix) {
-        let n = self.mean.len();
-        let state = Dual::state(&self.mean);
-        let rate = self.plant.rate(&state, force);
-        let (rate, a) = (values(&rate), jacobian(&rate));
-        match self.propagation {
-            Propagation::LocalLinearisation => {
-                let (transition, shift) = a.held(&rate, self.dt);
-                (along(&self.mean, &shift, 1.0), transition)
-            }
-            Propagation::RungeKutta => {
-                let next = runge_kutta(&self.plant, &state, force, self.dt);
-                (values(&next), jacobian(&next))
-            }
-            Propagation::Euler => (along(&self.mean, &rate, self.dt), Matrix::identity(n).plus(&a.scaled(self.dt))),
+    fn linearised_step(&self, force: f64) -> (Vector, Matrix) {
+        let (n, mean) = (self.mean.len(), self.mean.as_slice());
+        if self.propagation == Propagation::RungeKutta {
+            return with_jacobian(|y| runge_kutta(&self.plant, y, force, self.dt), mean);
         }
+        let (rate, a) = with_jacobian(|y| self.plant.rate(y, force), mean);
+        if self.propagation == Propagation::Euler {
+            return (&self.mean + rate * self.dt, Matrix::identity(n, n) + a * self.dt);
+        }
+        let (transition, shift) = held(&a, rate.as_slice(), self.dt);
+        (&self.mean + shift, transition)
     }
 
     /// Points, and the weights of each in means and in covariances. Source: van der Merwe (2004), *Sigma-Point Kalman Filters*,
     /// section 3.2 (α = 1, β = 2, κ = 3 - n); Arasaratnam and Haykin (2009), Cubature Kalman filters, section V.
-    fn sigma_points(&self) -> (Vec<Vec<f64>>, Vec<[f64; 2]>) {
+    fn sigma_points(&self) -> (Vec<Vector>, Vec<[f64; 2]>) {
         let n = self.mean.len();
         let size = n as f64;
-        let root = self.cov.cholesky();
+        let root = cholesky(&self.cov);
         let cubature = self.settings.kind == FilterKind::CKF;
         let (alpha, beta, kappa) = (1.0, 2.0, 3.0 - size);
         let lambda = if cubature { 0.0 } else { alpha * alpha * (size + kappa) - size };
@@ -167,31 +166,28 @@ impl Textbook<'_> {
         }
         for sign in [1.0, -1.0] {
             for i in 0..n {
-                points.push(along(&self.mean, &root.column(i), sign * distance));
+                points.push(&self.mean + root.column(i) * (sign * distance));
                 weights.push([0.5 / (size + lambda); 2]);
             }
         }
         (points, weights)
     }
 
-    fn readings(&self, measured: &Measured, state: &[f64]) -> Vec<Dual> {
-        let state = Dual::state(state);
-        let read = |&(_, quantity)| self.plant.reading(&state, measured.force, quantity).unwrap();
+    fn readings(&self, measured: &Measured, state: &[Number]) -> Vec<Number> {
+        let read = |&(_, quantity)| self.plant.reading(state, measured.force, quantity).unwrap();
         measured.sensors.iter().map(read).collect()
     }
 
     fn noise_of(&self, measured: &Measured) -> Matrix {
-        Matrix::diagonal(&measured.sensors.iter().map(|&(i, _)| self.noise[i]).collect::<Vec<_>>())
+        diagonal(measured.sensors.iter().map(|&(i, _)| self.noise[i]))
     }
 
-    fn linearised(&self, measured: &Measured, at: &[f64]) -> (Expected, Matrix) {
-        let readings = self.readings(measured, at);
-        let h = jacobian(&readings);
+    fn linearised(&self, measured: &Measured, at: &Vector) -> (Expected, Matrix) {
+        let (readings, h) = with_jacobian(|y| self.readings(measured, y), at.as_slice());
         // z - h(yᵢ) - H (y⁻ - yᵢ)
-        let back = h.apply(&along(&self.mean, at, -1.0));
-        let innovation = along(&along(&measured.values, &values(&readings), -1.0), &back, -1.0);
-        let cross = self.cov.times(&h.transposed());
-        let innovation_cov = h.times(&cross).plus(&self.noise_of(measured));
+        let innovation = &measured.values - readings - &h * (&self.mean - at);
+        let cross = &self.cov * h.transpose();
+        let innovation_cov = &h * &cross + self.noise_of(measured);
         (Expected { innovation, innovation_cov, cross }, h)
     }
 
@@ -200,12 +196,12 @@ impl Textbook<'_> {
             return self.linearised(measured, &self.mean).0;
         }
         let (points, weights) = self.sigma_points();
-        let images: Vec<Vec<f64>> = points.iter().map(|y| values(&self.readings(measured, y))).collect();
+        let images: Vec<Vector> = points.iter().map(|y| value(|y| self.readings(measured, y), y.as_slice())).collect();
         let mean = weighted_mean(&images, &weights);
         let cov = weighted_cov((&images, &mean), (&images, &mean), &weights);
         Expected {
-            innovation: along(&measured.values, &mean, -1.0),
-            innovation_cov: cov.plus(&self.noise_of(measured)),
+            innovation: &measured.values - &mean,
+            innovation_cov: cov + self.noise_of(measured),
             cross: weighted_cov((&points, &self.mean), (&images, &mean), &weights),
         }
     }
@@ -216,61 +212,87 @@ impl Textbook<'_> {
         }
         let first = self.expect(measured);
         let Expected { innovation, innovation_cov, cross } = &first;
-        let (inverse, determinant) = innovation_cov.inverse();
-        let mut gain = cross.times(&inverse);
-        let prior = self.cov.clone();
-        let mut mean = along(&self.mean, &gain.apply(innovation), 1.0);
-        let mut cov = prior.minus(&gain.times(innovation_cov).times(&gain.transposed()));
+        let inverse = innovation_cov.clone().try_inverse().unwrap();
+        let mut gain = cross * &inverse;
+        let mut mean = &self.mean + &gain * innovation;
+        let mut cov = &self.cov - &gain * innovation_cov * gain.transpose();
         if self.settings.kind == FilterKind::IEKF {
             for _ in 1..self.settings.iterations {
                 let (expected, h) = self.linearised(measured, &mean);
                 let last = mean;
-                gain = expected.cross.times(&expected.innovation_cov.inverse().0);
-                mean = along(&self.mean, &gain.apply(&expected.innovation), 1.0);
-                cov = Matrix::identity(mean.len()).minus(&gain.times(&h)).times(&prior);
+                gain = expected.cross * expected.innovation_cov.try_inverse().unwrap();
+                mean = &self.mean + &gain * expected.innovation;
+                cov = &self.cov - &gain * h * &self.cov;
                 // The core stops when a step is below a millionth of the standard deviation.
-                if (0..mean.len()).all(|i| (mean[i] - last[i]).abs() <= 1e-6 * cov.at(i, i).max(0.0).sqrt()) {
+                if (0..mean.len()).all(|i| (mean[i] - last[i]).abs() <= 1e-6 * cov[(i, i)].max(0.0).sqrt()) {
                     break;
                 }
             }
         }
         (self.mean, self.cov) = (mean, cov);
         self.adapt(measured, innovation, &gain);
-        let nis = dot(innovation, &inverse.apply(innovation));
+        let nis = innovation.dot(&(inverse * innovation));
         let tau = std::f64::consts::TAU;
-        (nis, -0.5 * (nis + (determinant * tau.powi(innovation.len() as i32)).ln()))
+        (nis, -0.5 * (nis + (innovation_cov.determinant() * tau.powi(innovation.len() as i32)).ln()))
     }
 
     /// The residual is the innovation after the update. Source: Akhlaghi, Zhou and Huang (2017), equations 10 and 15.
-    fn adapt(&mut self, measured: &Measured, innovation: &[f64], gain: &Matrix) {
+    fn adapt(&mut self, measured: &Measured, innovation: &Vector, gain: &Matrix) {
         let adaptation = self.settings.adaptation;
         let keep = adaptation.forgetting;
         if adaptation.process_noise {
-            let shift = gain.apply(innovation);
-            self.process = self.process.scaled(keep).plus(&Matrix::outer(&shift, &shift).scaled(1.0 - keep));
+            let shift = gain * innovation;
+            self.process = &self.process * keep + &shift * shift.transpose() * (1.0 - keep);
         }
         if adaptation.sensor_noise {
-            let readings = self.readings(measured, &self.mean);
-            let h = jacobian(&readings);
-            let seen = h.times(&self.cov).times(&h.transposed());
+            let (readings, h) = with_jacobian(|y| self.readings(measured, y), self.mean.as_slice());
+            let seen = &h * &self.cov * h.transpose();
             for (row, &(i, _)) in measured.sensors.iter().enumerate() {
-                let residual = measured.values[row] - readings[row].value;
-                self.noise[i] = keep * self.noise[i] + (1.0 - keep) * (residual * residual + seen.at(row, row));
+                let residual = measured.values[row] - readings[row];
+                self.noise[i] = keep * self.noise[i] + (1.0 - keep) * (residual * residual + seen[(row, row)]);
             }
         }
     }
 }
 
-fn weighted_mean(points: &[Vec<f64>], weights: &[[f64; 2]]) -> Vec<f64> {
-    let zero = vec![0.0; points[0].len()];
-    points.iter().zip(weights).fold(zero, |sum, (point, weight)| along(&sum, point, weight[0]))
+fn diagonal(entries: impl Iterator<Item = f64>) -> Matrix {
+    Matrix::from_diagonal(&Vector::from_vec(entries.collect()))
 }
 
-type About<'a> = (&'a [Vec<f64>], &'a [f64]);
+/// The lower triangular Cholesky factor, by the textbook's formula; the column of a zero variance is zero.
+fn cholesky(cov: &Matrix) -> Matrix {
+    let n = cov.nrows();
+    let mut factor = Matrix::zeros(n, n);
+    for j in 0..n {
+        let square = cov[(j, j)] - (0..j).map(|k| factor[(j, k)] * factor[(j, k)]).sum::<f64>();
+        if square > 1e-15 * cov[(j, j)] {
+            for i in j..n {
+                let rest = cov[(i, j)] - (0..j).map(|k| factor[(i, k)] * factor[(j, k)]).sum::<f64>();
+                factor[(i, j)] = rest / square.sqrt();
+            }
+        }
+    }
+    factor
+}
+
+/// `exp(A dt)` and `dt φ₁(A dt) g`: exp([A dt, g dt; 0, 0]) = [exp(A dt), dt φ₁(A dt) g; 0, 1].
+pub(crate) fn held(a: &Matrix, g: &[f64], dt: f64) -> (Matrix, Vector) {
+    let n = g.len();
+    let mut whole = a.clone().insert_column(n, 0.0).insert_row(n, 0.0);
+    whole.view_mut((0, n), (n, 1)).copy_from_slice(g);
+    let whole = exponential(&(whole * dt));
+    (whole.view((0, 0), (n, n)).into_owned(), whole.view((0, n), (n, 1)).column(0).into_owned())
+}
+
+fn weighted_mean(points: &[Vector], weights: &[[f64; 2]]) -> Vector {
+    let zero = Vector::zeros(points[0].len());
+    points.iter().zip(weights).fold(zero, |sum, (point, weight)| sum + point * weight[0])
+}
+
+type About<'a> = (&'a [Vector], &'a Vector);
 
 fn weighted_cov((a, a_mean): About<'_>, (b, b_mean): About<'_>, weights: &[[f64; 2]]) -> Matrix {
-    let zero = Matrix::from_fn(a_mean.len(), b_mean.len(), |_, _| 0.0);
-    a.iter().zip(b).zip(weights).fold(zero, |sum, ((a, b), weight)| {
-        sum.plus(&Matrix::outer(&along(a, a_mean, -1.0), &along(b, b_mean, -1.0)).scaled(weight[1]))
-    })
+    let zero = Matrix::zeros(a_mean.len(), b_mean.len());
+    let parts = a.iter().zip(b).zip(weights);
+    parts.fold(zero, |sum, ((a, b), weight)| sum + (a - a_mean) * (b - b_mean).transpose() * weight[1])
 }

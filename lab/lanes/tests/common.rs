@@ -172,13 +172,16 @@ pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     singles
 }
 
-pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
-    let runs = runs_of(scenario, record);
-    for (place, lane) in outcomes_with(InstructionSet::best(), &runs, &[]).unwrap().iter().enumerate() {
-        let alone = Outcome::of(scenario, place, record).unwrap();
-        assert_eq!(bits(lane), bits(&alone), "{what}, filter {place}");
-    }
-    runs.len()
+/// Returns the samples that their NEES count.
+pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> Vec<u32> {
+    let (runs, last) = (runs_of(scenario, record), record.len() - 1);
+    let samples = [0, 1.min(last), 9.min(last), 500.min(last), last];
+    let check = |(place, lane): (usize, Outcome)| {
+        let alone = Outcome::at(scenario, place, record, &samples).unwrap();
+        assert_eq!(bits(&lane), bits(&alone), "{what}, filter {place}\n{lane:?}\n{alone:?}");
+        alone.nees.samples
+    };
+    outcomes_with(InstructionSet::best(), &runs, &samples).unwrap().into_iter().enumerate().map(check).collect()
 }
 
 /// Every number of an outcome, bit by bit; all NaNs count as equal.

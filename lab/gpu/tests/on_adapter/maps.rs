@@ -130,20 +130,6 @@ fn maps_of_guesses_are_the_processors() {
     }
 }
 
-/// `cargo test -p kalmanscope-gpu --test maps -- --ignored --nocapture`
-#[test]
-#[ignore = "the figures of whole maps"]
-fn whole_maps() {
-    for seed in 1..=3 {
-        for kind in ["EKF", "UKF"] {
-            for (name, runner) in [("Q and R", tuning(kind, seed, 128)), ("guesses", guesses(kind, seed, 128))] {
-                let comparison = compare(&format!("seed {seed}, {kind}, {name}"), &runner);
-                assert!(comparison.same_share() >= 0.99);
-            }
-        }
-    }
-}
-
 #[test]
 fn rows_do_not_depend_on_the_portion() {
     let runner = tuning("UKF", 1, 12);
@@ -240,58 +226,44 @@ fn check(name: &str, scenarios: &[Scenario]) {
 const KINDS: [FilterKind; 2] = [FilterKind::EKF, FilterKind::UKF];
 
 #[test]
-fn built_in_plants_have_the_scores_of_the_processor() {
-    for plant in [PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_2] {
-        for kind in KINDS {
-            let name = format!("{plant:?}, {kind:?}");
+fn plants_and_what_surrounds_them_have_the_scores_of_the_processor() {
+    use {FilterKind as Kind, PlantKind as Plant};
+    type Change = fn(&mut Scenario);
+    let both = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+    let augment = [Channel::INPUT_GAIN, Channel::INPUT_OFFSET, both[1].bias()];
+    let usual: Change = |scenario| scenario.filters[0].propagation = Some(Propagation::LocalLinearisation);
+    let runge_kutta: Change = |scenario| scenario.filters[0].propagation = Some(Propagation::RungeKutta);
+    let white: Change = |Scenario { filters, .. }| {
+        filters[0].augment.push(Channel::WHITE_FORCE);
+        (filters[0].process_std[Channel::WHITE_FORCE], filters[0].initial_std[Channel::WHITE_FORCE]) = (0.3, 0.3);
+    };
+    let divided: Change = |scenario| (scenario.filters[0].substeps, scenario.filters[0].eta) = (2, 1e-3);
+    let surrounded = || built_in(Plant::SDOF, &both, &augment, Hold::First);
+    let duffing = || built_in(Plant::DUFFING, &both[..1], &[], Hold::Zero);
+    let mut cases = vec![
+        (surrounded(), Kind::EKF, usual),
+        (surrounded(), Kind::EKF, runge_kutta),
+        (surrounded(), Kind::UKF, usual),
+        (surrounded(), Kind::CKF, usual),
+        (built_in(Plant::SDOF, &both, &[], Hold::First), Kind::EKF, white),
+        (built_in(Plant::SDOF, &both, &[], Hold::Zero), Kind::UKF, white),
+    ];
+    for kind in KINDS {
+        cases.push((duffing(), kind, divided));
+        cases.extend([Plant::DUFFING, Plant::BOUC_WEN, Plant::SHEAR_2].map(|plant| {
             let quantities: Vec<Quantity> = plant.quantities().take(2).collect();
-            check(&name, &with_guesses(built_in(plant.clone(), &quantities, &[], Hold::Zero), kind));
-        }
+            (built_in(plant, &quantities, &[], Hold::Zero), kind, (|_| ()) as Change)
+        }));
+        cases.extend(["pendulum", "dry-friction", "helmholtz"].map(|equation| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations").join(equation);
+            let text = std::fs::read_to_string(path.with_extension("toml")).unwrap();
+            (Scenario { duration: 10.0, ..Scenario::from_toml(&text).unwrap() }, kind, (|_| ()) as Change)
+        }));
     }
-}
-
-#[test]
-fn equations_have_the_scores_of_the_processor() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations");
-    for equation in ["pendulum", "dry-friction", "helmholtz"] {
-        for kind in KINDS {
-            let text = std::fs::read_to_string(folder.join(equation).with_extension("toml")).unwrap();
-            let scenario = Scenario { duration: 10.0, ..Scenario::from_toml(&text).unwrap() };
-            let name = format!("{equation}, {kind:?}");
-            check(&name, &with_guesses(scenario, kind));
-        }
-    }
-}
-
-#[test]
-fn surroundings_of_a_plant_are_served() {
-    let quantities: Vec<Quantity> = vec![Quantity::DISPLACEMENT, Quantity::ACCELERATION];
-    let augment = [Channel::INPUT_GAIN, Channel::INPUT_OFFSET, quantities[1].bias()];
-    for (kind, propagation) in [
-        (FilterKind::EKF, Propagation::LocalLinearisation),
-        (FilterKind::EKF, Propagation::RungeKutta),
-        (FilterKind::UKF, Propagation::LocalLinearisation),
-        (FilterKind::CKF, Propagation::LocalLinearisation),
-    ] {
-        let mut scenarios = with_guesses(built_in(PlantKind::SDOF, &quantities, &augment, Hold::First), kind);
-        scenarios.iter_mut().for_each(|scenario| scenario.filters[0].propagation = Some(propagation));
-        let name = format!("surroundings, {kind:?}, {propagation:?}");
-        check(&name, &scenarios);
-    }
-}
-
-#[test]
-fn white_forces_are_served() {
-    for (kind, hold) in [(FilterKind::EKF, Hold::First), (FilterKind::UKF, Hold::Zero)] {
-        let quantities = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
-        let mut scenarios = with_guesses(built_in(PlantKind::SDOF, &quantities, &[], hold), kind);
-        for Scenario { filters, .. } in &mut scenarios {
-            filters[0].augment.push(Channel::WHITE_FORCE);
-            filters[0].process_std[Channel::WHITE_FORCE] = 0.3;
-            filters[0].initial_std[Channel::WHITE_FORCE] = 0.3;
-        }
-        let name = format!("white force, {kind:?}, {hold:?}");
-        check(&name, &scenarios);
+    for (scenario, kind, change) in cases {
+        let mut scenarios = with_guesses(scenario, kind);
+        scenarios.iter_mut().for_each(change);
+        check(&format!("{:?}, {:?}", scenarios[0].plant.kind, scenarios[0].filters[0]), &scenarios);
     }
 }
 
@@ -306,18 +278,5 @@ fn filters_that_are_lost_are_lost_on_both() {
         let Tally { runs, same, kept, .. } = tally(&format!("lost, {kind:?}"), &scenarios);
         assert!(same as f64 >= 0.9 * runs as f64, "{kind:?}: {same} of {runs}");
         assert!(same - kept >= runs / 10, "{kind:?}: {} lost", same - kept);
-    }
-}
-
-#[test]
-fn settings_of_a_filter_are_served() {
-    for kind in KINDS {
-        let mut scenarios =
-            with_guesses(built_in(PlantKind::DUFFING, &[Quantity::DISPLACEMENT], &[], Hold::Zero), kind);
-        for scenario in &mut scenarios {
-            (scenario.filters[0].substeps, scenario.filters[0].eta) = (2, 1e-3);
-        }
-        let name = format!("parts and decay, {kind:?}");
-        check(&name, &scenarios);
     }
 }

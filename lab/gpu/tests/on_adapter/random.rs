@@ -116,14 +116,6 @@ fn random_runs_are_the_single_filters() {
 }
 
 #[test]
-#[ignore = "the seeds by which the limits are chosen"]
-fn random_runs_of_other_seeds() {
-    for seed in 1..=3 {
-        println!("{:?}", tally(seed));
-    }
-}
-
-#[test]
 fn a_filter_that_overflows_stops() {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
     scenario.filters.truncate(1);
