@@ -29,8 +29,9 @@ use rows::{ROWS, Row};
 /// `free_run.displacement`. Each is one row of a table, with its formula. [`Scenario::knowing`] reads those of an equation's channels.
 ///
 /// ```
-/// use kalmanscope_core::{Channel, Measure};
-/// # fn main() -> Result<(), kalmanscope_core::UnknownMeasure> {
+/// use kalmanscope_core::Channel;
+/// use kalmanscope_diagnosis::Measure;
+/// # fn main() -> Result<(), kalmanscope_diagnosis::UnknownMeasure> {
 /// let measure: Measure = "error.natural_frequency".parse()?;
 /// assert_eq!(measure, Measure::error(Channel::NATURAL_FREQUENCY));
 /// assert_eq!(measure.name(), "last error of ωₙ");

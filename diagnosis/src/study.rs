@@ -142,7 +142,8 @@ impl Study {
 /// divided.
 ///
 /// ```
-/// use kalmanscope_core::{Job, Scenario, Source, Study};
+/// use kalmanscope_core::{Scenario, Source};
+/// use kalmanscope_diagnosis::{Job, Study};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
 /// let mut study = Study::new(&scenario, Source::Simulated, 100_000)?;

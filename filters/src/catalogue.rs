@@ -21,7 +21,7 @@ impl Channel {
     }
 
     /// The channel of a plant in the registry, or the augmentation, with this key, if there is one. A scenario knows those of its
-    /// equations too: [`kalmanscope_core::Scenario::channel`].
+    /// equations too.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::all().iter().copied().find(|channel| channel.key() == key)
     }

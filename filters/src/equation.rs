@@ -60,13 +60,8 @@ impl EquationError {
 
 /// An equation of motion and its parameters.
 ///
-/// ```
-/// # use kalmanscope_core::Scenario;
-/// let scenario = Scenario::from_toml(
-///     "plant = { equation = \"x'' + c x' + k x = f\", k = 30.0, parameters = { k = { unit = \"1/s²\", guess = 36.0 } } }",
-/// );
-/// assert_eq!(scenario?.plant.kind.equation(), "x'' + c x' + k x = f");
-/// # Ok::<(), kalmanscope_core::ScenarioError>(())
+/// ```toml
+/// plant = { equation = "x'' + c x' + k x = f", k = 30.0, parameters = { k = { unit = "1/s²", guess = 36.0 } } }
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]

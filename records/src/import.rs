@@ -8,9 +8,9 @@
 //! [`Mapping::guess`] from names, units and shapes.
 //!
 //! ```
-//! use kalmanscope_core::import::{Builder, Mapping, read};
-//! use kalmanscope_core::{Hold, Quantity};
-//! # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
+//! use kalmanscope_records::import::{Builder, Mapping, read};
+//! use kalmanscope_filters::{Hold, Quantity};
+//! # fn main() -> Result<(), kalmanscope_records::import::ImportError> {
 //! let text = "Zeit [ms];Kraft;Weg [mm]\n0;1,5;2\n10;1;2,5\n20;0;3\n";
 //! let table = read(text.as_bytes(), None)?;
 //! let (mapping, kind) = Mapping::guess(&table);

@@ -20,7 +20,7 @@ use clocks::{Course, Readings};
 
 /// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
-/// A run can forget its first samples ([`Run::forget`](kalmanscope_core::Run::forget)). Indices count from the first sample that
+/// A run can forget its first samples (`Run::forget` of kalmanscope-core). Indices count from the first sample that
 /// is kept; only [`Self::time_of`] counts from the run's beginning.
 ///
 /// A measured record can also have the [times that readings and input have](Clocks): filters then go from one to the next, and
@@ -58,8 +58,8 @@ impl Record {
     /// of the length of the input and in the quantity's unit. NaN is a missing measurement.
     ///
     /// ```
-    /// use kalmanscope_core::record::{Input, Record};
-    /// use kalmanscope_core::{Hold, InputKind, Quantity};
+    /// use kalmanscope_records::record::{Input, Record};
+    /// use kalmanscope_filters::{Hold, InputKind, Quantity};
     ///
     /// let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0, 1.0, 0.5] };
     /// let velocity = vec![0.0, f64::NAN, 0.02];

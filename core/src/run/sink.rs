@@ -95,7 +95,7 @@ pub struct AssumedNoise<'a> {
     pub process_scale: [f64; 2],
 }
 
-/// Receives the samples of one filter in turn: a full history ([`Estimates`]), or running sums
+/// Receives the samples of one filter in turn: a full history ([`Estimates`](crate::Estimates)), or running sums
 /// ([`Scores`](crate::Scores)).
 ///
 /// ```

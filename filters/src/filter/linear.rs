@@ -21,10 +21,10 @@ use crate::lists::places;
 /// function h this is an extended Kalman filter ([`MeasurementModel`]).
 ///
 /// ```
-/// use kalmanscope_core::KalmanFilter;
-/// use kalmanscope_core::filter::Gaussian;
-/// use kalmanscope_core::filter::{Matrix, Vector};
-/// # fn main() -> Result<(), kalmanscope_core::SystemError> {
+/// use kalmanscope_filters::KalmanFilter;
+/// use kalmanscope_filters::filter::Gaussian;
+/// use kalmanscope_filters::filter::{Matrix, Vector};
+/// # fn main() -> Result<(), kalmanscope_filters::SystemError> {
 /// // A cart on a rail: position and velocity, pushed by a known acceleration; a ruler reads the position.
 /// let dt = 0.1;
 /// let a = Matrix::from_row_slice(2, 2, &[1.0, dt, 0.0, 1.0]);

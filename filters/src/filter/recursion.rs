@@ -13,10 +13,10 @@ use crate::quantity::Quantity;
 /// A recursive estimator of the n-component state of a model whose belief is a random sample, or your own, at k = 0 and after.
 ///
 /// ```
-/// use kalmanscope_core::filter::{Adaptation, Correction, Ensemble, Filter, Gaussian, Noise, Normal};
-/// use kalmanscope_core::filter::{Matrix, Vector};
-/// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
-/// # fn main() -> Result<(), kalmanscope_core::FilterError> {
+/// use kalmanscope_filters::filter::{Adaptation, Correction, Ensemble, Filter, Gaussian, Noise, Normal};
+/// use kalmanscope_filters::filter::{Matrix, Vector};
+/// use kalmanscope_filters::{Hold, Model, PlantKind, Quantity};
+/// # fn main() -> Result<(), kalmanscope_filters::FilterError> {
 /// let model = Model::new(PlantKind::SDOF);
 /// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
 /// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());

@@ -160,9 +160,9 @@ pub struct Loaded {
 /// Reads a file's columns, in the dialect that it finds, and hashes its bytes.
 ///
 /// ```
-/// use kalmanscope_core::Task;
-/// use kalmanscope_core::import::{Loading, hash};
-/// # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
+/// use kalmanscope_records::Task;
+/// use kalmanscope_records::import::{Loading, hash};
+/// # fn main() -> Result<(), kalmanscope_records::import::ImportError> {
 /// let loaded = Loading::new(b"t;x\n0,0;1,5\n0,1;2\n".to_vec()).run()?;
 /// assert_eq!(loaded.hash, hash(b"t;x\n0,0;1,5\n0,1;2\n"));
 /// assert_eq!(loaded.table.columns[1].values, [1.5, 2.0]);

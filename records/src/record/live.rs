@@ -19,8 +19,8 @@ use crate::resample::change;
 /// later comes, and [`Self::waiting`] seconds after it, unless it is [`Self::prompt`]; nothing is added to its step then.
 ///
 /// ```
-/// use kalmanscope_core::record::LiveRecord;
-/// use kalmanscope_core::{Hold, InputKind, Quantity};
+/// use kalmanscope_records::record::LiveRecord;
+/// use kalmanscope_filters::{Hold, InputKind, Quantity};
 /// let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);
 /// for (time, velocity) in [(5.0, 0.0), (5.0099, 0.1), (5.0196, 0.2), (5.0404, 0.4), (5.05, 0.5)] {
 ///     live.take(time, f64::NAN, &[velocity])?;
@@ -30,7 +30,7 @@ use crate::resample::change;
 /// assert!(velocity[3].is_nan() && velocity[4].is_nan());
 /// let times = &live.record().clocks().unwrap().readings[0].times;
 /// assert!((times[2] - 1.96).abs() < 1e-9, "in steps of dt after the first");
-/// # Ok::<(), kalmanscope_core::record::LiveError>(())
+/// # Ok::<(), kalmanscope_records::record::LiveError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct LiveRecord {

@@ -6,7 +6,7 @@ use crate::engine::number::{Mask, Number};
 use crate::engine::update::UpdateResult;
 use crate::filter::jump::Jump;
 
-/// A filter that adds its initial variances to Q, in lanes that [jump](Jump), for one prediction.
+/// A filter that adds its initial variances to Q, in lanes that jump, for one prediction.
 pub struct Jumping<T> {
     /// One in each lane.
     jumps: Vec<Jump>,
