@@ -1,10 +1,13 @@
 //! The views on screen and their places: a tree of tiles, as data.
 
+mod outline;
+
 use egui::Id;
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
 
-use crate::request::{Arrangement, Proportions, ViewKind};
-use crate::share::Outline;
+use crate::kinds::{Arrangement, Proportions, ViewKind};
+
+pub use outline::Outline;
 
 /// The height of a tall view that is added, over the mean height of the others.
 const TALL: f32 = 1.7;

@@ -12,5 +12,6 @@ pub(crate) mod medium;
 pub(crate) mod notes;
 pub(crate) mod plane;
 pub(crate) mod series;
+pub mod sheet;
 mod simplify;
 pub mod time_axis;

@@ -1,7 +1,5 @@
 //! Requests of the views, the controls and the keys, as data.
 
-mod kinds;
-
 use std::fmt;
 
 use egui_tiles::Tree;
@@ -14,7 +12,7 @@ use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::share::SavedPicture;
 
-pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
+pub use crate::kinds::{Answer, Arrangement, LegendEntry, Proportions, Tabs, VIEWS, ViewKind};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {

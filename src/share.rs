@@ -6,7 +6,6 @@
 //! The number is the format's version.
 
 pub mod address;
-mod outline;
 mod picture;
 
 use base64::Engine as _;
@@ -19,7 +18,7 @@ use miniz_oxide::inflate::core::inflate_flags::TINFL_FLAG_USING_NON_WRAPPING_OUT
 use miniz_oxide::inflate::core::{DecompressorOxide, decompress};
 use thiserror::Error;
 
-pub use outline::Outline;
+pub(crate) use picture::{Bookmark, Studies};
 pub use picture::{Habits, PictureError, SavedPicture};
 
 pub const MARK: &str = "#link=";

@@ -8,11 +8,11 @@ use std::sync::LazyLock;
 
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lessons::{Lesson, LessonError, LessonStep, Map, Presentation, Question, ViewName};
-use serde::{Deserialize, Serialize};
 
+use crate::kinds::{Answer, ViewKind};
 use crate::laboratory::MapChoice;
-use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
+use crate::share::Bookmark;
 use crate::team::Precision;
 use crate::visibility::Visibility;
 
@@ -185,23 +185,6 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
         ViewName::Map => ViewKind::Map,
     }
-}
-
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub(crate) struct Studies {
-    pub(crate) bookmark: Option<Bookmark>,
-    pub(crate) finished: BTreeSet<String>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Bookmark {
-    pub(crate) lesson: String,
-    pub(crate) step: usize,
-    pub(crate) changed: bool,
-    #[serde(default)]
-    pub(crate) answer: Option<Answer>,
 }
 
 pub struct Catalogue {

@@ -4,10 +4,10 @@ use egui::Theme;
 use kalmanscope_diagnosis::VerdictKind;
 
 use crate::layout::ViewLayout;
+use crate::plot::sheet::{Sheet, SheetColumn};
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
-use crate::sheet::{Sheet, SheetColumn};
 use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;

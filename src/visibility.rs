@@ -6,7 +6,7 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Channel, FilterSettings};
 use kalmanscope_diagnosis::Wanted;
 
-use crate::request::LegendEntry;
+use crate::kinds::LegendEntry;
 
 #[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Visibility {

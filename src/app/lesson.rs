@@ -7,7 +7,8 @@ use crate::controls::number;
 use crate::layout::ViewLayout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Answer;
-use crate::tutor::{Bookmark, Studies, Tutor};
+use crate::share::{Bookmark, Studies};
+use crate::tutor::Tutor;
 
 impl App {
     pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {

@@ -16,9 +16,9 @@ use super::medium::{Medium, cells_ui};
 use super::notes::{Note, note_shapes};
 use super::plane::{Plane, frame_ui, is_turned};
 use super::series::PlotSeries;
+use super::sheet::{Sheet, SheetColumn, readouts};
 use super::time_axis::PlotInput;
 use crate::request::Request;
-use crate::sheet::{Sheet, SheetColumn, readouts};
 use crate::trouble::Gap;
 
 #[derive(Default)]

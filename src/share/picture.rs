@@ -1,18 +1,18 @@
 //! A picture as data and as text: links, session files and the storage have the same text.
 
+use std::collections::BTreeSet;
+
 use kalmanscope_core::Scenario;
 use kalmanscope_core::document::{self, Document, DocumentError};
 use kalmanscope_lessons::BuiltIn;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::outline::Outline;
+use crate::kinds::{Answer, LegendEntry, ViewKind};
 use crate::laboratory::Choices;
-use crate::layout::ViewLayout;
-use crate::request::{LegendEntry, ViewKind};
+use crate::layout::{Outline, ViewLayout};
 use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
-use crate::tutor::Studies;
 
 const KEY: &str = "kalmanscope_session";
 
@@ -46,6 +46,23 @@ pub struct Habits {
     pub(crate) dark: Option<bool>,
     pub(crate) all_settings: bool,
     pub(crate) lessons: Studies,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Studies {
+    pub(crate) bookmark: Option<Bookmark>,
+    pub(crate) finished: BTreeSet<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bookmark {
+    pub(crate) lesson: String,
+    pub(crate) step: usize,
+    pub(crate) changed: bool,
+    #[serde(default)]
+    pub(crate) answer: Option<Answer>,
 }
 
 #[derive(Debug, Error)]

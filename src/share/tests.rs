@@ -3,8 +3,8 @@
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use super::*;
-use crate::layout::ViewLayout;
-use crate::request::{Arrangement, ViewKind};
+use crate::kinds::{Arrangement, ViewKind};
+use crate::layout::{Outline, ViewLayout};
 use crate::session::Mode;
 
 fn picture() -> SavedPicture {

@@ -6,8 +6,8 @@ use kalmanscope_core::{Channel, Estimates, Quantity};
 use crate::plot::chart::{Chart, Curve, charts_ui};
 use crate::plot::layers::Layer;
 use crate::plot::series::PlotSeries;
+use crate::plot::sheet::Sheet;
 use crate::request::Request;
-use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 

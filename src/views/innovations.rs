@@ -8,7 +8,7 @@ use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
 use crate::plot::series::PlotSeries;
-use crate::sheet::Sheet;
+use crate::plot::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 

@@ -6,7 +6,7 @@ use crate::plot::chart::{Chart, Curve};
 use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::PlotSeries;
-use crate::sheet::{Sheet, SheetColumn};
+use crate::plot::sheet::{Sheet, SheetColumn};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::weights;

@@ -9,8 +9,8 @@ use kalmanscope_core::{Channel, Estimates, Evidence, ModelClasses};
 use crate::plot::chart::Chart;
 use crate::plot::layers::Layer;
 use crate::plot::series::PlotSeries;
+use crate::plot::sheet::{SheetColumn, plus_minus};
 use crate::session::Wanted;
-use crate::sheet::{SheetColumn, plus_minus};
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 

@@ -2,7 +2,7 @@
 
 use egui::Color32;
 
-use crate::plot::heading::Readout;
+use super::heading::Readout;
 use crate::text::fixed;
 
 pub struct Sheet<'a> {

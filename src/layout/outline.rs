@@ -3,7 +3,7 @@
 use egui_tiles::{Container, Grid, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
-use crate::request::ViewKind;
+use crate::kinds::ViewKind;
 
 /// Limits the containers inside each other.
 pub(super) const DEEPEST: usize = 16;
