@@ -17,4 +17,3 @@ pub use kalmanscope_filters::lists::sort_numbers;
 pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sorted_places};
 pub use kalmanscope_filters::model::Reading;
 pub use kalmanscope_records::hash::short_hash;
-pub use kalmanscope_records::resample::finer;

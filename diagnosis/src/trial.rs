@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::internals::finer;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
@@ -169,7 +168,7 @@ impl Trials {
     fn record_of(&self, scenario: &Scenario) -> Option<Arc<Record>> {
         match steps_of(scenario) / self.steps {
             0 | 1 => Some(Arc::clone(&self.record)),
-            steps => finer(&self.record.as_ref().clone().with_hold(scenario.hold), steps).map(Arc::new),
+            steps => self.record.as_ref().clone().with_hold(scenario.hold).finer(steps).map(Arc::new),
         }
     }
 

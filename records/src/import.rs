@@ -41,6 +41,7 @@ pub use crate::hash::Hash;
 pub use crate::mapping::{
     Decimal, Delimiter, Dialect, Encoding, MappedColumn, Mapping, MappingError, MeanWord, Offset, Time,
 };
+pub use crate::record::MOST;
 pub use builder::{Builder, Imported};
 pub use cell::Cells;
 pub use conditioning::Sentinel;
@@ -138,5 +139,3 @@ pub enum ImportError {
 const MOST_COLUMNS: usize = 1000;
 const LONGEST_LINE: usize = 1_000_000;
 const FEWEST: usize = 2;
-/// Limits the samples of a record.
-pub const MOST: usize = 2_000_000;

@@ -11,12 +11,17 @@ use kalmanscope_filters::catalogue::all_and;
 use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 use thiserror::Error;
 
+use crate::resample::{finer_input, spread};
+
 pub use clocks::Parts;
 pub use clocks::{Clocks, ClocksError, Delays, Timed};
 pub(crate) use csv_file::input_name;
 pub use live::{LiveError, LiveRecord};
 
 use clocks::{Course, Readings};
+
+/// Limits the samples of a record.
+pub const MOST: usize = 2_000_000;
 
 /// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
@@ -157,6 +162,19 @@ impl Record {
             old.clear();
             *new = std::mem::take(old);
         }
+    }
+
+    /// The same record with this many steps in place of one: readings are missing in between. `None` if it would be too long, or its
+    /// readings have their own times.
+    pub fn finer(&self, steps: usize) -> Option<Self> {
+        if self.clocks().is_some() || self.len().saturating_mul(steps) > MOST {
+            return None;
+        }
+        let input =
+            Input { kind: self.input_kind(), hold: self.hold(), values: finer_input(self.input(), steps, self.hold()) };
+        let columns = self.sensors().iter().enumerate();
+        let columns = columns.map(|(place, quantity)| (*quantity, spread(self.measured(place), steps))).collect();
+        Some(Self::new(self.dt() / steps as f64, input, columns).ok()?.starting_at(self.time(0)))
     }
 
     /// Removes the first samples.

@@ -5,10 +5,6 @@ use std::f64::consts::PI;
 use kalmanscope_filters::Hold;
 use kalmanscope_filters::least_squares::NormalEquations;
 
-use crate::Record;
-use crate::import::MOST;
-use crate::record::Input;
-
 const REACH: isize = 32;
 /// Side lobes below -80 dB.
 const KAISER: f64 = 8.0;
@@ -76,18 +72,6 @@ pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
     let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
     finer.iter_mut().step_by(steps).zip(values).for_each(|(fine, value)| *fine = *value);
     finer
-}
-
-/// `None` if it would be too long, or its readings have their own times.
-pub fn finer(record: &Record, steps: usize) -> Option<Record> {
-    if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
-        return None;
-    }
-    let values = finer_input(record.input(), steps, record.hold());
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
-    let columns = record.sensors().iter().enumerate();
-    let columns = columns.map(|(place, quantity)| (*quantity, spread(record.measured(place), steps))).collect();
-    Some(Record::new(record.dt() / steps as f64, input, columns).ok()?.starting_at(record.time(0)))
 }
 
 fn kernel(share: f64) -> Vec<f64> {

@@ -5,7 +5,6 @@ use kalmanscope_filters::lists::{mapped, places, sort_items};
 use kalmanscope_filters::{Channel, Hold};
 use kalmanscope_records::Record;
 use kalmanscope_records::mapping::{MappedColumn, Offset};
-use kalmanscope_records::resample::finer;
 
 use super::ambient::has_no_input;
 use super::likeliest::{Likeliest, likelihood_over};
@@ -236,7 +235,7 @@ impl Course {
         match self {
             Self::Linear => Some(record.clone()),
             Self::Held => Some(record.clone().with_hold(Hold::Zero)),
-            Self::BandLimited => finer(record, STEPS),
+            Self::BandLimited => record.finer(STEPS),
         }
     }
 
