@@ -66,7 +66,6 @@ impl KnownPlants {
         })
     }
 
-    /// The first known plant that passes a test.
     pub(crate) fn find(is_it: impl Fn(&PlantKind) -> bool) -> Option<PlantKind> {
         PLANTS.with_borrow(|known| known.iter().rev().find(|kind| is_it(kind)).cloned())
     }

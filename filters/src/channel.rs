@@ -265,7 +265,7 @@ impl Ord for Channel {
 keyed!(Channel);
 hashed!(Channel);
 
-/// The keys of first masses, for a message, with a hint to those of the other masses.
+/// The keys of first masses, with a hint to those of the others.
 pub(crate) fn expected<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();
     format!("one of {}, and of other masses as in `displacement_2`", keys.join(", "))

@@ -14,10 +14,8 @@
 //! ```
 //!
 //! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it (in a page, a pair).
-//! Where runs differ in what they need (a measurement that is missing, a variance of zero, a longer series), each lane selects
-//! its own, so that all give the bits that they have alone. No operation is fused, so that all [instructions](level::Level) give
-//! the same bits too.
-//! Memory to work in is kept in a filter; matrices stand column by column in slices.
+//! Where runs differ (a missing measurement, a variance of zero, a longer series), each lane selects its own, so that all give the
+//! bits that they have alone. No operation is fused, so that all [instructions](level::Level) give the same bits too.
 
 #![expect(
     clippy::needless_range_loop,

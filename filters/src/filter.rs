@@ -113,7 +113,7 @@ impl MethodSettings {
     }
 }
 
-/// The time of a prediction and an update of mean and covariance by linearisation, n components \[ns\].
+/// The time of a prediction and an update by linearisation \[ns\].
 fn time_of_linearised(n: usize) -> f64 {
     let n = n as f64;
     // A matrix product takes n³ multiplications; the rest of a step takes about n².
@@ -217,7 +217,7 @@ impl Propagation {
     }
 }
 
-/// A Jacobian counts as n evaluations, one a column, as it would take by differences.
+/// A Jacobian counts as n evaluations, one a column, as by differences.
 fn evaluations(settings: &MethodSettings, n: usize) -> usize {
     match settings.propagation {
         Propagation::LocalLinearisation | Propagation::Euler => 1 + n,

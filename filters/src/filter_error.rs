@@ -42,7 +42,6 @@ pub struct Stop {
     pub reason: FilterError,
 }
 
-/// Why a covariance has no square root.
 pub(crate) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
     if is_finite { indefinite } else { FilterError::NotFinite }
 }

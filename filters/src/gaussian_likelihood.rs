@@ -1,5 +1,4 @@
-//! Gaussian beliefs: moments of mixtures, shares of hypotheses, and the likelihood of measurements under a belief. That is computed on demand, because logarithms are costly: a filter's
-//! step takes none. Sums of logarithms take few.
+//! Gaussian beliefs: moments of mixtures, shares of hypotheses, and the likelihood of measurements, on demand: logarithms are costly.
 
 use std::ops::RangeInclusive;
 

@@ -27,7 +27,7 @@ pub fn lower_root(s: &Matrix) -> Result<Matrix, FilterError> {
     if holds { Ok(root) } else { Err(of_root(is_finite, FilterError::IndefiniteCovariance)) }
 }
 
-/// The same, with a column of zeros for each pivot that has no root, and whether there is such a one.
+/// A pivot without a root gives a column of zeros.
 fn partial_root(s: &Matrix) -> (Matrix, Rooted<bool>) {
     let n = s.nrows();
     let mut root = Matrix::zeros(n, n);

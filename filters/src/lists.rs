@@ -44,7 +44,7 @@ pub fn sorted_places(count: usize, compare: &dyn Fn(usize, usize) -> Ordering) -
 pub fn sort_items<T>(items: &mut [T], compare: impl Fn(&T, &T) -> Ordering) {
     let places = sorted_places(items.len(), &|a, b| compare(&items[a], &items[b]));
     for i in 0..items.len() {
-        // An item from before `i` has been swapped on.
+        // An earlier swap has moved an item from before `i`.
         let mut place = places[i];
         while place < i {
             place = places[place];

@@ -58,11 +58,10 @@ pub struct Model {
     logarithms: Vec<usize>,
     input: InputKind,
     gain: Option<usize>,
-    /// The places of forces that the record lacks: the offset, the unknown force and the white one.
     offset: Option<usize>,
     unknown: Option<usize>,
     white: Option<usize>,
-    /// The places of what does not last, and the times after which 1/e of it is left \[s\].
+    /// The places of components that decay, and the times after which 1/e of them is left \[s\].
     forgotten: Vec<(usize, f64)>,
 }
 
@@ -265,7 +264,6 @@ impl Model {
         jacobian
     }
 
-    /// The components that are parts of F, with the derivative of F by each.
     fn force_parts(&self, force: f64) -> impl Iterator<Item = (usize, f64)> {
         let one = |place: usize| (place, 1.0);
         let gain = self.gain.map(|place| (place, force));

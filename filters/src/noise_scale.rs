@@ -110,7 +110,6 @@ impl NoiseScale {
     }
 }
 
-/// L between the grid's points j and j + 1, at this share of the way.
 fn between(all: &[f64], j: usize, share: f64) -> f64 {
     let (from, to) = (all[j], all[j + 1]);
     let chord = from + share * (to - from);
@@ -151,7 +150,6 @@ mod tests {
     use super::*;
     use crate::random::Normal;
 
-    /// The log likelihood of a number of mean zero and standard deviation s.
     fn normal(x: f64, u: f64) -> f64 {
         -0.5 * x * x * libm::exp(-2.0 * u) - u
     }

@@ -271,7 +271,6 @@ impl PlantKind {
         channel.place_in(self.channels())
     }
 
-    /// A state at which no derivative is zero by chance.
     fn anywhere(&self) -> Vec<f64> {
         numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
     }

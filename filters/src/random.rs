@@ -1,8 +1,7 @@
 //! Seeded streams of standard normal numbers, one per purpose.
 //!
-//! The Box-Muller transform is written out here because the bits must not depend on the build: `rand_distr` takes its
-//! logarithm from `num-traits`, which uses the platform's mathematical library as soon as any other crate of the build
-//! enables its `std` feature.
+//! The Box-Muller transform is written out because bits must not depend on the build: `rand_distr` takes its logarithm from the
+//! platform's library as soon as any crate of the build enables the feature `std` of `num-traits`.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +30,7 @@ const FAULTS: u64 = 1 << 40;
 
 const DRAWS: u64 = 1 << 62;
 
-/// The streams from here on are those of ensembles that would reach into the sensors'.
+/// From here on: streams of ensembles that do not fit before the sensors.
 const FAR_ENSEMBLES: u64 = 1 << 63;
 
 impl Purpose {
@@ -127,7 +126,6 @@ mod tests {
     }
 
     proptest::proptest! {
-        /// Ids of filters are any numbers of 32 bits; those near the end are the critical ones.
         #[test]
         fn no_id_shares_a_stream(number in 0..=u32::MAX, back in 0_u32..200) {
             for number in [number, u32::MAX - back] {

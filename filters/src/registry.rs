@@ -11,7 +11,7 @@ macro_rules! registry {
     };
 }
 
-/// In debug output and in files these stand as their keys, from which those of a registry are also read.
+/// These stand as their keys in debug output and in files; those of a registry are also read.
 macro_rules! keyed {
     ($type:ty) => {
         impl std::fmt::Debug for $type {

@@ -14,10 +14,10 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 /// Beyond this many standard deviations the rest is an exponential distribution to less than a thousandth.
 const FAR: f64 = 30.0;
 
-/// The other end of an exponential distribution no longer matters beyond this many of its means.
+/// Beyond this many means of an exponential distribution the other end no longer matters.
 const MOST_WIDE: f64 = 700.0;
 
-/// In an interval of fewer standard deviations, over which the density falls by less than this share, it falls along an exponential.
+/// Limits an interval, in standard deviations, and the share by which the density falls over it, so that it falls along an exponential.
 const NARROW: f64 = 1e-3;
 const FALL: f64 = 0.1;
 
@@ -28,7 +28,7 @@ pub fn truncated([mean, std]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
     }
     let [alpha, beta] = [(least - mean) / std, (most - mean) / std];
     let [shift, scale] = if alpha.abs() > beta.abs() {
-        // The same from the other side, whose end matters more.
+        // From the side whose end matters more.
         let [shift, scale] = of_standard(-beta, -alpha);
         [-shift, scale]
     } else {
@@ -41,7 +41,7 @@ pub fn truncated([mean, std]: [f64; 2], [least, most]: [f64; 2]) -> [f64; 2] {
 fn of_standard(alpha: f64, beta: f64) -> [f64; 2] {
     let width = beta - alpha;
     if width < NARROW && alpha * width < FALL {
-        // The formulas below would be differences of numbers that are nearly equal.
+        // The formulas below are differences of numbers that are nearly equal.
         let fall = alpha * width;
         let variance = (1.0 - fall * fall / 20.0) / 12.0;
         return [alpha + width * (0.5 - fall / 12.0), width * variance.sqrt()];
@@ -51,7 +51,6 @@ fn of_standard(alpha: f64, beta: f64) -> [f64; 2] {
     }
     if alpha > FAR {
         let width = alpha * (beta - alpha);
-        // What the other end takes from an exponential distribution.
         let rest = if width < MOST_WIDE { width / libm::expm1(width) } else { 0.0 };
         let variance = if width < MOST_WIDE { 1.0 - rest * (rest + width) } else { 1.0 };
         return [alpha + (1.0 - rest) / alpha, variance.max(0.0).sqrt() / alpha];

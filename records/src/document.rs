@@ -1,7 +1,7 @@
 //! The contents of a file of settings, in no format.
 //!
 //! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
-//! So a program has the code of each type once and that of each format once, and not that of each pair.
+//! A program has the code of each type and of each format once, and not that of each pair.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError
     Ok(serde_path_to_error::deserialize(document)?)
 }
 
-/// The plants of equations, whose parameters have keys wherever they stand. A text that is no equation is reported where it is read.
+/// Parameters of these plants have keys wherever they stand. A text that is no equation is reported where it is read.
 fn equations(document: &Document, plants: &mut Vec<PlantKind>) {
     match document {
         Document::Object(entries) => {
@@ -141,7 +141,6 @@ fn of_toml(value: toml::Value) -> Document {
     }
 }
 
-/// `None` for null.
 fn in_toml(document: Document) -> Result<Option<toml::Value>, DocumentError> {
     Ok(Some(match document {
         Document::Null => return Ok(None),
@@ -227,7 +226,6 @@ impl DocumentError {
         Self(Box::new(Problem { reason: reason.to_string(), path: Vec::new(), line: None }))
     }
 
-    /// The same error, as seen from one step further out.
     pub(crate) fn at_key(self, key: &str) -> Self {
         self.within(Step::Key(key.to_owned()))
     }
@@ -248,7 +246,6 @@ impl DocumentError {
     }
 }
 
-/// The place in the text at which the last existing key of a path begins.
 fn start(root: Spanned<DeTable<'_>>, path: &[Step]) -> usize {
     let mut start = root.span().start;
     let root = DeValue::Table(root.into_inner());

@@ -74,7 +74,7 @@ const FASTEST: f64 = 5.0;
 
 const LARGE: f64 = 1.0 / 3.0;
 
-/// Limits the parts in which decays are looked for: each takes all its readings.
+/// Limits the parts that are searched for decays: each takes all its readings.
 const MOST_PARTS: usize = 64;
 
 const SWING: f64 = 8.0;
@@ -82,11 +82,11 @@ const SWING: f64 = 8.0;
 /// \[s\]
 const PART: f64 = 0.5;
 
-/// In standard deviations of the noise; a part that grows by the factor below, and by the noise, is no free decay.
+/// In standard deviations of the noise; a part that grows by more than this and the factor below is no free decay.
 const QUIET: f64 = 4.0;
 const GROWTH: f64 = 1.4;
 
-/// A part smaller than the one before by this factor was stopped by a hand, if the one before is as far above the noise.
+/// A hand has stopped a part smaller than the one before by this factor, if the one before is as far above the noise.
 const STOPPED: f64 = 6.0;
 
 /// Time without a swing \[s\].
@@ -126,7 +126,6 @@ impl Decay {
             parts.extend([before, after].into_iter().filter(|part| !Pace::of(part).is_too_short(part)));
         }
         sort_items(&mut found, |a, b| a.begin.total_cmp(&b.begin));
-        // The reason that says most: something swung, and longer.
         let seconds = |reason: &NoDecay| if let NoDecay::Short(seconds, _) = reason { *seconds } else { -1.0 };
         match reasons.into_iter().rev().max_by(|a, b| seconds(a).total_cmp(&seconds(b))) {
             Some(reason) if found.is_empty() => Err(reason),
@@ -136,7 +135,6 @@ impl Decay {
 
     fn around_the_peak(readings: &[[f64; 4]]) -> (Result<Self, NoDecay>, [&[[f64; 4]]; 2]) {
         let Along { axis, times, gravity, along } = Along::of(readings);
-        // The hand may move it faster elsewhere.
         let pace = Pace::along(&times, &along);
         let noise = noise_of(&times, &along, pace.share);
         let peak = (0..along.len()).max_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
@@ -237,7 +235,7 @@ impl Decay {
             // An axis has no sign.
             let (sign, since) = (decay.cos(first).signum(), decay.begin - first.begin);
             for [time, acceleration] in &decay.readings {
-                // A text takes whatever is written.
+                // Writing to a text cannot fail.
                 let _ = writeln!(text, "{:.6},{:.6}", since + time, sign * acceleration);
             }
         }
@@ -292,7 +290,7 @@ impl Pace {
         Self::along(&times, &along)
     }
 
-    /// By the large readings, which a small mode beside it does not turn.
+    /// By the large readings: a small mode beside it turns these less.
     fn along(times: &[f64], along: &[f64]) -> Self {
         let largest = along.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let step = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first)
@@ -307,10 +305,9 @@ impl Pace {
     }
 }
 
-/// The end of the free decay from a place on, and whether nothing swings there; else it swings more, or a hand stops it.
+/// The end of the free decay from a place on, and whether nothing swings there.
 fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
-    // Where the part before begins, and its largest reading.
     let mut before = (begin, 0.0);
     while place < times.len() {
         let next = end_of_part(times, place, PART * pace);
@@ -357,7 +354,7 @@ fn half_swing(values: &[f64], noise: f64) -> f64 {
     apart.get(apart.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The part has at least one reading: above 2⁵³ s, adding a second changes nothing.
+/// A part has at least one reading: above 2⁵³ s, adding a second changes nothing.
 fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
     (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
 }
@@ -374,7 +371,7 @@ fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
             let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
             least = least.min(square / (values.len() - 1) as f64);
             let third = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2);
-            // 1 + 9 + 9 + 1 noises.
+            // The squares of 1, 3, 3 and 1 add up to 20.
             differences.push(values.windows(4).map(third).sum::<f64>() / (20 * (values.len() - 3)) as f64);
         }
         place = next;
@@ -410,7 +407,7 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     three(&|i| sign * axis[i])
 }
 
-/// The mean under a Hann window: the part of a swing at either end counts little.
+/// The mean under a Hann window, in which the part of a swing at either end counts little.
 fn middle(values: &[f64]) -> f64 {
     let turn = std::f64::consts::TAU / values.len().max(1) as f64;
     let weights = || (0..values.len()).map(|k| 1.0 - libm::cos(turn * (k as f64 + 0.5)));

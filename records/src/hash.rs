@@ -44,7 +44,7 @@ mod tests {
         hash.add(b"foo");
         hash.add(b"");
         hash.add(b"bar");
-        // From the authors' own test vectors.
+        // Test vectors of the authors.
         assert_eq!((hash.text().as_str(), short_hash(b"foobar")), ("85944171f73967e8", 0xBF9C_F968));
     }
 }

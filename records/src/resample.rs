@@ -26,7 +26,7 @@ pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
     });
 }
 
-/// A sinc under a Kaiser window; the original values stay. All values must be finite. Source: Smith and Gossett (1984), A flexible
+/// A sinc under a Kaiser window; the original values stay; all must be finite. Source: Smith and Gossett (1984), A flexible
 /// sampling-rate conversion method.
 pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     let n = values.len() as isize;
@@ -53,8 +53,7 @@ pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     finer
 }
 
-/// Lines through the values of a curve lie inside of its bends: of a swing they have the share `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values
-/// between those of the file move outwards by as much; those of the file stay, since an accelerometer feels them.
+/// Lines through a swing have the share `sinc²(ωh/2) ≈ 1 - (ωh)²/12` of it: values between those of the file move outwards by as much.
 pub(crate) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
     let curve = interpolate(values, steps);
     if steps <= 1 || hold == Hold::Zero {
@@ -105,8 +104,7 @@ struct Section {
     a: [f64; 2],
 }
 
-/// `cut` is a share of the sample rate below ½. Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2
-/// (bilinear transform).
+/// `cut` is a share of the sample rate below ½. Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2.
 fn sections(is_low: bool, cut: f64) -> [Section; ORDER / 2] {
     let warped = libm::tan(PI * cut);
     std::array::from_fn(|k| {
@@ -135,8 +133,7 @@ impl Section {
     }
 }
 
-/// Passes `low` to `high`, shares of the sample rate: a `low` of 0 makes a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted
-/// in time. All values must be finite.
+/// Passes `low` (0: a low-pass) to `high` (½: a high-pass), shares of the sample rate, without a shift. All values must be finite.
 pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {
@@ -176,8 +173,7 @@ impl Steps {
         self.count.saturating_sub(1) as f64 * self.dt
     }
 
-    /// NaN at a step without a reading. `place` rounds the time of a reading, in steps; of several the nearest counts, shifted by the
-    /// change of the cubic through `side` readings to either side.
+    /// NaN at a step without a reading. `place` rounds times, in steps; the nearest reading counts, shifted by [`change`] with `side`.
     pub(crate) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
         let Self { start, dt, count } = self;
         let n = times.len();
@@ -207,9 +203,8 @@ impl Steps {
     }
 }
 
-/// Change of the least-squares cubic through some values until `shift` later \[s\]; 0 if they do not determine one. `size` is about
-/// the time over which they lie \[s\]. A reading that is shifted so keeps its noise white, which it would not on a curve through the
-/// readings. Source: Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+/// Change of the least-squares cubic through readings until `shift` later \[s\], or 0; `size` is about their time \[s\]. Noise stays white.
+/// Source: Savitzky and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
 pub(crate) fn change<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, from: f64, shift: f64, size: f64) -> f64 {
     let mut equations = NormalEquations::<4>::zero();
     for (time, value) in readings {
@@ -240,7 +235,6 @@ mod tests {
 
     #[test]
     fn lines_through_a_finer_input_have_all_of_a_swing() {
-        // Ten and twenty-five samples a swing; the share that lines through its values have, by the integral with its own sine.
         for (per_swing, most) in [(10.0, 1e-4), (25.0, 1e-4)] {
             let w = 2.0 * PI / per_swing;
             let values: Vec<f64> = (0..=400).map(|k| libm::sin(w * f64::from(k))).collect();

@@ -32,7 +32,6 @@ impl<T: Number> FilterNoise<T> {
         self.process.iter().enumerate().for_each(|(i, variance)| self.matrix[i * (n + 1)] = *variance);
     }
 
-    /// An entry of the lower triangle of Q.
     pub(super) fn entry(&self, i: usize, j: usize) -> T {
         match self.matrix.is_empty() {
             false => self.matrix[j * self.process.len() + i],
@@ -97,7 +96,7 @@ impl<T: Number> GaussianBelief<T> {
     /// Keeps this share of a component, and adds an independent one of this variance.
     #[inline(always)]
     pub(crate) fn renew(&mut self, place: usize, kept: T, variance: T) {
-        // Of nothing kept is left zero, not the negative one.
+        // Adding zero makes +0 of the -0 of a share of zero.
         let (n, zero) = (self.size(), T::of(0.0));
         self.mean[place] = self.mean[place] * kept + zero;
         for i in 0..n {
@@ -154,7 +153,7 @@ pub fn convert<T: Number>(
     }
 }
 
-/// The process noise of shorter steps: their share of Q, and of λ as a power, kept for the next step of the same length.
+/// Q of a shorter step is its share of Q, and λ a power; both are kept for the next step of the same length.
 #[derive(Clone, Debug)]
 pub(super) struct NoiseShare<T> {
     share: f64,

@@ -1,5 +1,4 @@
-//! Collects operations: stores each common part once, computes constants, and derives. Writes a model down as the operations that its
-//! rates and readings take.
+//! Collects operations: stores common parts once, computes constants, derives, and writes models down as operations.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -24,7 +23,6 @@ pub struct Builder {
     needs: Vec<u64>,
     known: HashMap<Operation, Node>,
     derivatives: HashMap<(Node, u32), Node>,
-    /// Numbers with zero in place of some inputs.
     without: HashMap<(Node, u64), Node>,
 }
 

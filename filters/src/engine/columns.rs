@@ -1,10 +1,8 @@
-//! Columns of numbers: the linear algebra of a step. Matrices are stored column by column; only the lower triangle of a
-//! symmetric one is read.
+//! The linear algebra of a step. Matrices are stored column by column; only the lower triangle of a symmetric one is read.
 
 use super::level::{Baseline, Level, each};
 use super::number::{Mask, Number};
 
-/// `y + a x` in place of y.
 #[inline(always)]
 pub(crate) fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     let x = &x[..y.len()];
@@ -13,7 +11,6 @@ pub(crate) fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     }
 }
 
-/// `y - a x` in place of y.
 #[inline(always)]
 pub(crate) fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     let x = &x[..y.len()];
@@ -65,14 +62,13 @@ impl<T: Number> Vector<T> for (T, &[f64]) {
     }
 }
 
-/// `out = A x`, with as many rows of A as numbers in `out`, and the first k numbers of x.
+/// `out = A x`, with a row of A for each number of `out`, and the first k numbers of x.
 #[inline(always)]
 pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Vector<T>) {
     combine(out, a, [out.len(), 0], k, x);
 }
 
-/// `out = Σ aₗ xₗ` of the first k columns of `rows` numbers, of each from row `first` on. It takes a few rows at a time, so that
-/// their sums stay in registers: two in lanes, eight or four of a lone run.
+/// `out = Σ aₗ xₗ` of the first k columns of `rows` numbers, from row `first` on; a few rows at a time, so that sums stay in registers.
 #[inline(always)]
 pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Vector<T>) {
     let mut done = 0;
@@ -84,7 +80,6 @@ pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 
     combine_rows::<T, 1>(out, &mut done, a, [rows, first], k, x);
 }
 
-/// R rows at a time, of those that are not done, while there are as many.
 #[inline(always)]
 fn combine_rows<T: Number, const R: usize>(
     out: &mut [T],
@@ -97,7 +92,6 @@ fn combine_rows<T: Number, const R: usize>(
     while *done + R <= out.len() {
         let (mut sums, begin) = ([x.number(0); R], first + *done);
         for (l, column) in a.chunks_exact(rows).take(k).enumerate() {
-            // The bounds are the same for all columns.
             let (column, factor) = (&column[begin..begin + R], x.number(l));
             for r in 0..R {
                 sums[r] = if l == 0 { column[r] * factor } else { sums[r] + column[r] * factor };
@@ -123,7 +117,7 @@ pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k
     }
 }
 
-/// The largest sum of a column's absolute values, of columns of n numbers.
+/// The largest sum of a column's absolute values.
 #[inline(always)]
 pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
     let mut largest = T::of(0.0);
@@ -137,12 +131,7 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
     largest
 }
 
-/// The lower triangle of `Φ P Φᵀ` in place of P, n × n, where `rows` are the upper rows of Φ, `motion` of them, and the others
-/// are those of an identity. `half` is memory for `motion` × n numbers.
-///
-/// ```text
-/// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
-/// ```
+/// The lower triangle of `Φ P Φᵀ` in place of P, n × n, with `Φ = [T; 0 I]`: `rows` has T, `half` memory for `motion` × n numbers.
 #[inline(always)]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     match motion {
@@ -200,9 +189,7 @@ impl<M: Mask> Rooted<M> {
     }
 }
 
-/// The lower triangular root of a symmetric n × n matrix. A variance that is zero to rounding gives a column of zeros, so that
-/// a component known for certain stays so.
-///
+/// The lower triangular root, n × n; a variance of zero to rounding gives a column of zeros.
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 #[inline(always)]
 pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
@@ -280,7 +267,7 @@ pub(crate) fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
     }
 }
 
-/// `X L⁻¹` in place of X, n × n, by a lower triangular root, the last column first. Directions without variance are left out.
+/// `X L⁻¹` in place of X, n × n, the last column first. Directions without variance are left out.
 pub(crate) fn divide_by_root<T: Number>(x: &mut [T], root: &[T], n: usize) {
     for j in (0..n).rev() {
         let (before, after) = x.split_at_mut((j + 1) * n);
@@ -310,7 +297,7 @@ pub fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
     sum
 }
 
-/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
+/// Subtracts `A Bᵀ` from the lower triangle of X, n × n; A and B have `columns` columns.
 #[inline(always)]
 pub(super) fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
     let (a, b) = (&a[..n * columns], &b[..n * columns]);

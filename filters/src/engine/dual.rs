@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::number::{Function, Number, Real, operators, unrolled};
 
-/// A number and its K derivatives; `on` marks those that may not be zero: inlined, operations with zeros are left out.
+/// A number and its K derivatives; `on` marks those that may differ from zero, so that inlined operations leave out the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual<T, const K: usize> {
     pub(crate) value: T,
@@ -18,7 +18,6 @@ impl<T: Number, const K: usize> Dual<T, K> {
         Self { value, part: [value; K], on: [false; K] }
     }
 
-    /// The variable at place `k`, or a constant if there is none.
     #[inline(always)]
     pub(crate) fn variable(value: T, k: usize) -> Self {
         let mut dual = Self::constant(value);
@@ -33,7 +32,6 @@ impl<T: Number, const K: usize> Dual<T, K> {
         if self.on[k] { self.part[k] } else { T::of(0.0) }
     }
 
-    /// Its derivatives times a factor, if there is one, with another value.
     // No closures: one that is not inlined has lost its vector instructions.
     #[inline(always)]
     fn each(mut self, value: T, factor: Option<T>) -> Self {
@@ -49,7 +47,6 @@ impl<T: Number, const K: usize> Dual<T, K> {
         self
     }
 
-    /// The sum of the derivatives of both, each times its factor, with another value.
     #[inline(always)]
     fn join(mut self, other: Self, value: T, [first, second]: [Option<T>; 2]) -> Self {
         unrolled::<K>(

@@ -1,7 +1,5 @@
-//! The exponential of the block of A that moves, and its integrals; that of the linear oscillator in closed form.
-//!
-//! A step's size has a class, and each class its length of the series. If lanes are of different classes, each class is
-//! computed for all of them, and a lane takes its own.
+//! The exponential of the block of A that moves, and its integrals; that of the linear oscillator in closed form. The size of a step has
+//! a class, which has a length of the series. Lanes of different classes compute each class, and each lane takes its result.
 
 use super::columns::{multiply, norm};
 use super::level::{Level, apart};
@@ -17,20 +15,19 @@ pub(super) const INVERSE_FACTORIAL: [f64; 18] = {
     table
 };
 
-/// Limits the size of a step that is halved: of a longer one no digit is left, and its terms overflow, which callers detect.
+/// Limits the size of a step: a longer one has no correct digit, and its terms overflow, which callers detect.
 const LARGEST: f64 = 1e60;
 
-/// The classes of a size: up to each limit, then one more for each doubling of the last one.
+/// Classes up to each limit, then one more for each doubling of the last one.
 pub(super) struct Classes<const N: usize>(pub(super) [f64; N]);
 
 impl<const N: usize> Classes<N> {
-    /// The sizes, with zero in place of NaN and of sizes [without a number](LARGEST): these are of the first class.
+    /// Sizes of NaN and of more than [`LARGEST`] become zero, which is of the first class.
     #[inline(always)]
     pub(super) fn counted<T: Number>(size: T) -> T {
         T::select(size.lt(T::of(LARGEST)), size, T::of(0.0))
     }
 
-    /// The next class after one that any lane has, or the first one.
     #[inline(always)]
     pub(super) fn after<T: Number>(&self, class: Option<usize>, sizes: T) -> Option<usize> {
         let done = class.map_or(f64::NEG_INFINITY, |class| self.upper(class));
@@ -54,7 +51,7 @@ impl<const N: usize> Classes<N> {
 
     fn of(&self, size: f64) -> usize {
         let longest = self.0[N - 1];
-        // One doubling less than the quotient says, as it is rounded.
+        // One doubling less than the quotient: it is rounded.
         let exponent = || ((size / longest).to_bits() >> 52) as usize - 1023;
         let mut class = if size > longest { N - 2 + exponent().max(1) } else { 0 };
         while self.upper(class) < size {
@@ -85,7 +82,6 @@ pub struct Exponential<T> {
     pub slope: Vec<T>,
     powers: [Vec<T>; 4],
     work: Vec<T>,
-    /// The three matrices of the lanes of the classes that are done.
     kept: [Vec<T>; 3],
 }
 
@@ -278,8 +274,8 @@ impl<T: Number> Impulse<T> {
         if with_slope { Self::series::<PAIRS, 3>(a, b, t) } else { Self::series::<PAIRS, 2>(a, b, t) }
     }
 
-    /// `h = t Σ cₙ/(n+1)!`, `q = t² Σ cₙ/(n+2)!`, `p = t³ Σ cₙ/(n+3)!` with `cₙ₊₁ = b t cₙ + a t² cₙ₋₁`, `c₀ = 1`; in steps of
-    /// two, so that even and odd coefficients do not wait for each other. Two of the sums leave out p.
+    /// `h = t Σ cₙ/(n+1)!`, `q = t² Σ cₙ/(n+2)!`, `p = t³ Σ cₙ/(n+3)!` with `cₙ₊₁ = b t cₙ + a t² cₙ₋₁`, `c₀ = 1`; two terms a pass,
+    /// so that even and odd coefficients do not wait for each other. Two of the sums leave out p.
     #[inline(always)]
     fn series<const PAIRS: usize, const SUMS: usize>(a: T, b: T, t: f64) -> Self {
         let (alpha, beta) = (a * (t * t), b * t);
@@ -353,7 +349,6 @@ mod tests {
                 (0..4).for_each(|j| whole[(i, j)] = block(4 * j + i, size));
                 (whole[(i, 4 + i)], whole[(4 + i, 8 + i)]) = (1.0, 1.0);
             }
-            // A Taylor series over a step so short that twenty terms are enough, squared ten times.
             let (short, identity) = (&whole / 1024.0, DMatrix::identity(12, 12));
             let series = (1..=20).rev().fold(identity.clone(), |sum, n| &identity + &short * sum / f64::from(n));
             let whole = (0..10).fold(series, |half, _| &half * &half);
@@ -385,7 +380,6 @@ mod tests {
             if a[lane].is_finite() {
                 let mut any = Exponential::new(2);
                 any.compute(Baseline, &[0.0, a[lane], 1.0, b[lane]], 2, DT, true);
-                // Φ and Γ₂ in terms of h and q; what is left of Γ₂ is p.
                 let (h, q, p) = (any.transition[2], any.slope[3], (any.slope[3] - any.slope[0]) / b[lane]);
                 for (single, any) in [(single.h, h), (single.q, q), (single.p, p)] {
                     assert!(

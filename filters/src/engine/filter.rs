@@ -1,9 +1,4 @@
-//! A filter: predict and update.
-//!
-//! ```text
-//! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
-//! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
-//! ```
+//! A filter: predict and update, by the equations of [`crate::filter`].
 
 use super::belief::{FilterNoise, GaussianBelief, NoiseShare};
 use super::columns::{Rooted, lower_root};
@@ -62,11 +57,7 @@ impl<T: Number> GaussianFilter<T> {
         }
     }
 
-    /// Carries the beliefs over a share of a step, with the recorded forces over mass at its beginning and at its end \[m/s²\]. Its
-    /// share of the noise is added in the last of its parts.
-    ///
-    /// A white force and jumps belong to whole steps: the force is another one from the next sample on, or from the middle of the
-    /// step ([`Course`](super::design::Course)).
+    /// Takes the forces over mass at the ends of a share of a step \[m/s²\]. White forces and jumps belong to whole steps.
     #[inline(always)]
     pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
@@ -78,7 +69,7 @@ impl<T: Number> GaussianFilter<T> {
         }
         let first = if parts == 1 { whole } else { whole.part(0, parts) };
         self.checks.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
-        // Apart from the first one, so that a step of one part has no loop.
+        // The first part stands before the loop, so that a step of one part has no loop.
         for i in 1..parts {
             let before = self.checks.predicted;
             let rooted = self.pass(level, share, &whole.part(i, parts), i + 1 == parts, i + 1 == renewed);
@@ -185,9 +176,7 @@ impl<T: Number> GaussianFilter<T> {
         rooted
     }
 
-    /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
-    /// sensor; R is that of the noise without `variances`. The last step holds for [some lanes](UpdateResult::holds);
-    /// [`Self::reason`] gives the reason for the others.
+    /// A measurement that is NaN skips its sensor; `variances` replace the diagonal of R.
     #[inline(always)]
     pub(super) fn update<L: Level>(
         &mut self,
@@ -201,17 +190,14 @@ impl<T: Number> GaussianFilter<T> {
         update.condition(level, &mut Target { design, belief, root: root.as_mut(), checks }, observation)
     }
 
-    /// The rows of the root, of a filter that has one.
     pub(super) fn root_rows(&mut self) -> Option<&mut Vec<T>> {
         self.root.as_mut().filter(|_| const { may_have_root::<T, Baseline>() }).map(|root| &mut root.rows)
     }
 
-    /// The belief, and the noise of a share of a step.
     pub(super) fn belief_and_noise(&mut self, share: f64) -> (&mut GaussianBelief<T>, &FilterNoise<T>) {
         (&mut self.belief, self.of_share.of(share, &self.noise))
     }
 
-    /// Makes Q a whole matrix.
     pub(super) fn fill_process_noise(&mut self) {
         if self.noise.matrix.is_empty() {
             self.noise.fill_matrix();
@@ -219,7 +205,6 @@ impl<T: Number> GaussianFilter<T> {
         }
     }
 
-    /// The root of the covariance again, after this has changed.
     pub(super) fn take_root(&mut self) -> Rooted<T::Mask> {
         let Self { belief, root, .. } = self;
         match root {

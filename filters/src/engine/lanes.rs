@@ -208,7 +208,7 @@ impl Number for f64 {
     const LANES: usize = 1;
     #[cfg(not(target_arch = "wasm32"))]
     const POINTS: usize = 4;
-    // A page has one way only, to be smaller.
+    // A page has one of both, to be smaller.
     #[cfg(target_arch = "wasm32")]
     one_point!();
 

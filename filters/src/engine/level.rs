@@ -125,9 +125,7 @@ macro_rules! each {
 
 pub(super) use {apart, each};
 
-/// The number of sensors that measure, which the compiler may know.
 pub(crate) trait Count: Copy {
-    /// m
     fn number(self) -> usize;
 }
 

@@ -84,7 +84,7 @@ enum What {
 }
 
 impl What {
-    /// What an operation does, and the numbers that it needs. A constant that is added or multiplied needs no register.
+    /// A constant that is added or multiplied needs no register.
     fn of(operation: Operation, operations: &[Operation]) -> (Self, [Option<Node>; 2]) {
         let constant = |node: Node| match operations[node.place()] {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),
@@ -92,7 +92,6 @@ impl What {
         };
         match operation {
             Operation::Constant(bits) => (Self::Constant(f64::from_bits(bits)), [None, None]),
-            // An input stands in its register.
             Operation::Input(_) => (Self::Add, [None, None]),
             Operation::Add(a, b) => match (constant(a), constant(b)) {
                 (_, Some(c)) => (Self::Offset(c), [Some(a), None]),
@@ -118,7 +117,6 @@ impl What {
 impl List {
     /// The list that computes some outputs, each with its place. `None` if they need more registers than there are.
     pub fn new(operations: &[Operation], inputs: usize, outputs: &[(usize, Node)]) -> Option<Self> {
-        // Backwards from the last operation: finds the last operation that uses each result.
         let mut last: Vec<Option<usize>> = vec![None; operations.len()];
         outputs.iter().for_each(|(_, node)| last[node.place()] = Some(usize::MAX));
         for (place, &operation) in operations.iter().enumerate().rev() {
@@ -168,7 +166,7 @@ impl List {
     /// Computes the outputs from the inputs and the last input, `last`, and hands each over with its place.
     #[inline(always)]
     pub fn run<T: Real>(&self, inputs: &[T], last: T, take: impl FnMut(usize, T)) {
-        // Memory is cleared at each call: no more of it than is needed.
+        // Each call clears its memory: it has only as much as it needs.
         match self.registers {
             0..=8 => self.run_in::<T, 8>(inputs, last, take),
             9..=16 => self.run_in::<T, 16>(inputs, last, take),

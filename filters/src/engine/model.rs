@@ -69,7 +69,6 @@ impl StateModel {
         self.plant.is_oscillator() && self.moving() == 2
     }
 
-    /// [`EnginePlant::coupling`] of a plant whose parameters stand still.
     pub(crate) fn coupling(&self) -> Option<[usize; 2]> {
         self.plant.coupling().filter(|[masses, _]| self.moving() == 2 * masses)
     }
@@ -160,7 +159,6 @@ pub(crate) struct Derivatives<T> {
     pub rate: Vec<T>,
     /// The upper rows of `A = ∂g/∂y`, column by column.
     pub columns: Vec<T>,
-    /// Memory for the state without logarithms.
     pub plain: Vec<T>,
 }
 
@@ -170,7 +168,7 @@ impl<T: Number> Derivatives<T> {
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
-    /// Takes them in a state under this recorded force, in a separate function: it is long, and called from many places.
+    /// A function apart: it is long, and called from many places.
     #[inline(always)]
     pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) {
         apart!(level, self.take_inside(level, model, state, force));
@@ -212,7 +210,7 @@ impl<T: Number> Derivatives<T> {
     }
 }
 
-/// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
+/// `h(y, f)` at this rate of the state, in the unit of the sensor's quantity.
 #[inline(always)]
 pub(crate) fn read<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     if let Some(place) = reading.component {
@@ -242,7 +240,7 @@ fn read_exact<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate:
     sum
 }
 
-/// `∂h/∂y` of a sensor that reads more than components in a state, n numbers.
+/// `∂h/∂y`, n numbers, of a sensor that reads more than components.
 #[inline(always)]
 pub(crate) fn gradient<T: Number>(
     model: &StateModel,
@@ -281,16 +279,15 @@ pub(crate) fn gradient<T: Number>(
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interval<T> {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
+    /// The recorded force over mass at its ends, linear in between \[m/s²\].
     pub forces: [T; 2],
-    /// Whether they differ: else the force is held.
     pub has_slope: bool,
-    /// The time that it takes \[s\].
+    /// \[s\]
     pub dt: f64,
 }
 
 impl<T: Number> Interval<T> {
-    /// The slope of the force over mass \[m/s³\].
+    /// \[m/s³\]
     #[inline(always)]
     pub(crate) fn slope(&self) -> T {
         (self.forces[1] - self.forces[0]) * (1.0 / self.dt)

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Does some work for each place below N, at most 8, as straight code, also in a page, whose compiler leaves loops as they are.
+/// Work for each place below N, at most 8, as straight code: a page's compiler unrolls no loops.
 #[inline(always)]
 pub(crate) fn unrolled<const N: usize>(mut work: impl FnMut(usize)) {
     const { assert!(N <= 8) }
@@ -111,7 +111,6 @@ pub trait Number: Real + Send + 'static {
     }
 }
 
-/// The items of [`Number`] of a number that moves one point at a time.
 macro_rules! one_point {
     () => {
         type Pack = Self;
@@ -129,7 +128,6 @@ macro_rules! one_point {
         }
     };
 }
-/// Operators of a type with these generics, each by an expression.
 macro_rules! operators {
     ([$($generics:tt)*] $type:ty;) => {};
     ([$($generics:tt)*] $type:ty; $trait:ident<$other:ty> $name:ident = |$a:ident, $b:ident| $work:expr; $($rest:tt)*) => {

@@ -21,7 +21,6 @@ pub struct Passage<T> {
     pub gain: Vec<T>,
     /// H, m × n; empty where there is none.
     pub jacobian: Vec<T>,
-    /// Φ of one step, and memory.
     step: Vec<T>,
     root: Vec<T>,
     work: GaussianBelief<T>,
@@ -43,7 +42,6 @@ impl<T: Number> Passage<T> {
         }
     }
 
-    /// Begins at a belief: Φ is an identity.
     pub(super) fn begin(&mut self, belief: &GaussianBelief<T>) {
         let n = self.work.size();
         self.predicted.copy_from_slice(&belief.cov);
@@ -63,11 +61,7 @@ impl<T: Number> Passage<T> {
         self.compose();
     }
 
-    /// Takes in the step that a belief is about to take by sigma points.
-    ///
-    /// ```text
-    /// Φ L = odd parts of the points
-    /// ```
+    /// Before a step by sigma points, whose odd parts are `Φ L`.
     pub(super) fn regress<L: Level>(
         &mut self,
         level: L,

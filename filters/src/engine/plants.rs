@@ -8,15 +8,15 @@ use super::list::List;
 use super::number::{Number, Real};
 use crate::PlantKind;
 
-/// The equation of a plant with the state `y = [motion, parameters]`, over numbers of one type.
+/// The equation of a plant with the state `y = [motion, parameters]`.
 pub(crate) trait RateFunction<T>: Copy {
-    /// Whether the compiler knows the number of components, which then is at most [`FEW`].
+    /// The compiler knows the number of components, at most [`FEW`].
     const IS_SMALL: bool = true;
 
     /// The number of components, and of those that move, which come first.
     fn sizes(self) -> [usize; 2];
 
-    /// Of the components that move, each in its unit per second, under a force over mass \[m/s²\], which enters additively.
+    /// The rates of the components that move, each in its unit per second, under a force over mass \[m/s²\], which enters additively.
     fn rate(self, state: &[T], force: T, rate: &mut [T]);
 }
 
@@ -36,7 +36,7 @@ pub enum EnginePlant {
     Own(Own),
 }
 
-/// Does something with the equation of a plant, and something else with a plant of a program's own, which has none.
+/// The second expression is for a plant of the calling program, which has no equation.
 macro_rules! with_equation {
     ($plant:expr, $equation:ident => $do:expr) => {
         $crate::engine::plants::with_equation!($plant, $equation => $do, $equation => $do)
@@ -111,7 +111,7 @@ impl EnginePlant {
         with_equation!(self, equation => equation.rate(state, force, rate));
     }
 
-    /// The derivatives of the rates by the plant's components, row by row.
+    /// The Jacobian, row by row.
     pub(crate) fn jacobian(&self, state: &[f64], out: &mut [f64]) {
         let (own, motion) = (self.size(), self.motion());
         let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
@@ -141,14 +141,14 @@ pub(crate) const AT_ONCE: usize = 4;
 /// Limits the components of a small plant: twice the derivatives that are taken at once.
 pub(crate) const FEW: usize = 8;
 
-/// Whether filters of these sizes can have a plant: the compiler leaves out the others.
+/// The compiler leaves out plants of other sizes than the filter's.
 #[inline(always)]
 pub(super) fn fits<T, L: Level>(level: L, equation: impl RateFunction<T>) -> bool {
     let [own, motion] = equation.sizes();
     own <= level.size(own) && motion <= level.moving(motion)
 }
 
-/// The rates, and their derivatives by the plant's components, to be filled: column by column, `rows` numbers a column.
+/// The rates, and their derivatives by the plant's components, column by column, `rows` numbers a column.
 pub(crate) struct Slopes<'a, T> {
     pub(crate) rate: &'a mut [T],
     pub(crate) columns: &'a mut [T],
@@ -267,21 +267,19 @@ pub struct ShearChain {
     pub masses: usize,
 }
 
-/// `s = κ δ + c δ'` with the drift δ between a mass and the one below it, from x, v, κ, c, x and v of the one below.
+/// `s = κ δ + c δ'` with the drift δ between a mass and the one below it.
 #[inline(always)]
 fn storey<T: Real>([x, v, stiffness, damping, below, rate_below]: [T; 6]) -> T {
     stiffness * (x - below) + damping * (v - rate_below)
 }
 
 impl ShearChain {
-    /// The places of the numbers of a storey. The last two are those of the mass below, if there is one.
     #[inline(always)]
     fn places(self, i: usize) -> [usize; 6] {
         let m = self.masses;
         [i, m + i, 2 * m + i, 3 * m, i.wrapping_sub(1), m + i - 1]
     }
 
-    /// The numbers of a storey. Below the first one is the ground, which stands still.
     #[inline(always)]
     fn numbers<T: Real>(state: &[T], i: usize, places: [usize; 6]) -> [T; 6] {
         let mut numbers = [T::of(0.0); 6];

@@ -6,7 +6,6 @@ use super::number::{Number, Real};
 use super::plants::{FEW, RateFunction, fits, with_equation};
 use crate::model::Reading;
 
-/// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
 #[derive(Clone, Debug)]
 pub(crate) struct RungeKutta<T> {
     start: Vec<T>,
@@ -51,7 +50,6 @@ impl<T: Number> RungeKutta<T> {
             );
             return;
         }
-        // Only the motion moves: parameters, and the parts of the force that are estimated, stay.
         let [own, moving] = equation.sizes();
         let [begin, middle, end] = step.thrice();
         let forces = [model.acting(state, begin), model.acting(state, middle), model.acting(state, end)];
@@ -114,9 +112,7 @@ fn put<T: Number>(state: &mut [T], start: &[T], rate: &[T], dt: f64) {
 
 type Pack = <f64 as Number>::Pack;
 
-/// Many states of one model, several at a time: the members of an ensemble, and particles.
-///
-/// Moves and measures states, n numbers each, one behind the other.
+/// Moves and measures states of n numbers, one behind the other, several at a time: the members of an ensemble, and particles.
 #[derive(Clone, Debug)]
 pub(crate) struct States {
     model: StateModel,
@@ -160,7 +156,7 @@ impl States {
         }
     }
 
-    /// Under this recorded force over mass \[m/s²\]; `values` gets as many numbers for each state as there are sensors.
+    /// Under this recorded force over mass \[m/s²\]; `values` has one number for each sensor of each state.
     pub(crate) fn read<'a>(
         &mut self,
         states: &[f64],
@@ -186,7 +182,6 @@ impl States {
         }
     }
 
-    /// Takes some states, at least one; the last one stands for those that are missing in the pack.
     fn take(&mut self, states: &[f64]) {
         let n = self.model.size;
         let last = states.len() / n - 1;
@@ -201,7 +196,6 @@ mod tests {
     use super::*;
     use crate::{Channel, PlantKind, Quantity};
 
-    /// One step; the rate takes the share of the step as its first argument.
     fn step(rate: impl Fn(f64, &[f64], &mut [f64]), state: &mut [f64], dt: f64) {
         let mut memory = [const { [0.0; 2] }; 5];
         let memory = memory.each_mut().map(|numbers| &mut numbers[..state.len()]);

@@ -1,6 +1,4 @@
-//! Options of a filter, each of which wraps a filter.
-//!
-//! An option sees the filter that it wraps as a [`Recursion`], and knows of no other option.
+//! Options of a filter. Each wraps a filter, which it sees as a [`Recursion`], and knows of no other option.
 
 mod adapting;
 mod considering;
@@ -157,7 +155,6 @@ impl<T: Number> Wrapped<T> {
     }
 }
 
-/// A filter without options, by the instructions of a level.
 struct AtLevel<'a, L, T: Number>(L, &'a mut GaussianFilter<T>);
 
 impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
@@ -176,7 +173,6 @@ impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
     }
 }
 
-/// A filter in the first of its options.
 struct Inside<'a, T> {
     wrappers: &'a mut [Box<dyn Wrapper<T>>],
     plain: &'a mut dyn Recursion<T>,

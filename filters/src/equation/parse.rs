@@ -25,7 +25,6 @@ pub(super) enum Tree {
     Power(Box<Tree>, f64),
 }
 
-/// Both sides of an equation, and where it begins in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sides {
     pub(super) left: Tree,
@@ -75,7 +74,6 @@ struct EquationParser {
 }
 
 impl EquationParser {
-    /// The next token; the last one is the end, which stays.
     fn peek(&self) -> &Token {
         self.tokens.get(self.at).map_or(&Token::End, |(_, token)| token)
     }
@@ -131,7 +129,6 @@ impl EquationParser {
                     self.at += 1;
                     sign
                 }
-                // Nothing between a factor and a name or a bracket means a product.
                 Token::Name(..) | Token::Sign('(') => '*',
                 _ => return Ok(left),
             };
@@ -166,7 +163,7 @@ impl EquationParser {
                     if is_bracketed && !self.eat(')') {
                         return Err(self.unexpected("`)`"));
                     }
-                    // `2^3^2` would be read in two ways.
+                    // `2^3^2` has two readings.
                     if *self.peek() == Token::Sign('^') {
                         return Err(self.unexpected("an operator (a power of a power needs brackets)"));
                     }

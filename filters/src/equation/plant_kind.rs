@@ -128,8 +128,7 @@ fn channel(component: &StateComponent, known: &[(String, &ParameterSettings)]) -
     Ok(Channel::new(info(name, is_parameter, settings.unwrap_or(&usual))?))
 }
 
-/// The data of the names in equations, by their text: equal data is kept once, as compilers keep symbols, and serves nothing else.
-/// It is never freed, because a [`Channel`] is copied in thousands of places. Each takes a few hundred bytes.
+/// Equal names are kept once, a few hundred bytes each, and never freed: a [`Channel`] is copied in thousands of places.
 static INFOS: Mutex<BTreeMap<String, &'static ChannelInfo>> = Mutex::new(BTreeMap::new());
 
 fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<&'static ChannelInfo, EquationError> {

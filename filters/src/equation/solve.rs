@@ -1,8 +1,4 @@
-//! From equations to rates: each is solved for its highest derivative, in which it is linear.
-//!
-//! ```text
-//! left - right = r + s h = 0,  h = -r / s
-//! ```
+//! From equations to rates: each is solved for its highest derivative, in which it is linear: `left - right = r + s h = 0`, `h = -r / s`.
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
@@ -18,7 +14,6 @@ const COMPONENTS: usize = 32;
 pub(super) enum StateComponent {
     /// x of a mass, counted from 0.
     Displacement(usize),
-    /// v of a mass, counted from 0.
     Velocity(usize),
     Internal(String),
     Parameter(String),
@@ -40,7 +35,6 @@ pub(super) struct Solved {
     pub(super) is_linear: bool,
 }
 
-/// A name of the text, the most primes that it has, and where it has them.
 struct Name<'a> {
     key: &'a str,
     primes: usize,
@@ -77,7 +71,7 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
             ));
         }
     }
-    // There are as many equations as derivatives, and no two give the same one.
+    // Each derivative has one equation.
     let rates: Vec<Node> = rates.into_iter().flatten().collect();
     let mut entries = Vec::new();
     for (i, &rate) in rates.iter().enumerate() {
@@ -186,7 +180,6 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<StateCompon
     Ok(all)
 }
 
-/// The inputs of the rates: the components, the force, and the highest derivatives.
 struct RateInputs<'a> {
     components: &'a [StateComponent],
     masses: usize,
@@ -194,7 +187,6 @@ struct RateInputs<'a> {
 }
 
 impl RateInputs<'_> {
-    /// The place of a component among the rates, and its rate by one equation.
     fn solve(&self, equation: &Sides, builder: &mut Builder) -> Result<(usize, Node), EquationError> {
         let (left, right) = (self.node(&equation.left, builder), self.node(&equation.right, builder));
         let residual = builder.subtract(left, right);

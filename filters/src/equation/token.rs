@@ -154,7 +154,6 @@ const NAMES: [&str; 34] = [
     "Lambda", "Xi", "Pi", "Sigma", "Phi", "Psi", "Omega",
 ];
 
-/// Subscripts, each with its character on the line.
 const SUBSCRIPTS: [&str; 2] = ["₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", "0123456789aehijklmnoprstuvx"];
 
 const SUPERSCRIPTS: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
@@ -176,7 +175,6 @@ fn superscript(c: char) -> Option<u32> {
     place(c, SUPERSCRIPTS).map(|digit| digit as u32)
 }
 
-/// The letter below the dots of a character that has some, and their number.
 fn dotted(c: char) -> Option<(char, usize)> {
     match c {
         'ẋ' => Some(('x', 1)),
@@ -234,7 +232,6 @@ pub(super) fn symbol(key: &str) -> String {
     }
 }
 
-/// A letter with up to two dots: one character where there is one, else with combining dots.
 pub(super) fn dots(letter: char, count: usize) -> String {
     match (letter, count) {
         (_, 0) => letter.to_string(),

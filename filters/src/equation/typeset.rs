@@ -1,6 +1,4 @@
-//! Equations as they are printed: runs of text on the line, above it and below it.
-//!
-//! `x'' + 2 zeta wn x' + wn^2 x = f` is `ẍ + 2ζωₙẋ + ωₙ²x = f`, its subscripts and powers runs of their own.
+//! Equations as they are printed, in runs of text on the line, above it and below it: `x'' + 2 zeta wn x' = f` is `ẍ + 2ζωₙẋ = f`.
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
@@ -37,7 +35,7 @@ pub fn typeset(text: &str) -> Result<Vec<Vec<TextRun>>, EquationError> {
     Ok(mapped(&equations, &Line::of))
 }
 
-/// How tight a term holds together: a looser one needs brackets within a tighter one.
+/// A looser term needs brackets within a tighter one.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Tie {
     Sum,
@@ -97,7 +95,6 @@ impl Line {
         }
     }
 
-    /// Writes a term, in brackets if it binds less tightly than `least`.
     fn put(&mut self, tree: &Tree, least: Tie) {
         if tie(tree) < least {
             self.enclosed("(", tree, ")");
@@ -182,7 +179,6 @@ impl Line {
     }
 }
 
-/// The text between two factors: empty between single letters.
 fn between(a: &Tree, b: &Tree) -> &'static str {
     fn first(tree: &Tree) -> &Tree {
         match tree {
@@ -208,7 +204,6 @@ fn between(a: &Tree, b: &Tree) -> &'static str {
 mod tests {
     use super::*;
 
-    /// The equations of a text, `^{…}` for text above the line and `_{…}` for text below it.
     fn printed(text: &str) -> String {
         let lines = typeset(text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let run = |run: &TextRun| match run.level {
@@ -271,7 +266,6 @@ mod tests {
             };
             let lines = typeset(text).expect("an equation");
             let again: Vec<String> = lines.iter().map(|line| line.iter().map(plain).collect()).collect();
-            // Letters side by side are factors, bars are absolute values.
             let spread = |text: &str| {
                 let spaced = text.replace("|ẋ|", "abs(ẋ)").replace("|z|", "abs(z)").replace("√(", "sqrt(");
                 ["ω", "ẋ", "x", "ζ", "b", "c", "d", "z"].iter().fold(spaced, |text, letter| {

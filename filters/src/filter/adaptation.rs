@@ -40,7 +40,7 @@ pub struct Adaptation {
     pub training: f64,
 }
 
-/// Times have decimals.
+/// Limits the rounding error of times \[s\], which users write in decimals.
 const ROUNDING: f64 = 1e-9;
 
 impl Default for Adaptation {

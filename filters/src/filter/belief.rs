@@ -1,5 +1,4 @@
-//! Beliefs; the noise that a filter assumes, and a step from one sample to the next; the measurements of a sample, and the result of an
-//! update by them.
+//! Beliefs, the noise that a filter assumes, a step between samples, a sample's measurements, and an update's result.
 
 use std::borrow::Cow;
 
@@ -292,7 +291,7 @@ impl Observation {
         Vector::from_iterator(self.len(), readings)
     }
 
-    /// The numbers that the sensors would read in several states, each a column; m rows.
+    /// The readings in several states, m rows with a column for each state.
     pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
         let mut values = Matrix::zeros(self.len(), states.ncols());
         engine.read(states.as_slice(), self.force, &self.readings(), values.as_mut_slice());

@@ -54,7 +54,7 @@ pub fn condition(
     Ok(())
 }
 
-/// The same on plain numbers, with R, m × m. Returns the factor of S, and K.
+/// `noise` is R, m × m. Returns the factor of S, and K.
 pub(super) fn update(
     belief: &mut Gaussian,
     Expected { cov, cross, jacobian, .. }: &Expected,

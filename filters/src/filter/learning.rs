@@ -5,11 +5,9 @@ use crate::engine::number::Number;
 use crate::engine::weights::{Innovations, Residuals};
 use crate::lists::mapped;
 
-/// Noise that is learnt as [`Adaptation`] has it, in each lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Learning<T> {
     pub(crate) adaptation: Adaptation,
-    /// The variance of each R.
     pub(crate) uncertainty: Vec<T>,
     /// K e
     shift: Vec<T>,
@@ -24,7 +22,6 @@ impl<T: Number> Learning<T> {
         self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
     }
 
-    /// For a state of n components, and the diagonal of R.
     pub(crate) fn new(adaptation: Adaptation, n: usize, sensors: &[T], dt: f64) -> Self {
         let uncertainty = mapped(sensors, &|r| adaptation.initial_uncertainty(*r));
         Self { adaptation, uncertainty, shift: vec![T::of(0.0); n], residuals: Residuals::default(), sample: 0, dt }
@@ -56,7 +53,6 @@ impl<T: Number> Learning<T> {
         }
     }
 
-    /// Adapts the diagonal of R, in lanes in which a sensor has measured.
     pub(crate) fn adapt_sensors(&mut self, update: &Innovations<'_, T>, measured: &[T], sensors: &mut [T]) {
         let Self { adaptation, residuals, uncertainty, .. } = self;
         for (&sensor, &residual) in update.sensors.iter().zip(residuals.of(update)) {

@@ -257,7 +257,6 @@ impl MeasurementModel {
         }
     }
 
-    /// H, if the readings are linear in the state.
     fn matrix(&self) -> Option<&Matrix> {
         match &self.0 {
             Kind::Matrix(matrix) => Some(matrix),
@@ -286,7 +285,7 @@ fn linearise(model: &MeasurementModel, m: usize, at: &Vector, std: impl Fn(usize
     }
 }
 
-/// Central differences over a share of a standard deviation, in which h counts as linear, and large against rounding.
+/// Central differences over a share of a standard deviation, which is large against rounding, and in which h counts as linear.
 fn differences(function: &Function, at: &Vector, readings: &Vector, std: impl Fn(usize) -> f64, jacobian: &mut Matrix) {
     let (mut beside, mut there) = (at.clone(), readings.clone());
     for i in 0..at.len() {
@@ -415,7 +414,6 @@ fn check_column(name: &'static str, column: &[f64], needed: usize, why: &'static
 /// The size of rounding in a covariance that was computed, in standard deviations of both components.
 const ASYMMETRY: f64 = 1e-9;
 
-/// A covariance of n components, symmetric to the last bit.
 fn covariance(name: &'static str, matrix: Matrix, n: usize, why: &'static str) -> Result<Matrix, SystemError> {
     check(name, &matrix, (n, n), why)?;
     for row in 0..n {

@@ -45,7 +45,6 @@ impl Ensemble {
         Ok(Self { members, normal, engine: None, origin: Some(belief) })
     }
 
-    /// `P ← λ P + Q`
     fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
         let Self { members, normal, .. } = self;
         if *fading != 1.0 {
@@ -135,8 +134,7 @@ fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
     }
 }
 
-/// Reports the update of a Gaussian with the moments of a sample, given the readings in each of its states; returns the gain. The weights
-/// are those of a mean and of a covariance.
+/// Reports a Gaussian's update by the moments of a sample, with the weights of a mean and of a covariance; returns the gain.
 fn report(
     sample: &Matrix,
     readings: &Matrix,
@@ -154,7 +152,6 @@ fn report(
     Ok(gain)
 }
 
-/// Standard normal numbers in `count` columns of `n`, shifted so that the mean of the columns is zero.
 fn centred_draws(n: usize, count: usize, normal: &mut Normal) -> Matrix {
     let mut draws = Matrix::from_fn(n, count, |_, _| normal.sample());
     let centre = mean(&draws);
@@ -201,7 +198,6 @@ pub struct Particles {
     weights: Vec<f64>,
     normal: Normal,
     engine: Option<Box<States>>,
-    /// The belief that the particles were drawn from, until they first move.
     origin: Option<Gaussian>,
 }
 
@@ -239,8 +235,7 @@ impl Particles {
         Ok(())
     }
 
-    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
-    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
+    /// Each weight gives its copies, and a kernel separates these; shrinking the particles first keeps mean and covariance.
     fn resample(&mut self) {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
@@ -266,7 +261,6 @@ impl Particles {
         weights.fill(1.0 / count as f64);
     }
 
-    /// `P ← λ P + Q`
     fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
         if *fading != 1.0 {
             let mean = self.mean();
@@ -276,7 +270,6 @@ impl Particles {
         Ok(())
     }
 
-    /// Multiplies the weights by the particles' likelihoods and returns the logarithm of the mean of these.
     fn weigh(&mut self, readings: &Matrix, observation: &Observation) -> Result<f64, FilterError> {
         let log_likelihood = |reading: &[f64]| {
             let errors = observation.values.iter().zip(reading).map(|(value, reading)| value - reading);
@@ -332,7 +325,7 @@ impl Belief for Particles {
         }
         let gain = report(&self.particles, &readings, [&|j| self.weights[j]; 2], observation, out)?;
         if !gain.sum().is_finite() {
-            // The gain moves no particle here, so that nothing after this would report the error.
+            // The gain moves no particle, so that nothing later reports the error.
             return Err(FilterError::NotFinite);
         }
         out.log_likelihood = self.weigh(&readings, observation)?;
@@ -356,8 +349,7 @@ impl Belief for Particles {
     }
 }
 
-/// The square of the bandwidth of a normal kernel around each of `count` particles of n components, in the sample's standard
-/// deviations. Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
+/// In variances of the sample. Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
 fn bandwidth_square(n: usize, count: usize) -> f64 {
     let n = n as f64;
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)

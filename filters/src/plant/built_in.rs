@@ -206,7 +206,6 @@ const fn shape(words: [&'static [&'static str]; 3], unit: &'static str, usual: U
     ChannelInfo::parameter(words, unit, Sign::Any, usual)
 }
 
-/// A chain of masses connected by springs and dampers, such as the storeys of a building.
 pub(super) struct ShearPlant<const MASSES: usize>;
 
 static STIFFNESS: ChannelInfo = ChannelInfo::parameter(

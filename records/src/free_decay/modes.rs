@@ -23,13 +23,13 @@ pub struct Mode {
 
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Limits from below the log likelihood that another mode gains for each number, over the logarithm of the readings' number: a stricter
-/// limit leaves out modes that move the others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
+/// Limits from below the log likelihood that another mode gains for each number, over ln of the readings' number: a stricter
+/// limit leaves out modes that move others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
 const GAIN: f64 = 0.5;
-/// Limits a first half swing, in mean squares of the rest: a larger one is forced; and the number of those that are left out.
+/// Limits a first half swing, in mean squares of the rest (a larger one is forced), and the number of those that are left out.
 const FORCED: f64 = 2.0;
 const MOST: usize = 8;
-/// In mean squares of the noise: larger residuals are no noise.
+/// Limits the residuals, in mean squares of the noise.
 const NOISY: f64 = 4.0;
 const SAME: f64 = 0.1;
 const FEWEST: usize = 3;
@@ -98,7 +98,7 @@ impl Decay {
     }
 }
 
-/// Returns the residuals too, and the values of the modes but the first one.
+/// Returns the residuals, and the values of all modes but the first one.
 fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     let values = numbers(readings.len(), &|k| readings[k][1]);
     let one = best::<5>(readings, &values, &[])?;
@@ -156,7 +156,7 @@ pub fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -
     }
     let powers = powers(numbers.into_iter(), length);
     let frequency = |place: usize| TAU * place as f64 / (length as f64 * dt);
-    // Below one swing in all readings, it is a drift.
+    // A drift has less than one swing in all readings.
     let places = (length / readings.len()..powers.len()).filter(|place| is_allowed(frequency(*place)));
     places.max_by(|&a, &b| powers[a].total_cmp(&powers[b])).map(frequency)
 }

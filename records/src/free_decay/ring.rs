@@ -34,19 +34,19 @@ const SWINGS: f64 = 8.0;
 
 const SPECTRUM: usize = 1 << 16;
 
-/// In power over the surroundings; a line beside the pitch stands out more clearly, and has this share of its power.
+/// Limits the pitch's power over the surroundings; another line stands out more clearly, and has this share of the pitch's power.
 const ABOVE: f64 = 8.0;
 const CLEAR: f64 = 40.0;
 const BESIDE: f64 = 1e-4;
 
-/// In shares of the pitch, where no other line is nearer; and the nearest line that is another mode.
+/// Shares of the pitch, where no other line is nearer; and the nearest line that is another mode.
 const BAND: [f64; 2] = [0.3, 2.2];
 const OWN: f64 = 1.05;
 
 const FINENESS: f64 = 5.5;
 const MOST_SAMPLES: usize = 20_000;
 
-/// The ring ends and begins at these multiples of the noise, or ends where it grows by this factor; its fewest swings.
+/// The ring begins and ends at these multiples of the noise, or ends where it grows by this factor; its fewest swings.
 const QUIET: f64 = 2.5;
 const LOUD: f64 = 6.0;
 const GROWTH: f64 = 1.5;
@@ -145,7 +145,7 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of the first 65,536 samples at most. `None` if there are fewer than 256.
+    /// Of the first 65,536 samples. `None` if there are fewer than 256.
     fn of(rate: f64, values: &[f64]) -> Option<Self> {
         let values = &values[..values.len().min(SPECTRUM)];
         if values.len() < 256 {
@@ -183,7 +183,6 @@ impl Spectrum {
             if !(here >= left && here > right) {
                 continue;
             }
-            // A parabola through the logarithms.
             let [a, b, c] = [left, here, right].map(|power| libm::log(power.max(f64::MIN_POSITIVE)));
             let bend = a - 2.0 * b + c;
             let shift = if bend < 0.0 { 0.5 * (a - c) / bend } else { 0.0 };

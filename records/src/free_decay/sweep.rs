@@ -38,7 +38,7 @@ pub struct Sweep {
 const WINDOW: f64 = 0.5;
 const HOP: f64 = 0.25;
 const STEP: f64 = 0.025;
-/// Parts of a step where the pole is nearer than this many radians a step.
+/// Parts of a step where the pole is nearer than the next constant, in radians a step.
 const PARTS: usize = 4;
 const CLOSE: f64 = 2.0;
 /// Distance of a window in the sweep from its line \[Hz\]; the least share of such windows in its part.
@@ -51,16 +51,16 @@ const RISE: f64 = 2.0;
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 30;
 const ROUNDS: usize = 3;
-/// Limits the frequencies from which modes are looked for \[Hz\], in this number of steps up to this factor above the sweep.
+/// Limits the first frequencies of modes \[Hz\], in this number of steps up to this factor above the sweep.
 const LOWEST: f64 = 10.0;
 const GRID: usize = 48;
 const WIDER: f64 = 1.5;
 const LAGS: usize = 12;
-/// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
+/// The pulses differ from the model's wave: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
 const OF_DRIVE: [f64; 2] = [1.2, 1.5];
 const FIRST: usize = 6;
 
-/// The numbers of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
+/// The numbers of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be absent.
 type Numbers = [f64; FIRST + 8];
 type Start = ([f64; 2], Vec<Complex>);
 const SMALL: f64 = 1e-6;
@@ -236,7 +236,7 @@ impl Sweep {
         self.tuned(modes, numbers)
     }
 
-    /// With the c that leave least: steps that move numbers and c together are stuck in narrow valleys.
+    /// With the c of the least residuals: steps that move numbers and c together are stuck in narrow valleys.
     fn tuned(&self, modes: usize, mut at: Numbers) -> Option<Numbers> {
         let places = || (FIRST - 2..FIRST + 4 * modes).step_by(4);
         places().for_each(|place| at[place..place + 2].fill(0.0));
@@ -370,7 +370,7 @@ fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
     &readings[place(from)..place(from + WINDOW)]
 }
 
-/// A mean under cos⁴: harmonics, and motion that turns backward, leave next to nothing in it.
+/// A mean under cos⁴, in which harmonics and backward motion leave next to nothing.
 #[derive(Default)]
 struct WindowMean {
     sum: Complex,

@@ -214,7 +214,7 @@ impl<'a> Builder<'a> {
         Ok(self.conditioning().input(values, self.hold))
     }
 
-    /// The values are at even times, or empty where readings keep their times; then come remarks on the cells.
+    /// Empty where readings keep their times; else values at even times. Then remarks on the cells.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;
@@ -227,7 +227,6 @@ impl<'a> Builder<'a> {
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
         let remarks = cells_without_readings(table, column_place, mapped);
         if self.own.is_some() && self.is_kept {
-            // It has the values with their times.
             return Ok((Vec::new(), remarks));
         }
         let mut values = match &self.own {
@@ -404,7 +403,6 @@ pub(super) mod tests {
             assert!(record.measured(0)[3].is_nan() && record.measured(0)[4] == 4.0, "{remarks:?}");
             assert!(remarks.iter().any(|remark| remark.starts_with("`count` counts the samples")), "{remarks:?}");
         }
-        // The clock is wrong behind the part, many times over.
         let times = (0..60).map(|k| if k < 30 { f64::from(k) } else { f64::from((k * 7) % 30) });
         let rows = times.map(|time| format!("{},1,{}\n", 0.1 * time, time)).collect::<String>();
         let part = |mapping: &mut Mapping| mapping.to = Some(2.0);

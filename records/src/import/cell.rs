@@ -31,7 +31,7 @@ impl<'a> Iterator for Cells<'a> {
     fn next(&mut self) -> Option<&'a str> {
         let rest = self.rest?;
         let start = rest.trim_start_matches(' ');
-        // Within quotes a delimiter is a part of the cell; a quote that nothing ends is a character like others.
+        // Within quotes a delimiter is a part of the cell; a quote without an end is an ordinary character.
         let quoted = start.strip_prefix('"').and_then(|inner| inner.split_once('"'));
         let (cell, after) = match quoted {
             Some((cell, after)) => (cell, after.find(|c| self.delimiter.is(c)).map(|end| &after[end..])),
@@ -51,7 +51,7 @@ impl<'a> Iterator for Cells<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Content {
     Number(f64),
-    /// Has one reading only, such as `1.234,5`.
+    /// Has one reading, such as `1.234,5`.
     Grouped(f64),
     /// \[s\]: since midnight, or with a date since 1970.
     Clock {
@@ -124,7 +124,7 @@ impl Decimal {
         }
     }
 
-    /// Returns the number as Rust writes it, and whether this is its only reading.
+    /// Returns the number in Rust's form, and whether this is its only reading.
     fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
         let (point, other) = match self {
             Self::Point => ('.', ','),
@@ -178,7 +178,6 @@ fn is_missing(cell: &str) -> bool {
 fn is_word(cell: &str) -> bool {
     const WORDS: &str =
         "∞ ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
-    // Of Windows and of spreadsheets.
     const PARTS: [&str; 6] = ["#ind", "#qnan", "#snan", "#inf", "#div/0", "#num"];
     let is_line = |mark: char| cell.chars().all(|c| c == mark);
     let lower = cell.to_ascii_lowercase();
@@ -192,7 +191,7 @@ fn is_word(cell: &str) -> bool {
 /// Seconds, and whether there is a date: `hh:mm:ss.f`, `mm:ss.f`, `AM`, `PM`, `+01:00`, `Z`; `2024-05-01`, `20240501T080000`,
 /// `01.05.2024`, `01-May-2024`; with slashes the month comes first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
-    // Of pandas: `0 days 00:00:01.5`.
+    // As pandas writes it: `0 days 00:00:01.5`.
     if let Some((days, (time, false))) = cell.split_once(" days ").and_then(|(days, rest)| Some((days, clock(rest)?))) {
         return Some((days.parse::<f64>().ok()? * 86_400.0 + time, false));
     }
@@ -297,7 +296,6 @@ mod tests {
             ("-1.5e-3", "-1,5E-3", Some(-1.5e-3)),
             ("7", "7", Some(7.0)),
             ("oops", "oops", None),
-            // A decimal comma, or thousands.
             ("1,234", "1.234.5", None),
             ("1,234.5", "1.234,5", Some(1234.5)),
             ("+1,234,567", "1'234'567", Some(1_234_567.0)),
@@ -306,11 +304,9 @@ mod tests {
             ("1,234,56", "1,2.3,4", None),
             ("0,123.5", ".234,5", None),
             ("12,3456.7", "--1.234,5", None),
-            // Exponents of Fortran.
             ("-1.5D+02", "-1,5d2", Some(-150.0)),
             (".25d-1", ",25D-1", Some(0.025)),
             ("D3", "2d", None),
-            // Durations.
             ("0.01 sec", "10 ms", Some(0.01)),
             ("20ms", "0,02s", Some(0.02)),
             ("12:00:00:500", "12:00:00,5", Some(43_200.5)),
@@ -350,7 +346,6 @@ mod tests {
             ("12:00:01.5 pm", Some((43_201.5, false))),
             ("1:00:00 PM", Some((46_800.0, false))),
             ("1970-01-02 00:00:00", Some((86_400.0, true))),
-            // 2024 is a leap year.
             ("2024-02-28 23:59:59", Some((1_709_164_799.0, true))),
             ("2024-03-01T00:00:00Z", Some((1_709_251_200.0, true))),
             ("2024-05-01T12:00:00+00:00", Some((NOON, true))),
@@ -363,7 +358,6 @@ mod tests {
             ("05/01/2024 12:00:00", Some((NOON, true))),
             ("2024/05/01 12:00:00", Some((NOON, true))),
             ("01.05.24 12:00:00", Some((NOON, true))),
-            // No month is the 31st.
             ("31/12/2024 00:00:00", Some((1_735_603_200.0, true))),
             ("13:00:00 PM", None),
             ("12:30", None),

@@ -114,7 +114,7 @@ pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Opti
     )))
 }
 
-/// At the ends the nearest value is repeated. Returns the first missing place and the number of missing values.
+/// Repeats the nearest value at the ends. Returns the first missing place and the number of missing values.
 pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
     let missing = places(values.len(), &|place| values[place].is_nan());
     for gap in missing.chunk_by(|one, next| one + 1 == *next) {

@@ -81,7 +81,7 @@ impl Encoding {
         }
     }
 
-    /// In bytes, with its end; `None` if no line ends here.
+    /// In bytes, with the line's end; `None` without one.
     pub(super) fn line_length(self, bytes: &[u8]) -> Option<usize> {
         match self {
             Self::Utf8 | Self::Latin1 => bytes.iter().position(|&byte| byte == b'\n').map(|place| place + 1),
@@ -102,7 +102,6 @@ impl Dialect {
         let lines = &lines[..lines.len().min(MOST_LINES)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| TextForm::new(delimiter, decimal, lines));
-        // Of equal ones the first.
         let form = delimiters.flat_map(both).rev().max_by_key(TextForm::score).filter(|form| form.score() > 0)?;
         let data = form.data()?;
         let (names, units) = form.header(lines, data);

@@ -1,7 +1,6 @@
 //! Formats with a header that describes their numbers. They are tried before a dialect is looked for.
 //!
-//! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and lays out its lines: rows of a table with known
-//! columns, or series of numbers one after the other, each behind a header and wrapped over lines.
+//! A row of [`FORMATS`] recognises a file by its first lines, and lays it out: rows of a table, or series behind headers.
 
 mod arrays;
 mod kinds;
@@ -136,7 +135,7 @@ impl SeriesReader {
         Ok(())
     }
 
-    /// `size` is that of all bytes; the form 2 is that of IEEE.
+    /// `size` counts all bytes; the form 2 is that of IEEE.
     fn bytes(&mut self, bytes: &[u8], size: usize, is_big: bool, form: usize) {
         let Some((series, values)) = self.all.last_mut().filter(|_| self.is_reading) else { return };
         self.is_reading = false;
@@ -164,7 +163,6 @@ impl SeriesReader {
                     point = &point[size..];
                 }
             }
-            // Numbers without lines count as lines.
             self.lines.push(self.rows, self.rows + 1);
             self.rows = self.rows.max(values.len());
         }

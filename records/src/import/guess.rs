@@ -102,7 +102,7 @@ pub(super) fn seldom_falls(values: &[f64]) -> bool {
     (rises > 0 || values.len() < 2) && 5 * falls <= rises
 }
 
-/// With the names of [`crate::Record::write_csv`], sensors are what they are called.
+/// Columns with the names of [`crate::Record::write_csv`] have the meaning of their names.
 fn is_own(table: &Table) -> bool {
     let input = input_name(InputKind::GroundAcceleration);
     matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
@@ -112,7 +112,7 @@ struct Candidate {
     place: usize,
     role: Option<Role>,
     why: &'static str,
-    /// A column with a meaning that an earlier one has is left out.
+    /// No earlier column has its meaning.
     is_free: bool,
 }
 
@@ -174,7 +174,7 @@ impl Mapping {
             all[one].take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
         }
         choose_axes(table, &mut all);
-        // An accelerometer on a structure feels the ground too, unless the scenario or the program that wrote the file says otherwise.
+        // An accelerometer on a structure feels the ground too; the scenario or the program that wrote the file may exclude that.
         let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
         let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own(table);
         if !is_stated && has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION))
@@ -230,7 +230,7 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
     let is_phone = table.columns.iter().any(|column| plain(&column.name) == "secondselapsed");
     for holder in 0..all.len() {
         let Some(role @ Role::Sensor(_)) = all[holder].role else { continue };
-        // One that does not move counts as an axis, whatever it is called.
+        // A column that does not move counts as an axis, whatever its name.
         let is_noise = is_noise(&column(&all[holder]).values);
         let of = |other: &usize| {
             let is_same = |one: &Candidate| role_of(column(one)).is_some_and(|(of, _)| of == role);
@@ -288,7 +288,6 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let role = role_of(column);
         let still = |column: &Column| never_changes(&column.values);
         let has_role = |other: &Column| role_of(other).map(|(role, _)| role) == role.map(|(role, _)| role);
-        // A sensor that stands still is one, unless another one moves.
         let is_still = || still(column) && (role.is_none() || columns.iter().any(|one| has_role(one) && !still(one)));
         let is_sensor = |column: &Column| matches!(role_of(column), Some((Role::Sensor(_), _)));
         let is_supply = || is_steady_voltage(column) && !is_sensor(column) && columns.iter().any(is_sensor);
@@ -328,7 +327,7 @@ enum Role {
 
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
-/// In the order in which they are looked for. Words of one or two letters, and those behind `=`, must be whole.
+/// In the order of the search. Words of one or two letters, and those behind `=`, must be whole.
 const WORDS: [(&str, Role); 8] = [
     ("ground_acceleration ground base boden suelo =sol =table", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
@@ -354,7 +353,6 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if column.is_dated || column.is_time_of_day {
         return Some((Role::Time, BY_CLOCK));
     }
-    // The `t_force` of a file with several clocks.
     let is_clock = has_word(&column.name, TIMES) && is_like_time(&column.values);
     let named = || WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
@@ -397,7 +395,6 @@ pub(super) fn is_named_time(column: &Column) -> bool {
 
 fn has_word(name: &str, words: &str) -> bool {
     let lower = name.to_lowercase();
-    // The A of `Channel A` is its label.
     let is_label = ["channel", "ch", "kanal", "sensor", "probe"].iter().any(|word| is_word(&lower, word));
     words.split(' ').any(|word| match word.len() {
         _ if let Some(whole) = word.strip_prefix('=') => is_word(name, whole),
@@ -429,8 +426,7 @@ fn is_word(name: &str, word: &str) -> bool {
     name.split(|c: char| !c.is_alphanumeric()).any(|part| part.to_lowercase() == word)
 }
 
-/// The clock of a column is named after it, else the last one before it, or the next one behind it if the file begins with a column
-/// and ends with a clock.
+/// The clock with the column's name; else the last one before it; else the next, if the file begins with a column and ends with a clock.
 pub(super) fn clocks(table: &Table) -> Vec<(usize, usize)> {
     let columns = &table.columns;
     let is_clock = |place: usize| is_named_time(&columns[place]) && rises(table, place).is_some();

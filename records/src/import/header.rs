@@ -25,7 +25,7 @@ pub enum Dimension {
     Other,
 }
 
-/// With the size in SI units. Spellings of two letters or more are compared without case.
+/// Sizes in SI units. Spellings of two letters or more are compared without case.
 const UNITS: [(&str, Dimension, f64); 35] = [
     ("s, sec, secs, second, seconds, sek", Dimension::Time, 1.0),
     ("ms, msec, msecs, millis, milliseconds", Dimension::Time, 1e-3),
@@ -124,7 +124,6 @@ pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
             return (format!("{name}{index}"), Some(unit.trim().to_owned()));
         }
     }
-    // The axes of phones that count in g.
     let is_in_g = ["gFx", "gFy", "gFz"].contains(&header);
     (header.to_owned(), is_in_g.then(|| "g".to_owned()))
 }

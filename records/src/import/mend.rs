@@ -1,5 +1,4 @@
-//! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
-//! far from all others, a clock that is set back, parts that begin again.
+//! Faults of times with one cure: counters that turn over, double or unsorted rows, first rows far off, clocks set back, parts that repeat.
 
 use std::cmp::Ordering;
 
@@ -21,7 +20,6 @@ const SET_BACK: usize = 3;
 /// Limits the share of times with several rows up to which these are events, and the rows at an event.
 const EVENTS: (f64, usize) = (0.1, 4);
 
-/// Mends only faults with one cure; each cure is a remark of the table.
 pub(super) fn mend(mut table: Table) -> Table {
     with_fractions(&mut table);
     let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
@@ -108,7 +106,7 @@ fn without_first_rows(table: Table) -> Table {
     kept
 }
 
-/// Of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
+/// Counters of 16 and 32 bits that count a decimal part of their column's unit, and the week of GPS.
 fn ranges() -> impl Iterator<Item = f64> {
     let bits = [65_536.0, 4_294_967_296.0].into_iter();
     bits.flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit)).chain([604_800.0, 6.048e8])
@@ -277,7 +275,6 @@ mod tests {
             assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-6 * range.max(1.0)), "{range}");
             assert!(remarks.len() == 1 && remarks[0].contains("turns over"), "{remarks:?}");
         }
-        // Those of a signed number turn over at its half.
         let signed = (0..50).map(|k| f64::from(32_700_i16.wrapping_add(10 * k)));
         assert_eq!(steps(&mended(&file(signed)).0), [10.0; 49]);
     }
@@ -303,7 +300,6 @@ mod tests {
             assert!(steps(&times).iter().all(|step| (step - 0.02).abs() < 1e-6), "{name}: {times:?}");
             assert!(remarks.len() == 1 && remarks[0].contains(words), "{name}: {remarks:?}");
         }
-        // Rows that stand twice are one, whether they agree or complete each other; at an event the later one counts.
         let same: String = even(40).map(|time| format!("{time},{time}\n").repeat(2)).collect();
         let parts: String = even(40).map(|time| format!("{time},1,\n{time},,{time}\n")).collect();
         let event: String = even(40)

@@ -1,5 +1,4 @@
-//! Readings at their own times: those that a file gives them in place of even steps, and those of files in which columns have clocks
-//! (`t1, force, t2, displacement`) and of two files with a clock each.
+//! Readings at their own times: in place of even steps, by a clock for each column (`t1, force, t2, displacement`), and of two files.
 
 use kalmanscope_filters::Hold;
 use kalmanscope_filters::lists::{self, numbers, sort_items};
@@ -58,7 +57,7 @@ impl OwnTimes {
         self.columns.push(OwnColumn { name: name.to_owned(), cells: Timed { times: own, values }, empty });
     }
 
-    /// Less its delay; times are in steps after the first one.
+    /// Without the delay; times are in steps after the first one.
     fn scaled(&self, mapped: &MappedColumn, Steps { start, dt, count }: Steps) -> Timed {
         let Some(Timed { times, values }) = self.cells(&mapped.column) else { return Timed::default() };
         let between = |from: f64, to: f64| {
@@ -96,7 +95,6 @@ impl OwnTimes {
         // Clocks have some decimals only.
         let end = |steps: f64| libm::ceil(steps - 1e-6);
         let at_ends = in_steps.of(&times, &values, side_of(&times, &values), end);
-        // The record begins with the first step and ends with the last one.
         let from = times.partition_point(|time| *time <= -1.0);
         let to = times.partition_point(|time| *time <= steps.count as f64 - 1.0);
         (times, values) = (times[from..to.max(from)].to_vec(), values[from..to.max(from)].to_vec());
@@ -104,7 +102,7 @@ impl OwnTimes {
         at_ends
     }
 
-    /// Linear between the cells. `None` without such a column.
+    /// Linear between the cells.
     pub(super) fn truth(&self, name: &str, steps: Steps) -> Option<Vec<f64>> {
         self.cells(name)?;
         let timed = self.scaled(&MappedColumn::new(name), steps);
@@ -131,7 +129,7 @@ pub(super) struct OneClock {
     pub(super) is_even: bool,
 }
 
-/// `None` where the columns of a mapping have one clock only.
+/// `None` where a mapping's columns have one clock.
 pub(super) fn on_one_clock(
     table: &Table,
     mapping: &Mapping,
@@ -166,7 +164,6 @@ pub(super) fn on_one_clock(
         let clock = Clock::of(table, *place, unit, &mut said)?;
         let below =
             |(place, _): &(usize, _)| table.columns[*place].values[clock.times.len()..].iter().any(|x| !x.is_nan());
-        // Rows of another clock are below the last time of this one.
         let is_other = clock.times.len() < table.rows() && !columns.iter().any(below);
         remarks.extend(said.into_iter().skip(usize::from(is_other)));
         for (place, mapped) in columns {
@@ -177,7 +174,7 @@ pub(super) fn on_one_clock(
     let names: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
     let (names, stated) = (names.join(" and "), &table.columns[stated].name);
     let Some((steps, fast)) = common(&all) else {
-        // Rows of clocks with other numbers of them do not belong together.
+        // Rows of clocks of unequal length do not belong together.
         let is_longer = |(clock, _): &&(Clock<'_>, f64)| clock.times.len() != all[0].0.times.len();
         if let Some((other, _)) = all.iter().find(is_longer) {
             return Err(ImportError::Apart(all[0].0.ends(), other.ends()));
@@ -222,7 +219,7 @@ fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>
     Clock::of(table, place, &time.unit, remarks)
 }
 
-/// Returns the steps of the fastest clock, and its place. Each clock has seconds that are added to its times.
+/// The steps of the fastest clock, and its place. Each clock has seconds that are added to its times.
 fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
     let all = clocks.iter().enumerate();
     let (fast, (clock, added)) = all.min_by(|(_, (a, _)), (_, (b, _))| a.timing.dt.total_cmp(&b.timing.dt))?;
@@ -231,7 +228,7 @@ fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
     let ends = || clocks.iter().map(|(clock, added)| clock.ends().map(|time| time + added));
     let latest = ends().map(|[first, _]| first).fold(f64::NEG_INFINITY, f64::max);
     let earliest = ends().map(|[_, last]| last).fold(f64::INFINITY, f64::min);
-    // Half a step beyond its ends, a slower clock has a nearest step.
+    // A slower clock has a nearest step up to half a step beyond its ends.
     let from = libm::ceil((latest - start) / dt - 0.5).max(0.0);
     let to = libm::floor((earliest - start) / dt + 0.5).min((samples - 1) as f64);
     let count = to - from + 1.0;

@@ -45,7 +45,6 @@ impl Reader {
         };
         let head = match encoding.line_length(head) {
             Some(_) => head,
-            // The first line alone is longer.
             None => &bytes[..bytes.len().min(LONGEST_LINE + 1)],
         };
         if encoding.line_length(head).is_none() && head.len() > LONGEST_LINE {
@@ -77,7 +76,7 @@ impl Reader {
         Ok(Self { bytes, place: start, line: 0, dialect, format, body, text })
     }
 
-    /// `while_time` is called every hundred microseconds. Returns whether this was the end of the file.
+    /// Calls `while_time` every hundred microseconds. Returns whether the file ends.
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
         while self.place < self.bytes.len() {
             for _ in 0..SLICE {
@@ -284,7 +283,7 @@ mod tests {
         assert!(shares.len() > 100 && shares.is_sorted() && shares[shares.len() - 1] < 1.0);
         let Loaded { hash: sum, table } = loading.finish().unwrap();
         assert_eq!(sum, hash(&text()));
-        // One number is not equal to itself.
+        // NaN is not equal to itself.
         assert_eq!(format!("{table:?}"), format!("{:?}", read(&text()).unwrap()));
         assert_eq!(Loading::new(text()).finish().unwrap().hash, hash(&text()), "in one go");
     }

@@ -12,7 +12,7 @@ pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)
 }
 
-/// Steps are one, but for lost rows; with a counter's name also others, or none within a packet.
+/// Steps are one, except at lost rows; a named counter may have others, or none within a packet.
 pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan()).collect();
     let Some(step) = median(steps.clone()) else { return false };

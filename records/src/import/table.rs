@@ -138,7 +138,7 @@ impl Table {
         for row in 0..self.rows() {
             for (place, column) in self.columns.iter().enumerate() {
                 let comma = if place > 0 { "," } else { "" };
-                // A text takes whatever is written.
+                // Writing to a text cannot fail.
                 let _ = match column.values[row] {
                     value if value.is_finite() => write!(text, "{comma}{value}"),
                     _ => write!(text, "{comma}"),
@@ -149,7 +149,7 @@ impl Table {
         text
     }
 
-    /// Of several rows that become one the last reading of each column counts.
+    /// The last reading of each column counts.
     pub(super) fn of_rows(&self, groups: impl Iterator<Item = Vec<usize>>) -> Self {
         let (groups, mut lines): (Vec<Vec<usize>>, _) = (groups.collect(), Lines::default());
         groups.iter().enumerate().for_each(|(row, group)| lines.push(row, self.line(group[0])));
@@ -182,7 +182,6 @@ pub(super) fn number_names(columns: &mut [Column]) {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Lines {
     blocks: Vec<(usize, usize)>,
-    /// The line of all rows behind the last one that has a line, if there are any.
     last: Option<usize>,
 }
 
@@ -276,7 +275,7 @@ impl RowsReader {
         } else {
             (mapped(&cells, &Option::is_some), cells.into_iter().flatten().collect())
         };
-        // Columns are set aside for as many rows as the first lines let expect.
+        // The first lines give the number of rows for which columns reserve memory.
         let whole: usize = lines.iter().map(|line| line.len() + 1).sum();
         let mean = (whole.max(1) / lines.len().max(1)).max(1);
         let rows = (length / mean).min(length / belongs.len().max(1) + 1);
@@ -317,7 +316,7 @@ impl RowsReader {
             && trimmed.trim_start_matches('*').trim_start().starts_with(char::is_alphabetic)
             && (is_sum || dialect.delimiter.cells(row).all(is_word))
         {
-            // Printers say the rate at the end: `Rate 1344, overflows 0`.
+            // Printers write the rate at the end: `Rate 1344, overflows 0`.
             *rate = rate.or_else(|| Facts::of(&[trimmed]).step.map(|step| 1.0 / step));
             // Their axes are in g.
             if trimmed.contains("overflows") {
@@ -446,7 +445,6 @@ mod tests {
         for (text, names) in [
             ("x,x,t,x\n1,2,3,4\n5,6,7,8\n", &["x", "x (2)", "t", "x (3)"][..]),
             ("\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n", &["V1", "V2"]),
-            // A column that is empty so far has a name.
             ("a,b,c\n0.1,0.2,\n0.3,0.4,\n", &["a", "b", "c"]),
         ] {
             let table = read(text, None).unwrap();

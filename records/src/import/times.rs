@@ -129,7 +129,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
         );
         return (1.0, Some(question));
     }
-    // Of several plausible units that with the rate nearest to 100 Hz.
+    // Of several plausible units the one whose rate is nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
         UNITS.iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
     let distance = |size: f64| libm::log10(rate(size) / 100.0).abs();
@@ -389,7 +389,6 @@ mod tests {
 
     #[test]
     fn jitter_that_is_finer_than_rounding_is_one() {
-        // The step jitters by a fifth, in microseconds.
         let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01 + 2e-3 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
         let times: Vec<f64> = times.iter().map(|time| (time * 1e6).round() * 1e-6).collect();
         let found = timing(&times).unwrap();

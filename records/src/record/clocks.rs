@@ -52,7 +52,7 @@ impl Timed {
         (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
     }
 
-    /// Clocks have few decimals: a time next to a step is that of the step.
+    /// Clocks have few decimals: a time next to a step is the step's.
     fn snap(&mut self) {
         for time in &mut self.times {
             let whole = libm::round(*time);
@@ -62,7 +62,7 @@ impl Timed {
         }
     }
 
-    /// Before the first value it is that one; after the last one the last.
+    /// Outside of its values the nearest one.
     pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
         let next = times.partition_point(|other| *other <= time + SAME);
@@ -105,7 +105,7 @@ pub struct Parts {
 }
 
 pub(super) struct Readings<'a> {
-    /// In steps; or the sample from which those of the samples are counted.
+    /// In steps; or the first sample of even times.
     pub(super) times: Result<&'a [f64], usize>,
     /// NaN where one is missing.
     pub(super) values: &'a [f64],
@@ -227,7 +227,6 @@ impl Clocks {
             for (time, value) in times.iter().zip(&mut *values) {
                 *value = change(sensor, libm::ceil(time.max(0.0)) as usize, *value);
             }
-            // A reading that is taken away is none.
             let mut is_there = mapped(values, &|value| !value.is_nan()).into_iter();
             times.retain(|_| is_there.next().unwrap_or(false));
             values.retain(|value| !value.is_nan());

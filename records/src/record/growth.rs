@@ -195,7 +195,6 @@ mod tests {
                 places.push(Arc::as_ptr(&record));
             }
             if k % 1000 == 500 {
-                // A job that continues keeps its first record.
                 kept = Some(Arc::clone(&record));
             }
         }

@@ -200,7 +200,7 @@ impl LiveRecord {
             && (input >= sample || !has_input)
     }
 
-    /// `waits` gets the newest time and the sample's, in steps.
+    /// `waits` takes the newest time and the sample's, in steps.
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
         let Some(begin) = self.begin else { return };
         let newest = steps(self.newest - begin, self.record.dt);
@@ -368,12 +368,12 @@ impl InputTrack {
         self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
     }
 
-    /// Zero before the first value; `into` is `None` until there is one. Of a line the value at the sample is handed over too.
+    /// Zero before the first value; `into` is `None` until there is one. On a line it also has the value at the sample.
     fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
         let Self { told, taken, hold } = self;
         let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);
         if next > 0 && into.is_none() {
-            // Until then it was zero: from the first sample on, and on a line up to the last one.
+            // The input was zero before: from the first sample on, and on a line up to the last one.
             let mut times = vec![0.0];
             if *hold == Hold::First && sample > 1.0 {
                 times.push(sample - 1.0);
@@ -398,7 +398,6 @@ impl InputTrack {
                 values.push(value);
             }
         }
-        // The last one still counts.
         let old = next.saturating_sub(1);
         told.drain(..old);
         *taken = next - old;

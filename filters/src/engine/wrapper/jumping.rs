@@ -8,7 +8,6 @@ use crate::filter::jump::Jump;
 
 /// A filter that adds its initial variances to Q, in lanes that jump, for one prediction.
 pub struct Jumping<T> {
-    /// One in each lane.
     jumps: Vec<Jump>,
     /// The diagonal of Q before a jump.
     narrow: Vec<T>,

@@ -13,7 +13,6 @@ use crate::engine::number::Number;
 pub struct Restarting {
     /// In rising order, from the first sample on \[s\].
     times: Vec<f64>,
-    /// Places in the state, and the variances that are added there.
     variances: Vec<(usize, f64)>,
 }
 

@@ -14,7 +14,6 @@ use crate::filter::robust::Robust;
 pub struct Weighing<T> {
     weights: Weights<T>,
     before: GaussianBelief<T>,
-    /// The root of its covariance, of a filter that has one.
     before_root: Vec<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
     claimed: Vec<T>,
@@ -27,12 +26,11 @@ impl<T: Number> Weighing<T> {
         rule.is_on().then(|| Box::new(Self { weights, before, before_root, claimed }) as _)
     }
 
-    /// By S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of it.
+    /// The result is that of S with the R of the settings. A reading of next to no weight is no sample of it.
     fn claim(&mut self, filter: &mut GaussianFilter<T>, result: UpdateResult<T>) -> UpdateResult<T> {
         let Self { weights, claimed, .. } = self;
         let GaussianFilter { update, checks, noise, .. } = filter;
         let variances = &noise.sensors[..];
-        // Whether a sensor still measures, with whatever weight.
         let is_there = |sensor: usize| weights.measured[sensor].is_number();
         let weights = &weights.weights;
         let (one, zero) = (T::of(1.0), T::of(0.0));

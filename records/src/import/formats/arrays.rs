@@ -20,7 +20,7 @@ impl Arrays {
         self.left_out.push(if name.is_empty() { reason.to_owned() } else { format!("`{name}` ({reason})") });
     }
 
-    /// Of two dimensions the longer one is time. `is_by_columns`: neighbours are below each other.
+    /// The longer of two dimensions is time. `is_by_columns`: neighbours are below each other.
     pub(super) fn add(&mut self, name: &str, shape: &[usize], is_by_columns: bool, values: Result<Vec<f64>, String>) {
         let values = match values {
             Ok(values) if values.is_empty() => return self.leave_out(name, "empty"),
@@ -28,7 +28,6 @@ impl Arrays {
             Err(reason) => return self.leave_out(name, &reason),
         };
         let wide: Vec<usize> = shape.iter().copied().filter(|length| *length != 1).collect();
-        // The number of columns, and the steps to the next number in time and to the next column.
         let (count, down, across) = match *wide.as_slice() {
             [] | [_] => (1, 1, 1),
             [rows, columns] if rows.min(columns) <= MOST_COLUMNS => {
@@ -112,7 +111,7 @@ impl Arrays {
             Some((end, header["descr"].as_str().map(str::to_owned), lengths(&header["shape"])?, is_by_columns))
         };
         let (end, letters, shape, is_by_columns) = header().ok_or("its header cannot be read")?;
-        // Of a type such as `<f8`. The bytes of an object are elsewhere.
+        // A type such as `<f8`. The bytes of an object are elsewhere.
         let letters = letters.ok_or("its rows have names: save each column as an array")?;
         let mut rest = letters.chars();
         let (is_big, kind) = (rest.next() == Some('>'), rest.next().unwrap_or('O'));
@@ -132,7 +131,7 @@ fn step_of(name: &str, value: f64) -> Option<f64> {
         let name = name.strip_suffix(unit).unwrap_or(&name);
         words.split(", ").chain(others).any(|word| letters(word) == name)
     };
-    // A number of four bytes is the decimal one that its digits say.
+    // A number of four bytes stands for its shortest decimal.
     let short = value as f32;
     let value = if f64::from(short) == value { short.to_string().parse().ok()? } else { value };
     let step = if is(RATES, ["sr", "rate"], "hz") { Some(1.0 / value) } else { None };
@@ -222,7 +221,7 @@ fn add_variable(arrays: &mut Arrays, mut parts: ArrayParts<'_>, room: &mut Room)
     let lengths = if flags & 0xFF == 17 { &[] } else { next().1 };
     let name = String::from_utf8_lossy(next().1).into_owned();
     let shape: Vec<usize> = lengths.chunks_exact(4).filter_map(|length| whole(length, 0, 4, is_big)).collect();
-    // Programs add what only they need, without a name.
+    // Programs store internal data without a name.
     if name.is_empty() {
         return;
     }
@@ -324,7 +323,6 @@ pub(super) mod tests {
     }
 
     fn variable(name: &str, class: u8, [rows, columns]: [u8; 2], kind: u32, data: &[u8]) -> Vec<u8> {
-        // A short part: its size stands beside its type.
         let short = [&[1, 0, name.len() as u8, 0], name.as_bytes(), &vec![0; 4 - name.len()]].concat();
         let lengths = part(5, &[rows, 0, 0, 0, columns, 0, 0, 0]);
         part(14, &[part(6, &[class, 0, 0, 0, 0, 0, 0, 0]), lengths, short, part(kind, data)].concat())

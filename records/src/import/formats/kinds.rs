@@ -23,7 +23,7 @@ const MATLAB: Handling = Refuse("save its variables in MATLAB with -v7, or its c
 const SEISMOGRAM: Handling =
     Refuse("write it as text: SLIST, or SAC's alphanumeric form (ObsPy: write with format=\"SLIST\")");
 
-/// Name, test of the bytes, and handling. The first kind that fits counts.
+/// Name, test of the bytes, and handling. The first match counts.
 type Kind = (&'static str, fn(&[u8]) -> bool, Handling);
 
 const KINDS: [Kind; 53] = [

@@ -1,5 +1,4 @@
-//! Formats with rows, of instruments and loggers: LabVIEW, Rigol, Tektronix and Campbell Scientific; and numbers without names: one series
-//! in lines of several numbers, or one number a line. The header may say step, unit and scale.
+//! Rows of instruments and loggers (LabVIEW, Rigol, Tektronix, Campbell Scientific), and numbers without names.
 
 use kalmanscope_filters::Quantity;
 use kalmanscope_filters::lists::{mapped, numbers};
@@ -16,8 +15,7 @@ fn rows_from(data: usize) -> Rows {
     Rows::of(Dialect { delimiter: Delimiter::Comma, decimal: Decimal::Point, data, ..Dialect::default() })
 }
 
-/// Not all programs state their separator and decimal character, or state them rightly.
-/// Source: National Instruments (2010), Specification for the LabVIEW measurement file (.lvm).
+/// Keys may be missing or wrong. Source: National Instruments (2010), Specification for the LabVIEW measurement file (.lvm).
 pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     if !lines.first()?.starts_with("LabVIEW Measurement") {
         return None;
@@ -48,7 +46,6 @@ pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     let is_channel = |name: &str| !["X_Value", "Comment", ""].contains(&name);
     let channels = names.iter().filter(|name| is_channel(name)).count();
     let has_times = tag("X_Columns").is_none_or(|(_, columns)| columns != "No");
-    // The cells of the segment's header, one a channel, or in the places of their columns.
     let segment = |key: &str, place: usize| -> Option<String> {
         let line = lines[first..last].iter().find(|line| line.starts_with(key))?;
         let cells: Vec<&str> = delimiter.cells(line).skip(1).collect();
@@ -237,7 +234,6 @@ fn agreement(body: &[Vec<f64>]) -> Option<f64> {
     const CLEAR: f64 = 0.6;
     let width = body.first().map_or(0, Vec::len);
     let whole = body.iter().take_while(|row| row.len() == width).count();
-    // Only the last line may be shorter.
     if width < FEWEST[1] || whole < FEWEST[0] || whole + 1 < body.len() {
         return None;
     }

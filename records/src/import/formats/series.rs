@@ -86,14 +86,13 @@ fn next_peer(header: &[String]) -> Option<Series> {
     let (count, dt) = size(header.last()?)?;
     let kind = header.iter().rev().find(|line| line.to_ascii_uppercase().contains("UNITS OF"));
     let unit = kind.and_then(|line| text_after(line, "units of", &[',', ';', ':', ')']));
-    // G is what others write as g.
     let unit = unit.map(str::to_ascii_lowercase);
     let words = kind.map(|line| line.to_ascii_lowercase()).unwrap_or_default();
     let name = ["velocity", "displacement"].into_iter().find(|word| words.contains(word)).unwrap_or("acceleration");
     Some(Series { name: name.to_owned(), unit, dt, count: Some(count), ..Series::default() })
 }
 
-/// As ObsPy writes them too. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
+/// Also as ObsPy writes them. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
 pub(super) fn slist(lines: &[&str]) -> Option<Layout> {
     let first = lines.first()?;
     (first.starts_with("TIMESERIES ") && first.contains(", SLIST,")).then_some(Layout::Series(next_slist))
@@ -176,7 +175,6 @@ pub(super) fn has_58b(bytes: &[u8]) -> bool {
 pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
     let mut reader = SeriesReader::new(next_uff58);
     let (mut rest, mut line, mut is_set) = (bytes, 0, false);
-    // The last line of a header, the order of its bytes, the form of its numbers, and how many bytes there are.
     let mut binary: Option<(usize, [usize; 4])> = None;
     while !rest.is_empty() {
         let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);

@@ -9,7 +9,7 @@ use kalmanscope_filters::lists::mapped;
 use super::super::reader::Reader;
 use super::super::{Dialect, ImportError, Mapping, Table};
 
-/// A packed file may have itself in it: it is not unpacked twice.
+/// A packed file may contain itself: it is not unpacked twice.
 fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
     if is_zip(&bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
@@ -37,8 +37,7 @@ pub(super) struct Entry<'a> {
     packed: &'a [u8],
 }
 
-/// `None` for a ZIP that is cut short or damaged.
-/// Source: PKWARE (2022), .ZIP file format specification, sections 4.3.7, 4.3.12 and 4.3.16.
+/// `None` for a damaged ZIP. Source: PKWARE (2022), .ZIP file format specification, sections 4.3.7, 4.3.12 and 4.3.16.
 pub(super) fn entries(bytes: &[u8]) -> Option<Vec<Entry<'_>>> {
     const END: [usize; 2] = [22, 65_536];
     let mut places = (0..=bytes.len().checked_sub(END[0])?).rev().take(END[1]);
