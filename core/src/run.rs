@@ -293,7 +293,7 @@ impl Run {
         self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }
 
-    /// The memory of the run's data. The run cannot be used before it has been given other data.
+    /// Takes the memory of the run's data. The run cannot be used before it has been given other data.
     fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
         let empty = Recording::given(Arc::new(self.record().emptied()), false);
         let record = std::mem::replace(&mut self.recording, empty).into_simulated();
@@ -309,7 +309,6 @@ pub struct Bank {
     /// Time between samples \[s\].
     dt: f64,
     sensors: Vec<usize>,
-    /// The samples between two readings of each sensor, where they have times of their own.
     apart: Option<Vec<usize>>,
     pub(crate) passes: Vec<Pass>,
     /// The estimates of each filter.
@@ -334,7 +333,6 @@ impl Bank {
         FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
     }
 
-    /// Reserves memory for `samples`, or reuses that of old estimates.
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
@@ -377,14 +375,14 @@ impl Bank {
         self.scenario.filters.iter().map(|filter| filter.delays(self.dt).reach()).max().unwrap_or(0)
     }
 
-    /// One filter after the other, because each one's data then stays in the cache.
+    /// One filter after the other: the data of each one then stay in the cache.
     pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
         for place in 0..self.passes.len() {
             self.follow_one(place, record, samples);
         }
     }
 
-    /// One filter after the other. Returns early if `while_time`, called after each, is false.
+    /// Returns early if `while_time`, called after each filter, is false.
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.passes.iter_mut().all(|pass| {
             let is_there = pass.is_prepared();

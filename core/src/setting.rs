@@ -43,7 +43,6 @@ pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {
     found.or_else(|| scenario.channel(key).map(Channel::symbol))
 }
 
-/// The name of a setting: its symbol or its name if it has one, else the symbols or the words of its key. Places count from 1.
 fn name(scenario: &Scenario, key: &str) -> String {
     let choices = CHOICES_OF_FILTER.map(|info| (info.key, info.name)).into_iter();
     let choices = choices.chain(CHOICES_OF_SCENARIO.map(|info| (info.key, info.name)));

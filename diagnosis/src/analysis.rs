@@ -29,9 +29,7 @@ pub struct Analysis {
     diagnostics: Vec<Diagnostics>,
     filters: Vec<u32>,
     begun: Vec<bool>,
-    /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
-    /// Whether new diagnoses are put off. The old ones stay until then.
     pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,

@@ -48,7 +48,6 @@ pub(crate) struct Span {
 }
 
 impl<'a> Case<'a> {
-    /// Pairs and periodograms are added later: they need the samples that it keeps.
     pub(crate) fn new(
         (diagnostics, estimates, record, bound): Inputs<'a>,
         samples: Range<usize>,

@@ -62,7 +62,7 @@ pub static CAUSES: &[&Cause] = &[
     &plant::CREEP,
 ];
 
-/// The causes that are tried on a consistent filter, since a wrong model can have white innovations too; after a recovery the first three.
+/// Causes to try on a consistent filter: a wrong model can have white innovations too. After a recovery the first three.
 pub(super) static ALTERNATIVES: &[&Cause] = &[
     &input::COARSE_PROPAGATION,
     &input::INPUT_HOLD,
@@ -106,7 +106,6 @@ pub struct LikelyCause {
     pub begins_anew: bool,
     /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,
-    /// The parameter that the trial estimates; its sign chooses the sentence.
     pub(crate) sign: Option<Sign>,
     /// Whether a hardening spring, or a slow force that fits as well, rules it out.
     pub(crate) softens: bool,
@@ -206,7 +205,6 @@ impl BadFilter<'_> {
 
 impl LikelyCause {
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, edits: Vec<Edit>, sentence: String) -> Self {
-        // Numbers are tried as sentences and files show them.
         let edits = edits.into_iter().map(|edit| edit.rounded()).collect();
         Self {
             cause,

@@ -120,7 +120,6 @@ impl std::fmt::Display for Subject {
 const LEVEL: f64 = 1e-4;
 
 /// Evidence counts where its effect matters, and its p-value is below the level for all tests together:
-///
 /// ```text
 /// p₍ᵢ₎ ≤ α / (m - i + 1)  for the i-th smallest of m p-values and all before it
 /// ```

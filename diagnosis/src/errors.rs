@@ -19,7 +19,6 @@ pub(crate) struct ChannelErrorSums {
     pub(crate) product: f64,
     pub(crate) inside: f64,
     first: f64,
-    /// 0 without a known error.
     last: f64,
 }
 
@@ -125,8 +124,7 @@ impl ChannelErrors {
         parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
     }
 
-    /// The number of errors that count as independent, by their correlation ρ from one sample to the next:
-    ///
+    /// The number of independent errors, by their correlation ρ from one sample to the next:
     /// ```text
     /// n (1 - ρ²) / (1 + ρ²)
     /// ```

@@ -60,7 +60,6 @@ impl SensorInnovations {
         (1..).zip(self.autocorrelation(chosen)).find(|(_, r)| *r != 0.0).unwrap_or((1, 0.0))
     }
 
-    /// Zeros without an input.
     pub(crate) fn cross_correlation(&self, chosen: &Chosen) -> [f64; CROSS_LAGS] {
         let square = parts::sum(chosen, |part| self.by_part[part].products[0]);
         let input = parts::sum(chosen, |part| self.by_part[part].input_square);
@@ -179,7 +178,6 @@ impl LiveInnovations {
 }
 
 impl InnovationSums {
-    /// At most a granule of samples, whose products reach no sample outside the window of the input.
     fn add_samples(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
         let begin = samples.start.saturating_sub(BEFORE).max(input.first);
         let known = values.items(begin..samples.end);
@@ -337,7 +335,6 @@ mod tests {
 
     #[test]
     fn a_part_after_a_much_louder_one_is_correlated_by_one_at_most() {
-        // ν = 5 in the first part and 1e-40 in the others, with an input of the same kind.
         let mut by_part = [InnovationSums::default(); PARTS];
         for (part, sums) in by_part.iter_mut().enumerate() {
             let (size, before) = if part == 0 { (5.0, 5.0) } else { (1e-40, if part == 1 { 5.0 } else { 1e-40 }) };

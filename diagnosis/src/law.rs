@@ -23,7 +23,6 @@ const BEYOND: f64 = 0.1;
 
 const MARGIN: f64 = 0.05;
 
-/// The frequencies that are tried within one cycle a record.
 const FINE: f64 = 4.0;
 
 const CHUNK: usize = 100;
@@ -65,7 +64,6 @@ impl ForceInHindsight {
 }
 
 /// Of a force \[m/s²\], given displacement \[m\] and velocity \[m/s\]. The filter's parameters explain a linear part.
-///
 /// ```text
 /// u = a x + b v + c l(x, v),  l = sign v, v |v| or x³:  the one with the largest share of the mean square
 /// ```

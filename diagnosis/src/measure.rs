@@ -263,7 +263,6 @@ fn read(text: &str) -> Option<Measure> {
         None => None,
     };
     let measure = Measure::new(kind, channel, sensor)?;
-    // A sensor that the measure does not have, or one more word.
     (measure.sensor == sensor && parts.next().is_none()).then_some(measure)
 }
 
@@ -297,7 +296,7 @@ impl FirstCause {
 }
 
 impl Task for FirstCause {
-    /// The place of the cause in [`CAUSES`]; `None` where there is none.
+    /// The place of the cause in [`CAUSES`].
     type Outcome = Option<usize>;
 
     fn progress(&self) -> f64 {

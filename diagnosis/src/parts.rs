@@ -87,7 +87,6 @@ impl<T> Series<T> {
         self.items.push(item);
     }
 
-    /// Items by number; all must be kept.
     #[inline]
     pub(super) fn items(&self, numbers: Range<usize>) -> &[T] {
         &self.items[numbers.start - self.first..numbers.end - self.first]

@@ -16,7 +16,6 @@ const SHORTEST: usize = 32;
 const WINDOWS: usize = 4;
 
 /// The mean power over windows that do not overlap; white noise of variance 1 has the power 1 everywhere:
-///
 /// ```text
 /// I_j = mean of |Σ w_k ν_k exp(-2πi jk/L)|² / Σ w_k²,  w_k = sin²(π (k + ½) / L),  j = 2 … L/2 - 2
 /// ```
@@ -24,7 +23,6 @@ const WINDOWS: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Periodogram {
     length: usize,
-    /// The number of windows: half the degrees of freedom of each power.
     pub(crate) windows: usize,
     pub(crate) power: Vec<f64>,
 }

@@ -107,7 +107,7 @@ const BEYOND: f64 = 20.0;
 
 pub(super) const UNKNOWN_FORCE: &str = "unknown_force";
 
-/// A spring that yields is at least this log likelihood ahead of a slow force: 36 of 37 such springs were, and 1 of 28 forces.
+/// Limits the lead of a yielding spring over a slow force in log likelihood: 36 of 37 such springs had it, and 1 of 28 forces.
 const AHEAD: f64 = 60.0;
 
 fn is_noise(likely: &LikelyCause) -> bool {
@@ -117,7 +117,6 @@ fn is_noise(likely: &LikelyCause) -> bool {
 pub(super) struct Ranked {
     pub(super) remedy: Remedy,
     pub(super) rank: f64,
-    /// The gain of the filter with the edits made, less the price of the numbers that they fit.
     pub(super) achieved: f64,
 }
 
@@ -126,8 +125,7 @@ impl Trials {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();
         let tried = || self.tried();
-        // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
-        // noise, with the size of all noise fitted in both.
+        // A larger noise explains any misfit a little: a cause comes first if it is better with the size of all noise fitted.
         let open = |likely: &LikelyCause, outcome: &TrialOutcome| {
             outcome.scaled - before.log_likelihood - penalty * (likely.fitted + 1.0)
         };
@@ -190,14 +188,12 @@ impl Trials {
 }
 
 pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::Ordering {
-    // A remedy that ends in a good verdict comes before one that is only likelier.
     let key = |(remedy, rank): (&Remedy, f64)| (remedy.precedence(), rank, remedy.first.weight);
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Weights of the features of a remedy in the logarithm of its odds: a constant, first place, the lead of its gain on a logarithmic
-/// scale, that it explains the verdict, that another one does, that it is certain, that another one is, and further causes.
-///
+/// Weights in the logarithm of the odds: a constant, first place, the lead of the gain on a logarithmic scale, that the remedy explains the
+/// verdict, that another one does, that it is certain, that another one is, and further causes.
 /// They are the likeliest for 1,920 situations of the benchmark `diagnosis`, from seed 500,000 on. The constant and the weight of an
 /// explained verdict are larger, so that half of the remedies that explain nothing are right where one fault in five has no name here.
 /// Source: Platt (1999), Probabilistic outputs for support vector machines.

@@ -281,7 +281,6 @@ impl Search {
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
-        // The order is that of the gain with all noise fitted. The path with the largest `gain` is added.
         let most = single().map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
         // A cause that the record shows without a model is listed first, so its remedy must be complete.

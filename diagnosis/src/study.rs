@@ -113,7 +113,6 @@ impl Study {
         while run.done() < samples.min(run.samples()) {
             let end = if is_measured { usize::MAX } else { run.record().forgotten().saturating_add(*window) };
             if run.done() >= end {
-                // The analysis covers everything that is forgotten.
                 run.forget(forgotten_of(*window));
                 analysis.forget_before(run.record().forgotten());
                 continue;
@@ -320,7 +319,6 @@ impl Job {
 fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> AnalysisSubject<'a> {
     let done = stage.min(revision.samples);
     let record = revision.own_record().unwrap_or(study.run.record());
-    // Bounds of another truth cannot be reused.
     let bounds = if revision.is_of_everything { &[][..] } else { &study.analysis.bounds };
     let is_live = revision.is_live().unwrap_or(study.run.is_live());
     let whole = done >= goal.min(revision.samples) && done == revision.samples && !is_live;

@@ -26,7 +26,6 @@ pub(super) struct Trials {
     likely_causes: Option<Vec<LikelyCause>>,
     current: Option<(Pass, Estimates, Arc<Record>)>,
     first: usize,
-    /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
     pub(super) before: Option<TrialOutcome>,
     outcomes: Vec<TrialOutcome>,
@@ -60,7 +59,6 @@ impl TrialOutcome {
 }
 
 impl Trials {
-    /// A UKF stands in for a sampled filter.
     pub(super) fn new(
         scenario: &Scenario,
         place: usize,
@@ -246,7 +244,6 @@ fn steps_of(scenario: &Scenario) -> usize {
 }
 
 /// The factor changes neither gains nor innovations:
-///
 /// ```text
 /// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)
 /// ```

@@ -108,8 +108,7 @@ const RIDGE: f64 = 0.02;
 
 const KNOWN: f64 = 0.01;
 
-/// With the relative standard deviation of the product or the ratio:
-///
+/// Combinations that are known, by the relative standard deviation of the product or the ratio:
 /// ```text
 /// var(ln ab) = σa²/a² + 2 cov/(ab) + σb²/b²,  var(ln a/b) with - 2 cov
 /// ```
@@ -143,17 +142,12 @@ const LEAST: usize = 40;
 
 const ENOUGH_WINDOWS: usize = 4;
 
-/// The standard deviation is that of the error over the filter's own; about 1 where innovations are white and as large as expected.
-/// It is an approximation: each parameter is considered alone.
-///
-/// An update moves a parameter by `Δ = K e`, and `s = Δ / P` is the score of the log likelihood. Correlated scores increase the
-/// variance of their sum, and with it that of the estimate, by
-///
+/// The standard deviation is about that of the error over the filter's own, for each parameter alone. An update moves a parameter by
+/// `Δ = K e`; `s = Δ / P` is the score, and correlated scores increase the variance of the estimate by
 /// ```text
 /// f² = NIS/m (1 + 2 Σ (1 - l/L) ρ_l) = NIS/m ⟨(s_k + … + s_{k+L-1})²⟩ / (L ⟨s²⟩),  ρ_l the correlation of s at lag l < L
 /// ```
 /// with the mean over all windows of L samples in which the filter is not forgiven.
-///
 /// Source: White (1982), Maximum likelihood estimation of misspecified models; Newey and West (1987), A simple, positive
 /// semi-definite, heteroskedasticity and autocorrelation consistent covariance matrix. Both in *Econometrica*.
 fn size_of_pattern(case: &Case<'_>) -> Option<(Channel, f64)> {

@@ -69,7 +69,6 @@ fn decimals(band: f64) -> usize {
     (f64::from(u8::from(is_one)) - exponent).clamp(0.0, 8.0) as usize
 }
 
-/// A time, to a tenth of a second where it is short \[s\].
 pub(crate) fn seconds(time: f64) -> String {
     match time {
         time if time < 0.0995 => format!("{} s", plain(time)),

@@ -302,7 +302,6 @@ pub struct Trace {
 impl Trace {
     pub(crate) fn new(scenario: &Scenario, plan: &Plan) -> Self {
         let last = scenario.samples().saturating_sub(1);
-        // Nothing is measured at the first sample.
         let sample = |nth: usize| (nth as f64 * last as f64 / plan.times as f64).round() as usize;
         let mut samples: Vec<usize> = (1..=plan.times).map(sample).filter(|sample| *sample > 0).collect();
         samples.dedup();

@@ -39,10 +39,8 @@ pub enum RunVerdicts {
 #[derive(Clone, Debug)]
 struct Filter {
     channels: Vec<Channel>,
-    /// For each time the sums of NEES and NIS, and the number of runs in them.
     squares: Vec<[(f64, u32); 2]>,
     errors: Vec<Vec<Vec<f32>>>,
-    /// For each time and channel the sum, and the number of runs in it.
     variances: Vec<Vec<(f64, u32)>>,
     finals: Vec<Vec<f64>>,
     last: Vec<Vec<LastError>>,
@@ -106,7 +104,6 @@ impl MonteCarlo {
     pub fn take(&mut self, ensemble: &Ensemble, slice: &Slice) {
         for row in slice.rows.chunks_exact(ensemble.width()) {
             self.done += 1;
-            // The row of an impossible member has no number.
             if row.iter().all(|number| number.is_nan()) {
                 self.impossible += 1;
                 continue;

@@ -223,7 +223,6 @@ struct Target {
     scenario: Scenario,
     record: Arc<Record>,
     channels: Vec<Channel>,
-    /// Mean and standard deviation of each parameter.
     belief: Vec<[f64; 2]>,
     bounds: Vec<[f64; 2]>,
     of_logarithms: bool,
@@ -232,7 +231,6 @@ struct Target {
 
 impl Target {
     fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
-        // The record fits the filter as it is.
         Pass::new(scenario, place, record)?;
         let filter = scenario.filters[place].clone();
         let channels = parameters(&filter, &scenario.plant.kind);
@@ -258,7 +256,6 @@ impl Target {
         Ok(Self { scenario, record, channels, belief, bounds, of_logarithms, threads: processors() })
     }
 
-    /// The values of the parameters at a point, which is in standard deviations of the initial belief.
     fn at(&self, point: &[f64]) -> Vec<f64> {
         let value = |(&[mean, std], &by): (&[f64; 2], &f64)| {
             if self.of_logarithms { mean * libm::exp(std / mean * by) } else { mean + std * by }
@@ -279,7 +276,6 @@ impl Target {
     /// ln of the share of the initial belief that lies between the ends.
     fn log_share(&self) -> f64 {
         let share = |(&[mean, std], ends): (&[f64; 2], &[f64; 2])| {
-            // Φ of either end.
             let below = ends.map(|end| 0.5 * libm::erfc((mean - end) / (std * std::f64::consts::SQRT_2)));
             libm::log(below[1] - below[0])
         };

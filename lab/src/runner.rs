@@ -215,7 +215,6 @@ pub struct CellTask<R> {
     cell: usize,
     stage: CellStage,
     row: Vec<f64>,
-    /// The time since the last check of the clock, as estimated \[ns\].
     spent: f64,
 }
 
@@ -274,7 +273,6 @@ impl<R: Deref<Target = Runner>> CellTask<R> {
             }
             CellStage::Filter { run, nth, pass } => self.filter(run, nth, pass),
             CellStage::Cause { run, nth, mut search } => {
-                // It asks after each piece of about the same time.
                 self.spent = PIECE;
                 if search.advance(&mut || false) {
                     let measures = &self.runner.ensemble().plan().measures;

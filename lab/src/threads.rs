@@ -95,7 +95,6 @@ struct Queue {
 
 #[derive(Default)]
 struct Waiting {
-    /// By priority, then in the order in which they came.
     portions: BTreeMap<(Priority, u64), Portion>,
     last: u64,
     is_over: bool,
@@ -195,7 +194,6 @@ impl Threads {
         order: Vec<usize>,
         wake: impl Fn(bool) + Send + Sync + 'static,
     ) -> WorkParts<Slice> {
-        // As many as run side by side.
         let portion = order.first().map_or(1, |cell| runner.at_once(*cell));
         let order = Arc::new((order, AtomicUsize::new(0)));
         let step = |_| {
@@ -238,7 +236,6 @@ pub fn in_parts<T: Sync, R: Send>(
         for other in begun {
             all.extend(match other {
                 Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
-                // The system gives no thread.
                 Err(part) => work(part),
             });
         }

@@ -195,7 +195,6 @@ impl Tuner {
         TuneStage::Searching(SimplexSearch { simplex, iterations: iterations + 1 })
     }
 
-    /// Only the likelihood has a curvature with a meaning.
     fn begin_information(&self) -> TuneStage {
         match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
             Some(best) => TuneStage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
@@ -261,7 +260,6 @@ impl Task for Tuner {
     }
 }
 
-/// The cost of settings that are impossible, beyond their axes, or stop the filter.
 const FORBIDDEN: f64 = 1e100;
 
 struct Cost {

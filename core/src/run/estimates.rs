@@ -34,7 +34,7 @@ pub struct Estimates {
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
-    /// The number of kept samples, from the first one on, without their matrices: these have been dropped.
+    /// The number of kept samples, from the first one on, whose matrices have been dropped.
     dropped: usize,
     initial_mean: Vec<f64>,
     initial_std: Vec<f64>,
@@ -44,14 +44,12 @@ pub struct Estimates {
     variance: Vec<Vec<f64>>,
     /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
     earlier: Vec<(usize, u32)>,
-    /// The channels whose uncertainty the filter counts without estimating them.
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
     weighs: bool,
     learns: bool,
     scales: bool,
-    /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
     monitor: Monitor,
     stop: Option<Stop>,

@@ -19,7 +19,6 @@ use crate::{FilterSettings, Scenario};
 pub(crate) trait Estimator: Send {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
-    /// Predicts from the last sample with the force before, updates with this sample's measurements, and reports the result.
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
@@ -30,7 +29,7 @@ pub(crate) trait Estimator: Send {
         Err(FilterError::IndefiniteCovariance)
     }
 
-    /// Adds from now on its passages to sinks that ask for them. Returns false for a filter that has none.
+    /// Makes passages for sinks that ask for them from now on. Returns false for a filter that has none.
     fn keep_passages(&mut self) -> bool {
         false
     }
@@ -45,14 +44,13 @@ pub(crate) trait Estimator: Send {
     }
 }
 
-/// A belief in the coordinates of its filter, and the numbers that its options keep.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) belief: Gaussian,
     memory: Vec<f64>,
 }
 
-/// A filter that counts in samples cannot go from one reading to the next: it takes each reading at the sample after it.
+/// The option that makes a filter count in samples: such a filter takes each reading at the sample after it.
 pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
     let such = [
         (!settings.kind.is_gaussian(), "random members"),
@@ -91,9 +89,7 @@ pub struct FilterContext {
     pub(crate) sensors: Vec<Quantity>,
     pub(crate) dt: f64,
     pub(crate) seed: u64,
-    /// The number of the filter's random stream, from 0 on.
     pub(crate) stream: usize,
-    /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub(crate) is_timed: bool,
     pub(crate) start: f64,
 }
@@ -124,19 +120,13 @@ impl FilterContext {
 }
 
 /// Bounds of channels: a filter reports the moments of its belief between the ends.
-///
 /// ```text
 /// y ← y + k (μ - yᵢ),  P ← P + k (s² - Pᵢᵢ) kᵀ,  k = P eᵢ / Pᵢᵢ
 /// ```
-///
-/// for one channel after the other, with the mean μ and the standard deviation s of N(yᵢ, Pᵢᵢ) between the ends. The filter itself
-/// continues from its own belief. So the report is exact where that is: a constant with a normal prior that is cut at the ends has the
-/// normal posterior, cut there. If the filter continued from the report, the same end would count again at each sample.
-///
+/// for each channel, with mean μ and standard deviation s of N(yᵢ, Pᵢᵢ) between the ends. The filter keeps its belief: an end counts once.
 /// Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Truncation {
-    /// Places among the channels, each with its ends.
     places: Vec<(usize, [f64; 2])>,
     mean: Vec<f64>,
     cov: Vec<f64>,

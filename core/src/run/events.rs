@@ -245,7 +245,6 @@ impl EventFilter {
         match (oldest, felt) {
             (None, felt) => {
                 self.begin(TimedEvent::new(time, force, readings));
-                // The first value is felt until the second is.
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
                     self.put(TimedEvent::new(felt, force, nothing))?;
                 }
@@ -325,7 +324,6 @@ impl EventFilter {
         EventError::Stopped { time, reason }
     }
 
-    /// Takes the filter to an event and its readings, in parts of dt at most.
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let Self { estimator, timeline, latest, .. } = self;
         let times = [place - 1, place].map(|place| timeline.events[place].time);
@@ -340,8 +338,7 @@ impl EventFilter {
         Ok(())
     }
 
-    /// The readings of this time \[s\], and those of late or early sensors, each with the time that it is of. A reading of a
-    /// time before the first event does not count, as no reading of the first does.
+    /// Readings of this time, and those of late or early sensors with their own times \[s\]; those before the first event do not count.
     fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
         let (mut own, mut others) = (readings.to_vec(), Vec::new());
         let first = if self.first.is_finite() { self.first } else { time };

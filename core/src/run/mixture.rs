@@ -24,7 +24,6 @@ use crate::run::sink::{AssumedNoise, LastSample, Sample, Sink};
 
 /// The weights of filters. It fails where a filter has failed without which the others cannot continue.
 pub(crate) trait WeightRule: Send {
-    /// Lets the filters begin a step from each other's beliefs.
     fn begin(&mut self, _: &mut [MixtureMember]) -> Result<(), FilterError> {
         Ok(())
     }
@@ -37,7 +36,6 @@ pub(crate) trait WeightRule: Send {
         None
     }
 
-    /// Hands the sample of all filters to a sink, with what the rule knows besides.
     fn push(&self, _: &[MixtureMember], sample: Sample<'_>, sink: &mut dyn Sink) {
         sink.push(&sample);
     }
@@ -63,7 +61,7 @@ type Step<'a> = dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterEr
 const LEAST: f64 = 1e-12;
 
 impl MixtureMember {
-    /// The log likelihood of the last sample; NaN without a measurement, -∞ where the filter has failed.
+    /// NaN without a measurement, -∞ where the filter has failed.
     fn ln_likelihood(&self) -> f64 {
         if self.failure.is_some() { f64::NEG_INFINITY } else { self.last.sample().ln_likelihood() }
     }
@@ -150,12 +148,9 @@ impl Estimator for Mixture {
     }
 }
 
-/// Several filters side by side from guesses of the natural frequency that are far apart.
-///
-/// The likeliest so far reports alone. Every 500 measured samples, each filter that is 30 behind it in log likelihood and has not
-/// gained on it since the last check is left out, so that one remains in the end.
+/// Several filters from guesses of the natural frequency that are far apart; the likeliest so far reports alone.
 pub(crate) struct Guesses {
-    /// The log likelihood of each filter, and the amount by which it was below the likeliest at the last check.
+    /// The log likelihood of each filter, and its distance to the likeliest at the last check.
     each: Vec<[f64; 2]>,
     leader: usize,
     measured: usize,
@@ -171,8 +166,7 @@ const CHECKED: usize = 500;
 const FAR_BEHIND: f64 = 30.0;
 
 impl Guesses {
-    /// The settings of the filters of all guesses, evenly spread in the logarithm of ωₙ, the nearest to the initial mean first. A guess's
-    /// standard deviation is at least about half the distance to the next guess, in logarithms.
+    /// One filter for each guess, evenly spread in ln ωₙ; the nearest to the initial mean comes first.
     pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
         let count = settings.guesses;
         let place = |i: usize| 2.0 * FARTHEST * i as f64 / (count - 1) as f64 - FARTHEST;
@@ -216,7 +210,6 @@ impl WeightRule for Guesses {
         {
             return Err(reason);
         }
-        // The first of those that are alike, which is the nearest to the initial mean.
         *leader = (0..each.len()).rev().max_by(|a, b| each[*a][0].total_cmp(&each[*b][0])).unwrap_or(0);
         let is_measured = members.iter().any(MixtureMember::is_read);
         *measured += usize::from(is_measured);
@@ -309,19 +302,12 @@ impl WeightRule for Scales {
     }
 }
 
-/// Two filters that mix: one whose parameters are still, and one whose parameters walk.
-///
-/// An interacting multiple model filter (IMM) of two models of one plant. In the first, noise of the parameters is that of the
-/// settings; in the second each of them walks, too: by w times its initial standard deviation in a second.
-///
+/// An interacting multiple model filter (IMM): in its second filter, parameters walk by w times their initial standard deviation a second.
 /// ```text
 /// cⱼ = Σᵢ pᵢⱼ μᵢ          each filter begins from the mixture of both, with the weights pᵢⱼ μᵢ / cⱼ
 /// Λⱼ = N(eⱼ; 0, Sⱼ)       of its prediction and update
 /// μⱼ = cⱼ Λⱼ / Σ cᵢ Λᵢ
 /// ```
-///
-/// The weights before the measurement are cⱼ, those after it μⱼ.
-///
 /// Source: Blom and Bar-Shalom (1988), The interacting multiple model algorithm for systems with Markovian switching coefficients;
 /// Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 11.6.6.
 #[derive(Default)]
@@ -359,7 +345,7 @@ impl Walk {
         [still, walking]
     }
 
-    /// Of a plant that turns by so much from a sample to the next \[rad\].
+    /// For a plant that turns by this angle from a sample to the next \[rad\].
     pub(crate) fn new(turn: f64) -> Self {
         let [begins, ends] = [STILL, WALKS].map(|periods| (turn / (TAU * periods)).min(MOST_CHANGE));
         Self { weights: [1.0, 0.0], transition: [[1.0 - begins, begins], [ends, 1.0 - ends]], ..Self::default() }
@@ -390,7 +376,6 @@ impl WeightRule for Walk {
         &self.weights
     }
 
-    /// Without any measurement, nothing is learnt.
     fn update(&mut self, members: &mut [MixtureMember]) -> Result<(), FilterError> {
         if let Some(reason) = members.iter().find_map(|member| member.failure) {
             return Err(reason);

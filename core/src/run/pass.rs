@@ -24,7 +24,6 @@ pub struct Pass {
     filter: Built,
     sensors: Vec<usize>,
     delays: Delays,
-    /// Memory for the parts of a step, of a filter that goes from one reading to the next.
     parts: Option<Box<Parts>>,
     done: usize,
     stop: Option<Stop>,
@@ -33,7 +32,7 @@ pub struct Pass {
 
 #[derive(Default)]
 struct Built {
-    /// What it is built from: to draw a large ensemble takes time. None once it is built, and for a pass without a filter.
+    /// Drawing a large ensemble takes time, so the filter is built later. `None` once it is built, and for a pass without a filter.
     recipe: Option<Box<(FilterSettings, FilterContext)>>,
     estimator: Option<Box<dyn Estimator>>,
 }
@@ -81,12 +80,10 @@ impl Pass {
         Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
-    /// Adds its passages to sinks that ask for them from now on. Returns false for a filter that has none.
     pub(crate) fn keep_passages(&mut self) -> bool {
         self.filter.estimator().keep_passages()
     }
 
-    /// The same, but the filter is built with its first sample.
     pub(crate) fn later(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
         let (delays, is_timed) = (settings.delays(context.dt), context.is_timed);
         let recipe = Some(Box::new((settings.clone(), context)));
@@ -134,8 +131,7 @@ impl Pass {
         self.stop
     }
 
-    /// Appends samples that another pass of the same filter has computed; this one can continue only from the last. Returns false
-    /// if they are of another filter. `samples` is the number of all samples.
+    /// Appends samples that another pass has computed, of `samples` in all. Returns false if they are of another filter.
     pub(crate) fn take(&mut self, tape: &Tape, samples: usize, estimates: &mut Estimates) -> bool {
         let Some((count, stop)) = tape.play(estimates) else { return false };
         self.done = if stop.is_some() { samples } else { (self.done + count).min(samples) };
@@ -157,12 +153,10 @@ impl Pass {
         }
     }
 
-    /// Whether the next sample has been computed ahead, or there is none.
     pub(crate) fn is_prepared(&self) -> bool {
         self.ahead.is_some() || self.stop.is_some()
     }
 
-    /// Appends the sample that was computed ahead, if there is one. `samples` is the number of all samples.
     pub(crate) fn settle(&mut self, samples: usize, estimates: &mut Estimates) {
         if let Some(tape) = self.ahead.take() {
             self.take(&tape, samples, estimates);
@@ -227,7 +221,6 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
 /// with the d-th after it.
 pub struct OnlineFilter {
     pass: Pass,
-    /// The samples that the filter has yet to read, and some before them.
     record: Record,
     /// The samples after the one that it filters, and before it, that it reads.
     reach: [usize; 2],

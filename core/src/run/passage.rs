@@ -10,7 +10,6 @@ use kalmanscope_filters::linalg::{Ldl, Matrix, Vector, symmetric};
 #[derive(Default)]
 pub struct Passages {
     pub(crate) belief: Option<Gaussian>,
-    /// Each part of the step that ends with a reading, and its last one.
     pub(crate) all: Vec<Passage>,
     pub(crate) stop: Option<Stop>,
 }
@@ -97,7 +96,6 @@ impl Adjoint {
         }
     }
 
-    /// Goes back over an update, then over the step before it.
     pub(crate) fn pass(&mut self, Passage { transition, update }: &Passage) {
         let Self { score, information } = self;
         if let Some(PassageUpdate { kept, information: gained, score: gradient }) = update {

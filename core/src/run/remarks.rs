@@ -130,7 +130,6 @@ pub(crate) struct Monitor {
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
-    /// The successive samples at which the scale of Q may be beyond the end.
     at_end: usize,
     initial_noise: Option<(Vec<f64>, Vec<f64>)>,
     pub(crate) remarks: Vec<Remark>,
@@ -170,7 +169,6 @@ impl Monitor {
         }
     }
 
-    /// `apart` are the samples between two readings of each sensor, where these have times of their own.
     pub(crate) fn with_clocks(mut self, apart: Option<&[usize]>, trouble: Option<Trouble>) -> Self {
         if let Some(apart) = apart {
             self.lasting = mapped(apart, &|apart| LASTING.max(SILENT * apart));
@@ -290,7 +288,6 @@ impl Monitor {
     }
 
     fn compare(&mut self, k: usize, now: f64, first: f64, vanishing: Trouble, growing: Trouble) {
-        // A variance of zero has no ratio.
         if first > 0.0 && now < first / RATIO_LIMIT {
             self.note(vanishing, k, k);
         } else if first > 0.0 && now > first * RATIO_LIMIT {

@@ -161,7 +161,6 @@ impl Revision {
         let changed = order.into_iter().map(|place| bank.scenario.filters[place].id).collect();
         let old = std::mem::replace(&mut run.bank, bank);
         let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
-        // A live record may have become longer meanwhile.
         run.samples = if run.is_live() { run.recording.samples(run.scenario()) } else { samples };
         run.done = done.min(run.samples);
         let estimates = old.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();

@@ -64,7 +64,6 @@ pub struct Simulator {
 }
 
 struct Load {
-    /// The input of the sample, in its unit.
     recorded: f64,
     /// The recorded forces over mass at its beginning and at its end \[m/s²\].
     forces: [f64; 2],
@@ -134,8 +133,7 @@ impl Simulator {
         true
     }
 
-    /// Computes the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
-    /// is known. Returns whether the sample is done, or the truth has stopped.
+    /// Computes the next sample and halves steps at most `most` times. Returns whether the sample is done, or the truth has stopped.
     fn advance(&mut self, record: &mut Record, most: u64) -> bool {
         if self.stop.is_some() {
             return true;
@@ -229,7 +227,6 @@ fn place_of_next(record: &Record) -> usize {
     record.forgotten() + record.len()
 }
 
-/// The input of each sample, in its unit: kept as far back and drawn as far ahead as needed.
 struct Inputs {
     force: Force,
     dt: f64,
@@ -291,7 +288,6 @@ impl Source {
     }
 }
 
-/// The record of a run: simulated, or given.
 pub(crate) struct Recording {
     simulator: Option<Box<Simulator>>,
     record: Arc<Record>,
@@ -299,7 +295,6 @@ pub(crate) struct Recording {
 }
 
 impl Recording {
-    /// The empty record of a valid scenario, in the memory of an old one; or a given one.
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
             Source::Measured(record) => Self::given(record, false),
@@ -335,7 +330,7 @@ impl Recording {
         self.simulator.and_then(|_| Arc::into_inner(self.record))
     }
 
-    /// Of a live record those that a filter can do, which may read the input of later ones.
+    /// The samples that a filter can do: of a live record, those whose later inputs are there as far as the filter reads them.
     pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
         match &self.simulator {
             Some(_) => scenario.samples(),
@@ -396,7 +391,6 @@ pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
 mod tests {
     use super::*;
 
-    /// A plant that needs thousands of halved steps for each sample.
     const HARD: &str = include_str!("../../../tests/hostile/hard-truth.toml");
 
     #[test]

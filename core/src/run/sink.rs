@@ -158,9 +158,8 @@ impl Sink for Passages {
 /// A sink that keeps the last sample alone, in memory that it uses again, with the belief before its update.
 #[derive(Clone, Debug, Default)]
 pub struct LastSample {
-    /// Its vectors and matrices, the variances that a filter learns among them, in the order of [`parts`].
+    /// The vectors and matrices of the sample, in the order of [`parts`].
     parts: [Vec<f64>; 11],
-    /// The same sample with empty vectors and matrices.
     scalars: Sample<'static>,
     without_prior: bool,
 }

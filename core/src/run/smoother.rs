@@ -1,6 +1,4 @@
-//! Smoothed estimates: each sample in the light of later ones, of all or of the next few.
-//!
-//! A filter on its way forward, and its way back: the modified Bryson-Frazier smoother runs the adjoint of the filter backward.
+//! Smoothed estimates, in the light of later samples: the modified Bryson-Frazier smoother runs the adjoint of the filter backward.
 //!
 //! ```text
 //! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
@@ -81,7 +79,6 @@ impl Forward {
         })
     }
 
-    /// The belief after the next sample, and the passages to it in order: none for the first one, where the filter begins.
     pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
         let Self { pass, sink, .. } = self;
         pass.follow(record, pass.done() + 1, sink);
@@ -100,7 +97,6 @@ impl Hindsight {
         Self { in_units, truncation: Truncation::of(settings, model.channels()) }
     }
 
-    /// Hands a belief to a sink, whatever its numbers are in the channels' units.
     pub(crate) fn report(&mut self, Gaussian { mean, cov }: &Gaussian, sink: &mut dyn Sink) {
         let Self { in_units, truncation } = self;
         let sample = Sample::unmeasured(mean.as_slice(), cov.as_slice());
@@ -118,9 +114,7 @@ const FREED: usize = 4_000;
 /// The smoother of a whole record: the filter goes forward, its adjoint backward.
 pub struct FixedInterval {
     forward: Forward,
-    /// The belief after each sample: of the filter, then of the smoother.
     beliefs: Vec<Gaussian>,
-    /// From each sample to the next, one or several.
     passages: Vec<Vec<Passage>>,
     adjoint: Adjoint,
     stop: Option<Stop>,
@@ -201,7 +195,6 @@ impl Smoother for FixedInterval {
     fn progress(&self, samples: usize) -> f64 {
         let of = |done: usize| done as f64 / samples.max(1) as f64;
         match self.stage {
-            // The way forth takes the most time.
             SmootherStage::Forth => 0.6 * of(self.beliefs.len()),
             SmootherStage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
             SmootherStage::Report(k) => 0.9 + 0.1 * of(k),
@@ -223,14 +216,9 @@ impl Piecewise for FixedInterval {
     }
 }
 
-/// The smoother with a fixed lag: it goes along with the filter, and knows each sample in the light of the next few.
-///
-/// Each report needs the way back over all passages of the lag. The window moves by one passage a sample, and the ways
-/// back compose: two stacks keep the composition of the window at about three compositions a sample, whatever the lag.
-///
-/// Source: Anderson and Moore (1979), Optimal filtering, chapter 7; Särkkä and García-Fernández (2021), Temporal
-/// parallelization of Bayesian smoothers; Tangwongsan, Hirzel and Schneider (2015), General incremental sliding-window
-/// aggregation.
+/// The smoother with a fixed lag: two stacks compose the ways back over its window, by about three compositions a sample for any lag.
+/// Source: Anderson and Moore (1979), Optimal filtering, chapter 7; Särkkä and García-Fernández (2021), Temporal parallelization of
+/// Bayesian smoothers; Tangwongsan, Hirzel and Schneider (2015), General incremental sliding-window aggregation.
 pub(crate) struct FixedLag {
     forward: Forward,
     lag: usize,
@@ -241,7 +229,6 @@ pub(crate) struct FixedLag {
 }
 
 impl FixedLag {
-    /// The smoother of a filter before its first sample, with a lag of at least one sample.
     pub(crate) fn new(forward: Forward, lag: usize) -> Self {
         let lag = lag.max(1);
         Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
@@ -301,7 +288,6 @@ impl Piecewise for FixedLag {
 }
 
 /// The way back over several passages.
-///
 /// ```text
 /// λ ↦ Aᵀ λ - b,  Λ ↦ Aᵀ Λ A + C
 /// ```
@@ -336,7 +322,6 @@ impl WayBack {
     }
 }
 
-/// The ways back over the passages of a window, as two stacks.
 #[derive(Default)]
 struct LagWindow {
     /// For each of the older passages, the way back from the last of them over all to it; the oldest is the last.
@@ -359,7 +344,6 @@ impl LagWindow {
         self.newer.push(one);
     }
 
-    /// Where no older passages are left, turns one of the newer into the older. Returns whether there was one to turn.
     fn turn_one(&mut self) -> bool {
         let turns = self.older.is_empty() || self.over_newer.is_none();
         let Some(one) = self.newer.pop_if(|_| turns) else { return false };
@@ -372,7 +356,6 @@ impl LagWindow {
         true
     }
 
-    /// All that the window knows about the sample before it.
     fn adjoint(&self, n: usize) -> Adjoint {
         let adjoint_of =
             |WayBack { score, information, .. }: &WayBack| Adjoint { score: -score, information: information.clone() };

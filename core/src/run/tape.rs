@@ -14,7 +14,6 @@ pub struct Tape(Vec<f64>);
 
 const HEAD: usize = 3;
 
-/// The numbers of a sample that are not in vectors or matrices.
 const SCALARS: usize = 6;
 
 /// Every reason to stop; its place is its number.

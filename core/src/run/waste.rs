@@ -1,5 +1,4 @@
-//! Memory that is no longer used: it is used again, or returned to the system piece by piece, as returning all of it at once takes
-//! longer than a frame.
+//! Memory that is free: it is used again, or returned to the system in pieces, since all of it at once takes longer than a frame.
 
 use kalmanscope_records::Record;
 

@@ -86,7 +86,6 @@ impl Scenario {
     /// The end of a sentence about an address that is not found: the filters that there are, where it is the filter that is not
     /// found. Empty otherwise.
     pub fn filters_instead_of(&self, address: &str) -> String {
-        // A filter alone, without a key, is found too.
         let is_found = [address, &format!("{address}.")].into_iter().any(|address| self.filters_at(address).is_some());
         if !(address.starts_with(BY_ID) || address.starts_with(BY_NAME)) || is_found {
             return String::new();

@@ -52,10 +52,8 @@ const LEAST: usize = 4;
 const REACH: f64 = 2.0;
 
 /// The number of steps over an angle `turn` \[rad\] that leave out little, if a record has the frequency to a relative `accuracy`.
-///
 /// A step of fourth order over an angle h turns by a share of h⁴ / 120 too little, which must be small beside `accuracy`. Source: Hairer,
-/// Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.2 (the terms of the exponential that four
-/// stages lack).
+/// Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.2.
 pub(crate) fn steps_over(turn: f64, accuracy: Option<f64>) -> usize {
     let step = accuracy.map_or(MOST, |accuracy| libm::sqrt(libm::sqrt(120.0 * SMALL * accuracy)).min(MOST));
     libm::ceil(turn / step).clamp(1.0, MOST_STEPS) as usize

@@ -98,7 +98,6 @@ impl Scenario {
         self.sensors = sensors.map(|&measures| Sensor::new(measures, usual(measures))).collect();
     }
 
-    /// Without channels that no plant has, numbers with their default value, and ids that equal the filters' places.
     fn as_written(&self) -> Self {
         let mut scenario = self.clone();
         let (truth, input) = (&scenario.plant.kind, scenario.input);

@@ -224,7 +224,6 @@ families! {
         description: "readings beyond ± a limit are at the limit",
         numbers: &[number("limit", "limit", Scale::Unit, 10.0, (1.0, 100.0), Allowed::AtLeast(0.0))],
         sentence: "The @ sensor reads no more than ±{}",
-        // NaN stays.
         change: |[limit, ..], _| {
             Box::new(move |reading, _| if reading.abs() > limit { libm::copysign(limit, reading) } else { reading })
         },

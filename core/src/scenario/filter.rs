@@ -274,7 +274,6 @@ impl FilterSettings {
         of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
     }
 
-    /// Whether the filter estimates a natural frequency, from above 0 on.
     pub(crate) fn has_frequency(&self, truth: &PlantKind) -> bool {
         let frequency = Channel::NATURAL_FREQUENCY;
         let channels = self.plant.as_ref().unwrap_or(truth).channels();
@@ -301,7 +300,6 @@ impl FilterSettings {
     }
 }
 
-/// The propagation in a file, `automatic` for none.
 fn propagation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Propagation>, D::Error> {
     const WORDS: [&str; 4] = ["automatic", "local_linearisation", "runge_kutta", "euler"];
     let word = String::deserialize(deserializer)?;

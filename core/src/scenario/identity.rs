@@ -57,7 +57,6 @@ impl Scenario {
         sentences
     }
 
-    /// Gives filters without a name that of their kind, with a number behind it where it is taken.
     pub(super) fn name_filters(&mut self) {
         for place in 0..self.filters.len() {
             if self.filters[place].name.is_empty() {
@@ -127,7 +126,6 @@ mod tests {
         assert_eq!(Scenario::default().free_filter_id(), 3);
     }
 
-    /// The names of the filters in a file, and the sentences about them. Each filter is `kind` or `kind=name`.
     fn named(filters: &[&str]) -> (Vec<String>, Vec<String>) {
         let mut text = String::new();
         for filter in filters {

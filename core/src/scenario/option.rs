@@ -93,7 +93,6 @@ impl FilterSettings {
         self.can_have(option.key)
     }
 
-    /// Whether no other option excludes the one whose setting has this key.
     pub(super) fn can_have(&self, key: &str) -> bool {
         EXCLUSIONS.iter().all(|(first, others, _)| others.iter().all(|other| other.key != key) || !(first.is_on)(self))
     }
@@ -108,7 +107,6 @@ impl FilterSettings {
         self.is_single() && !learns && self.correlation_time == Values::ZERO
     }
 
-    /// The first option that another one excludes: both, and the reason.
     pub(super) fn excluded(&self) -> Option<(&'static FilterOption, &'static FilterOption, &'static str)> {
         for (first, others, reason) in EXCLUSIONS {
             let other = others.iter().find(|other| (first.is_on)(self) && (other.is_on)(self));
@@ -119,9 +117,7 @@ impl FilterSettings {
         None
     }
 
-    /// Turns off the options that others exclude, and what a filter of this truth does not have: guesses of a frequency, augmentations,
-    /// and channels that it considers or that have bounds, which never leave out the mean of the initial belief. Returns the keys of
-    /// these settings.
+    /// Turns off excluded options and those that this truth lacks, but never the mean of the initial belief. Returns their keys.
     pub(crate) fn turn_off_excluded(&mut self, truth: &PlantKind) -> Vec<&'static str> {
         let mut keys = Vec::new();
         if self.guesses != OFF.guesses && !self.has_frequency(truth) {

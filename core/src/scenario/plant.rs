@@ -234,7 +234,6 @@ impl<'de> Deserialize<'de> for PlantKey {
 }
 
 impl Scenario {
-    /// Gives filters the guesses of an equation for channels that the one before had with others.
     pub(super) fn take_guesses(&mut self, before: &[Channel]) {
         for &channel in self.plant.kind.channels() {
             let Some(old) = before.iter().find(|old| **old == channel).map(|old| old.usual()) else { continue };

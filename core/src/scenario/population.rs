@@ -194,7 +194,6 @@ mod tests {
         assert_eq!((member.seed, member.draw.len()), (7, 0));
         assert_eq!(member, numbered.member(7));
         assert_ne!(member.plant, numbered.member(8).plant);
-        // One more draw changes no other.
         assert_eq!(member.plant, one.member(7).plant);
         let guess = |scenario: &Scenario, place: usize| {
             scenario.filters[place].initial_mean[kalmanscope_filters::Channel::NATURAL_FREQUENCY]

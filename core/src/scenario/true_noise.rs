@@ -81,7 +81,6 @@ impl Scenario {
         let steps = self.samples() - 1;
         let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
         let sum = |range: Range<usize>| range.map(|k| change(k) * change(k)).sum::<f64>();
-        // The steps around a time, a few more than needed.
         let around = |time: f64| {
             let step = (time / self.dt) as usize;
             [step.saturating_sub(1).min(steps), step.saturating_add(2).min(steps)]
@@ -97,7 +96,6 @@ impl Scenario {
                 if outside <= inside {
                     sum(first..end)
                 } else {
-                    // All changes within the ramp are the same.
                     sum(first..inside) + (outside - inside) as f64 * sum(inside..inside + 1) + sum(outside..end)
                 }
             }

@@ -13,8 +13,7 @@ use crate::Signal;
 use crate::scenario::cost::largest_ensemble;
 use crate::setting::{Allowed, SettingInfo, TABLES, of_filter, of_scenario};
 
-/// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
-/// filter; one that forgets ([`crate::Run::forget`]) does not.
+/// Limits the samples of one record: more than a day at 1 kHz, and tens of gigabytes per filter in a run that keeps them all.
 pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
 pub(super) const MAX_FILTERS: usize = 16;

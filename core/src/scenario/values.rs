@@ -130,7 +130,6 @@ macro_rules! tables {
 }
 tables!(initial_mean over INITIAL_MEAN, initial_std over INITIAL_STD, process_std over PROCESS_STD, correlation_time over ZERO);
 
-/// The entries of a table, in their order. `expected` is the name of such a table in an error.
 pub(super) fn entries<'de, K: Deserialize<'de>, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     expected: &'static str,

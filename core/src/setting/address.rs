@@ -218,7 +218,6 @@ impl Address {
 }
 
 impl Address {
-    /// The shape of the signal that the number is of, if it is a parameter that moves.
     pub(super) fn shape(&self, scenario: &Scenario) -> Option<&'static str> {
         let Place::Parameter(channel) = &self.0 else { return None };
         let numbers = scenario.plant.parameter(*channel)?.numbers();
@@ -242,7 +241,6 @@ impl Address {
     }
 }
 
-/// The addresses of the settings that an address stands for, by the ids of filters: of each number of a table.
 pub(super) fn keys_below(scenario: &Scenario, address: &str) -> Vec<String> {
     let Some((places, key)) = scenario.filters_at(address) else { return vec![address.to_owned()] };
     let filters = places.into_iter().filter_map(|place| scenario.filters.get(place));
@@ -253,7 +251,6 @@ pub(super) fn keys_below(scenario: &Scenario, address: &str) -> Vec<String> {
     filters.flat_map(one).collect()
 }
 
-/// The addresses of all settings of a filter.
 pub(super) fn keys_of(scenario: &Scenario, filter: &FilterSettings) -> Vec<String> {
     let rows = of_filter().map(|info| info.key);
     let choices = CHOICES_OF_FILTER.into_iter().map(|info| info.key);
@@ -262,7 +259,6 @@ pub(super) fn keys_of(scenario: &Scenario, filter: &FilterSettings) -> Vec<Strin
     single.chain(TABLES.into_iter().flat_map(|table| entries(scenario, filter, table))).collect()
 }
 
-/// The addresses of the numbers of a table.
 fn entries(scenario: &Scenario, filter: &FilterSettings, table: &TableInfo) -> Vec<String> {
     let address = |entry: Entry| filter.address(&format!("{}.{}", table.key, entry.key()));
     if table.is_of_sensors() {

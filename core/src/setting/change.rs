@@ -235,8 +235,7 @@ fn sensor(key: &str) -> Option<Quantity> {
     key.strip_prefix(SENSOR).and_then(Quantity::from_key)
 }
 
-/// The value of a setting, of a filter whether there is one, and of a parameter that moves the shape of its signal; null where the
-/// scenario has none.
+/// The value of a setting; of a filter whether it exists, of a parameter that moves the shape of its signal; null where there is none.
 fn value(scenario: &Scenario, key: &str) -> Document {
     if let Some(quantity) = sensor(key) {
         let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == quantity);
@@ -264,7 +263,6 @@ fn value(scenario: &Scenario, key: &str) -> Document {
     }
 }
 
-/// The value at a path in the document of a scenario or a filter.
 fn written(of: &impl serde::Serialize, key: &str) -> Document {
     let document = document::of(of).unwrap_or_default();
     document.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default()

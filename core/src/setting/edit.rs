@@ -76,7 +76,6 @@ impl Edit {
         Scenario::from_document(&document)
     }
 
-    /// Writes the value into the document of a scenario.
     pub(super) fn put(&self, document: &mut Document, scenario: &Scenario) -> Result<(), ScenarioError> {
         let value = document::of(&self.value)?;
         if let Some(error) = document::not_finite(&value) {
@@ -86,8 +85,7 @@ impl Edit {
     }
 }
 
-/// Sets the value of an address in the document of a scenario. A key that is new is written too: it may be one that is left out
-/// while it has its default, and the reader refuses all others. `instead` ends the error where there is no place for the value.
+/// Sets a value, also under a new key, since a file leaves out defaults. `instead` ends the error where there is no place for the value.
 pub(super) fn put(
     document: &mut Document,
     scenario: &Scenario,
@@ -163,7 +161,6 @@ mod tests {
         assert_eq!(edits[2].toml_line(), "sensor_std = [0.1, 0.2]");
         let rounded = Edit::of_filter(ekf, "sensor_std", vec![0.012_345_678, 1.005]).rounded();
         assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
-        // A filter is found whatever it is called by now.
         let mut renamed = scenario.clone();
         (renamed.filters[0].name, renamed.filters[1].name) = ("UKF, no. 2".to_owned(), "EKF".to_owned());
         let turned = Edit::of_filter(ekf, "fading", 1.5).apply(&renamed).unwrap();

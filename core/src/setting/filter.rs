@@ -20,7 +20,6 @@ pub static MEMORY: [&Row; 2] = [&FADING, &ETA];
 pub static CHANGES: [(&Row, &str, f64); 3] =
     [(&WALK, "walk", 0.1), (&JUMP, "jump", 1.0), (&PROCESS_SCALES, "Q of unknown size", 17.0)];
 
-/// All others come behind these.
 static ORDER: [&Row; 15] = [
     &FADING,
     &ETA,

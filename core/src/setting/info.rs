@@ -38,7 +38,6 @@ pub struct SettingInfo<T> {
 }
 
 impl<T> SettingInfo<T> {
-    /// A setting without words that always has an effect.
     pub(crate) const fn new(key: &'static str, get: fn(&T) -> f64, set: fn(&mut T, f64)) -> Self {
         Self {
             key,
@@ -59,7 +58,6 @@ impl<T> SettingInfo<T> {
     }
 }
 
-/// Rows are compared and written by their keys.
 macro_rules! by_key {
     ($row:ident $(, $T:ident)?) => {
         impl$(<$T>)? PartialEq for $row$(<$T>)? {
@@ -149,7 +147,6 @@ macro_rules! settings {
             pub static $row: SettingInfo<$T> = row! { $($path).+, $name, $($data)* };
         )*)*
 
-        /// Every row, in the order of the fields.
         pub(crate) static ROWS: &[&SettingInfo<$T>] = &[$($(&$row,)*)*];
     };
 }

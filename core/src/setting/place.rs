@@ -18,9 +18,7 @@ pub(super) enum Place {
     /// A number of the signal of a parameter that moves: the key behind that of the parameter.
     Signal(Channel, &'static str),
     Noise(Quantity),
-    /// A number of a fault, by its place among them.
     Fault(Quantity, Fault, usize),
-    /// A number of the filter with an id, or of all.
     Filters(Option<u32>, Member),
 }
 
@@ -90,7 +88,6 @@ impl Place {
         Some(Self::Filters(id, member))
     }
 
-    /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.
     pub(super) fn instead(scenario: &Scenario, text: &str) -> String {
         if scenario.filters_at(text).is_some() {
             let numbers = of_filter().map(|info| info.key);

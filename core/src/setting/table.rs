@@ -28,7 +28,6 @@ pub struct TableInfo {
     column: SettingColumn,
     /// The number of each sensor where the list is empty, if it may be.
     otherwise: Option<f64>,
-    /// The unit of its numbers, if it is not that of their channels or quantities.
     unit: Option<&'static str>,
 }
 
@@ -108,7 +107,7 @@ pub static SENSOR_DELAY: TableInfo = table! { sensor_delay in Sensors, "delay",
     unit: Some("s"),
 };
 
-/// The most by which a sensor is late \[s\].
+/// Limits the time by which a sensor is late \[s\].
 const LATEST: f64 = 10.0;
 
 /// All tables of a filter.
@@ -192,7 +191,6 @@ impl TableInfo {
         }
     }
 
-    /// The first of them that is not allowed, with its place behind the table's key in a file.
     pub(crate) fn first_refused(&self, filter: &FilterSettings) -> Option<(String, f64)> {
         let is_refused = |value: f64| !self.allowed.admits(value);
         match self.column {

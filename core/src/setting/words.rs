@@ -99,7 +99,6 @@ fn of_sensors(scenario: &Scenario, values: &[Value], unit: &str, counts: impl Fn
     Some(all.map(one).collect::<Option<Vec<String>>>()?.join(", "))
 }
 
-/// A number with at most three significant digits.
 fn number(value: &Value) -> Option<String> {
     let value = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
     let text = format!("{value:.2e}");

@@ -35,9 +35,7 @@ pub struct CramerRao {
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
     recursion: Option<(Wrapped<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
-    /// The number of samples that the record had forgotten at the last call.
     forgotten: usize,
-    /// Whether the recursion has failed or lacks a sample.
     stopped: bool,
 }
 
@@ -90,7 +88,6 @@ impl CramerRao {
         };
         let truth: Option<Vec<Result<&[f64], f64>>> = channels.iter().map(of).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return true };
-        // The recursion needs the sample before the first new one, except at the beginning.
         let seen = std.len() / channels.len();
         let Some((filter, sensors)) = recursion.as_mut().filter(|_| seen > 0 || *forgotten == 0) else {
             *stopped = true;
@@ -114,7 +111,6 @@ impl CramerRao {
                     columns.as_ref().is_some_and(|columns| record.parts_to(k, &delays, columns, &mut parts));
                 let mut holds = true;
                 for (part, readings) in parts.iter().filter(|_| has_parts) {
-                    // Between samples the truth is where the model goes from the last one.
                     filter.predict(Baseline, Span { share: part.share, forces: part.forces, times: [0.0; 2] });
                     let truth = filter.belief.mean.clone();
                     holds &= filter.update(Baseline, part.force, readings).holds;

@@ -66,7 +66,7 @@ impl Identified {
         Self { model, values, input_delay: settings.input_delay, late, plucks: settings.plucks.clone() }
     }
 
-    /// What a sensor of the record has read of sample `k`, to the nearest sample where it is late.
+    /// The reading by a sensor of sample `k`, or of the nearest sample where the sensor is late.
     fn measured(&self, record: &Record, sensor: usize, k: usize) -> f64 {
         let quantity = record.sensors()[sensor];
         let late = self.late.iter().find(|(own, _)| *own == quantity).map_or(0.0, |(_, late)| late / record.dt());
@@ -150,7 +150,6 @@ pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Ran
     let all = estimates.measured(record, place)?;
     let measured: Vec<f64> = part.clone().map(all).collect();
     let predicted: Vec<f64> = part.clone().map(|k| all(k) - estimates.innovation(k)[place]).collect();
-    // The first sample has no prediction.
     let skip = predicted.iter().zip(&measured).take_while(|(p, m)| p.is_nan() && !m.is_nan()).count();
     fit(&measured[skip..], &predicted[skip..])
 }

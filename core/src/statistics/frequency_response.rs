@@ -17,9 +17,8 @@ use kalmanscope_records::Record;
 
 use crate::Estimates;
 
-/// The number of draws from a belief for one estimate of the band.
 const DRAWS: usize = 96;
-/// The number of such estimates that are averaged; a single one is ragged where the belief is wide.
+/// The number of estimates of the band that are averaged: a single one is ragged where the belief is wide.
 const BATCHES: usize = 4;
 
 /// The estimated frequency response and its band \[s²\].
@@ -71,7 +70,6 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
     Believed { mean: mean.magnitude(frequencies), band }
 }
 
-/// The transfer functions for the mean of a filter's belief at sample `k` and for draws from it, at rest.
 fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
     let model = Model::new(estimates.plant().clone());
     let (n, motion) = (model.size(), model.motion());
@@ -95,7 +93,6 @@ fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec
     (TransferFunction::of(&model, mean.as_slice()), draws)
 }
 
-/// The number of components for which the sequence's root is precomputed.
 const USUAL: usize = 6;
 
 /// The root of `x^(d+1) = x + 1` above 1: powers of its inverse are d numbers far from rational and from each other.
@@ -110,11 +107,9 @@ fn root(d: usize) -> f64 {
 
 const ROOT: f64 = 1.1127756842787055;
 
-/// The component `j` of draw `i` from a standard normal distribution of `d` components: a quasirandom sequence, which
-/// fills space more evenly than random points, with the Box-Muller transform.
-///
-/// Source: Roberts (2018), The unreasonable effectiveness of quasirandom sequences; Niederreiter (1992), *Random Number
-/// Generation and Quasi-Monte Carlo Methods*, section 3.1 (Kronecker sequences).
+/// The component `j` of draw `i` from a standard normal distribution of `d` components: a quasirandom sequence, which fills space more
+/// evenly than random points, with the Box-Muller transform. Source: Roberts (2018), The unreasonable effectiveness of quasirandom
+/// sequences; Niederreiter (1992), *Random Number Generation and Quasi-Monte Carlo Methods*, section 3.1 (Kronecker sequences).
 fn normal(i: usize, j: usize, d: usize) -> f64 {
     let ratio = if d <= USUAL { ROOT } else { root(d + d % 2) };
     let uniform = |place: usize| {
@@ -126,9 +121,7 @@ fn normal(i: usize, j: usize, d: usize) -> f64 {
     if j.is_multiple_of(2) { radius * cos } else { radius * sin }
 }
 
-/// The interpolation weight of the 2.5 % quantile between the second and the third smallest of the draws: the i-th
-/// smallest of n evenly spread draws has the share `(i - ½) / n` below it.
-///
+/// The place of the 2.5 % quantile between the second and third smallest draws: the i-th of n draws has the share `(i - ½) / n` below it.
 /// Source: Hyndman and Fan (1996), Sample quantiles in statistical packages, definition 5.
 const BEYOND_SECOND: f64 = 0.025 * DRAWS as f64 + 0.5 - 2.0;
 
@@ -153,7 +146,7 @@ impl Extremes {
     }
 }
 
-/// Inserts every value among the three that are kept; `sorted` orders two of them.
+/// Keeps the three smallest values; `sorted` orders two of them.
 #[inline]
 fn insert([first, second, third]: &mut [Vec<f64>; 3], values: &[f64], sorted: impl Fn(f64, f64) -> (f64, f64)) {
     for (((first, second), third), &value) in first.iter_mut().zip(second).zip(third).zip(values) {
@@ -182,7 +175,6 @@ fn quantile([_, second, third]: &[Vec<f64>; 3]) -> Vec<f64> {
 pub struct TransferFunction {
     /// Coefficients of b, that of s⁰ first, padded with a zero to an even number; in s².
     numerator: Vec<f64>,
-    /// Coefficients of a, in the same order and number.
     denominator: Vec<f64>,
     degree: usize,
     /// A power of two \[rad/s\].

@@ -221,7 +221,6 @@ pub struct ScoredPass {
     history: Option<Estimates>,
 }
 
-/// Scores, and the history if it is kept.
 struct Scored<'a>(Scoring<'a>, Option<&'a mut Estimates>);
 
 impl Sink for Scored<'_> {
@@ -272,7 +271,6 @@ impl ScoredPass {
         while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
             pass.follow(record, sample.saturating_add(1), &mut Scored(scores.against(record), history.as_mut()));
             if scores.len() != sample.saturating_add(1) {
-                // The filter has stopped, or the record has ended.
                 asked.truncate(sample_scores.len());
                 break;
             }

@@ -46,7 +46,6 @@ pub struct Windows {
     start: f64,
     dt: f64,
     values: Vec<f64>,
-    /// The samples of a window, and those from one to the next.
     length: usize,
     hop: usize,
     weights: Vec<f64>,

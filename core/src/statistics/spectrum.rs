@@ -81,7 +81,6 @@ struct Group {
     window_turn: (f64, f64),
     rising: Sum,
     falling: Sum,
-    /// The sums of the previous rising half, the first part of the window that is falling.
     risen: Sum,
     squares: [f64; LANES],
 }

@@ -43,7 +43,6 @@ pub struct Suggestion {
     pub reasons: Vec<String>,
     /// Why no guess of the motion's frequency was found, where a filter wants one: the guess is a default then.
     pub problem: Option<String>,
-    /// The reasons for R of each sensor and for the filter's steps, which later ones replace.
     #[serde(skip)]
     replaceable: Vec<String>,
 }
@@ -90,14 +89,12 @@ impl Suggestion {
         Self { scenario, reasons: Vec::new(), problem: None, replaceable }
     }
 
-    /// Gives a simulation in place of the record a parameter. The truth of a measured record is not known.
     fn simulate_with(&mut self, channel: Channel, value: f64) {
         if self.scenario.plant.parameter(channel).is_some() {
             self.scenario.plant.set(channel, Signal::Constant(value));
         }
     }
 
-    /// A unit with that of the record's motion in place of metres.
     fn unit(&self, unit: &'static str) -> &'static str {
         Length::of(self.scenario.record.as_ref()).in_place_of(unit)
     }
@@ -184,7 +181,6 @@ impl Suggestion {
         free.map(|free| free.is_all)
     }
 
-    /// R from what a decay leaves at all frequencies, where that is noise.
     fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
         let place = self.scenario.sensor_place(quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
@@ -206,8 +202,7 @@ impl Suggestion {
         filters.iter().any(|filter| filter.model(&plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
-    /// A prediction over a large part of a period is divided, finely enough for a relative error `expected` of ωₙ, before a run for that of
-    /// the guess. Local linearisation moves the mean of a linear plant exactly, but its Jacobian takes the motion for constant over a step.
+    /// Divides predictions over a large part of a period: local linearisation takes the Jacobian for constant over a step.
     fn substeps(&mut self, dt: f64, expected: Option<f64>) {
         let (kind, input) = (self.scenario.plant.kind.clone(), self.scenario.input);
         let mut most = 1;
@@ -224,7 +219,6 @@ impl Suggestion {
             let knows_all = guess == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
             let expected = expected.unwrap_or(guess);
             let swing = frequency * dt;
-            // The spread of the motion is now its size.
             let turn = if model.is_linear() { swing } else { swing.max(filter.turn(&model, dt)) };
             let steps = steps_over(turn, Some(expected).filter(|expected| *expected > 0.0 && !is_exact));
             filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
@@ -236,7 +230,6 @@ impl Suggestion {
         }
     }
 
-    /// The first filter alone, with a share of the motion's size as its process noise per step.
     fn with_share(&self, share: f64) -> Scenario {
         let mut scenario = first_for_trial(&self.scenario);
         set_share(&mut scenario, share);
@@ -252,8 +245,7 @@ impl Suggestion {
         ));
     }
 
-    /// Gives the motion of all filters the smallest process noise, if the first filter has none there: once nothing
-    /// moves any more, rounding makes a covariance without process noise singular.
+    /// Once nothing moves any more, rounding makes a covariance without process noise singular.
     fn keep_from_rounding(&mut self) {
         let (kind, input) = (self.scenario.plant.kind.clone(), self.scenario.input);
         let is_without = |filter: &FilterSettings| {
@@ -269,7 +261,6 @@ impl Suggestion {
         }
     }
 
-    /// The scenario with R of the size of these errors, and no process noise of the motion.
     fn with_error(&self, errors: &[f64]) -> Scenario {
         let mut other = self.scenario.clone();
         for filter in &mut other.filters {
@@ -281,15 +272,13 @@ impl Suggestion {
         other
     }
 
-    /// A model that is not quite right errs in ways that no noise does. If the free run is better for it, R takes the size of
-    /// that error, and no single sample counts too much.
+    /// R takes the size of the model's error if the free run is better with it, and no single sample counts too much.
     fn model_error(&mut self, before: &[f64], after: &[f64], surprise: f64) {
         let ratio = |(after, before): (&f64, &f64)| if *before > 0.0 { after / before } else { 1.0 };
         let mean = after.iter().zip(before).map(ratio).sum::<f64>() / after.len().max(1) as f64;
         if mean > BETTER {
             return;
         }
-        // The innovations then show the size of the noise.
         let errors: Vec<f64> = mapped(before, &|error| surprise * error);
         self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
@@ -300,7 +289,6 @@ impl Suggestion {
     }
 }
 
-/// Makes the process noise of the motion in all filters a share of its size, which is that of the initial spread.
 fn set_share(scenario: &mut Scenario, share: f64) {
     for filter in &mut scenario.filters {
         let model = filter.model(&scenario.plant.kind, scenario.input);
@@ -310,7 +298,6 @@ fn set_share(scenario: &mut Scenario, share: f64) {
     }
 }
 
-/// Lets a filter estimate a channel besides, which begins with this mean and standard deviation.
 fn augment(filter: &mut FilterSettings, channel: Channel, start: (f64, f64)) {
     if !filter.augment.contains(&channel) {
         filter.augment.push(channel);
@@ -318,7 +305,6 @@ fn augment(filter: &mut FilterSettings, channel: Channel, start: (f64, f64)) {
     begin_with(filter, channel, start);
 }
 
-/// Lets a filter begin with mean and standard deviation of a channel that no noise moves.
 fn begin_with(filter: &mut FilterSettings, channel: Channel, (mean, std): (f64, f64)) {
     (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
 }
@@ -358,7 +344,6 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, libm::sqrt(variance))
 }
 
-/// Rounded to four digits, as one would write it.
 fn rounded(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;

@@ -43,7 +43,6 @@ impl Smoothing {
                 continue;
             }
             let at = self.estimates.iter().position(|of| of.id() == filter.id).or_else(|| {
-                // A smoother needs the first sample.
                 (record.forgotten() == 0).then(|| self.begin(bank.smoother(place, record), bank.smoothed(place), done))
             });
             let Some(at) = at else { continue };

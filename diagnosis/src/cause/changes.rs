@@ -203,7 +203,6 @@ struct ParameterChange {
 }
 
 /// Finds the largest likelihood of two levels of exponential squares:
-///
 /// ```text
 /// least over k of k ln m₁ + (n - k) ln m₂,  m₁, m₂ the means before and after k
 /// ```
@@ -243,11 +242,10 @@ fn change_point(squares: &[f64]) -> Option<ParameterChange> {
 }
 
 /// The p-value of the root of the largest likelihood ratio over all samples between the margins:
-///
 /// ```text
 /// P ≈ x φ(x) (T (1 - 1/x²) + 4/x²),  T = ln((1 - h)(1 - l) / (h l)),  h, l the margins
 /// ```
-/// Source: Csörgő and Horváth (1997), *Limit Theorems in ParameterChange-Point Analysis*, equation 1.3.26 with one parameter.
+/// Source: Csörgő and Horváth (1997), *Limit Theorems in Change-Point Analysis*, equation 1.3.26 with one parameter.
 fn supremum_p(x: f64) -> f64 {
     if x.is_nan() || x <= 1.0 {
         return 1.0;
@@ -281,7 +279,6 @@ mod tests {
     #[test]
     fn squares_of_one_size_have_a_p_value_that_chance_explains() {
         let mut normal = Normal::from_seed(11);
-        // Also autocorrelated ones.
         for memory in [0.0, 0.6] {
             let p_values = (0..200).map(|_| {
                 let mut last = 0.0;

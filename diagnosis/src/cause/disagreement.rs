@@ -131,7 +131,6 @@ fn common_factor(pairs: &[SensorPair]) -> Option<f64> {
     (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
 }
 
-/// The likelihood of a trial decides which of two sensors is wrong.
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, fault: Fault) {
     let pairs = pairs(bad);
     if fault == Fault::Scale && common_factor(&pairs).is_some() {
@@ -242,9 +241,7 @@ const CLEAR: f64 = 0.9;
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
-    /// `noise` is the standard deviation of the rate's noise as a filter assumes it; it counts up to the roughness of the readings.
-    /// `None` where there are too few readings, or where the two are too unlike.
-    ///
+    /// `noise` is the standard deviation of the rate's noise by the filter. `None` where readings are too few, or the two too unlike.
     /// ```text
     /// x(k + m) - x(k) = c + b ∫ v dt,  x(k + 2 m) - 2 x(k + m) + x(k) = c + b ∬ a dt²
     /// ```
@@ -255,7 +252,6 @@ impl Agreement {
         let spans = SPANS.into_iter().filter(|span| 20 * order * span < count);
         let at = |span: usize, late: isize| RatioSums::of([values, &integral], order, span, late);
         let lates = -(MOST_LATE as isize)..=MOST_LATE as isize;
-        // Coarse in lateness first.
         let coarse = spans.flat_map(|span| lates.clone().step_by(5).map(move |late| (span, late)));
         let likeness = |sums: &Option<RatioSums>| sums.as_ref().map_or(0.0, |sums| sums.correlation().abs());
         let likenesses = coarse.map(|(span, late)| (likeness(&at(span, late)), span, late));
@@ -268,7 +264,6 @@ impl Agreement {
         if r.abs() < CLEAR {
             return None;
         }
-        // The peak of the parabola through three likenesses.
         let (before, here, after) = (likeness(&at(span, best - 1)), r.abs(), likeness(&at(span, best + 1)));
         let curvature = before - 2.0 * here + after;
         let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
@@ -280,7 +275,6 @@ impl Agreement {
         let attenuation = 1.0 - of_noise * (dt * noise).powi(2) / (sums.squares[1] / sums.count);
         let factor = sums.slope() / attenuation.max(0.5);
         let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
-        // The scatter of the likeness, over its curvature.
         let scatter = ((1.0 - r * r) / independent).sqrt();
         let late_std =
             if curvature < 0.0 { (scatter * (1.0 - r * r).sqrt() / -curvature).sqrt() } else { f64::INFINITY };

@@ -120,7 +120,6 @@ fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     let case = bad.case;
     let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
     let weight = 2.0 * mean / (1.0 + 2.0 * mean);
-    // As large as the input, or the restoring force of the motion.
     let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
     let std = bad.input_size().max(stiffness).max(1e-9);
     let name = Channel::INPUT_OFFSET.key();

@@ -50,7 +50,6 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
             *factors = (matched.max(LEAST_R), (square / expected).max(LEAST_R));
         }
     }
-    // A σ below 1 that is a variance.
     let level = |i: usize| case.sensors[i].level(&case.kept);
     let taken = places(m, &|i| assumed[i] < 1.0 && level(i) > MISTAKEN / assumed[i].max(LEAST_R));
     if !taken.is_empty() {
@@ -116,7 +115,6 @@ pub(super) static CHANGING_NOISE: Cause = Cause {
 };
 
 /// The innovations must stay white: a changing parameter would leave them correlated.
-///
 /// ```text
 /// L = ½ (n ln m - n₁ ln m₁ - n₂ ln m₂),  2 L ~ χ² where nothing changes
 /// ```
@@ -197,7 +195,6 @@ fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
         Some((read(1.0) - read(0.0)) * disturbance).filter(|felt| *felt != 0.0)
     };
     let places = places(filter.sensor_std.len(), &|i| felt(i).is_some());
-    // An R that contains the disturbance already is no cause.
     if places.is_empty() || places.iter().all(|&i| filter.sensor_std[i] > 0.9 * felt(i).unwrap_or(0.0).abs()) {
         return;
     }

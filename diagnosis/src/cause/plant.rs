@@ -72,7 +72,6 @@ fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
     let Some(frequency) = bad.frequency().filter(|_| believed.masses() == 1) else { return };
     let weight = 0.6 * bad.effect_of_lines();
     let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
-    // The first mode, as far as the filter and the measurements know it.
     for frequency in std::iter::once(frequency).chain(bad.measured_peak()) {
         let stiffness = STIFFNESS * frequency * frequency;
         let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
@@ -164,12 +163,10 @@ fn edits_of(bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Ve
 
 struct Term {
     cause: &'static Cause,
-    /// The term, with `@` for the speed below which friction is less than whole.
     term: &'static str,
     key: &'static str,
     parameter: [&'static str; 3],
     mean: f64,
-    /// The standard deviation, from ωₙ and the root mean square of the displacement.
     std: fn(f64, f64) -> f64,
     sentence: &'static str,
 }
@@ -256,7 +253,6 @@ const SLOW: f64 = 0.05;
 
 fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some((frequency, size)) = oscillator(bad) else { return };
-    // Two digits, as a person would write it.
     let slow = SLOW * frequency * size;
     let scaled = format!("{slow:.1e}");
     let rounded = scaled.parse().unwrap_or(slow);
@@ -280,7 +276,6 @@ pub(super) static PERIODIC_FORCE: Cause = Cause {
         let Some((frequency, size)) = oscillator(bad) else { return };
         let Some((_, line)) = bad.line().filter(|(height, line)| *height >= LINE && *line > 0.0) else { return };
         let weight = 0.6 * bad.effect_of_lines();
-        // The force that moves the oscillator as far as it goes at that frequency.
         let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
         let components = swing(bad, force, [line, 0.01], "frequency of the force");
         let edits = edits_of(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);

@@ -246,7 +246,6 @@ pub(super) static WRAPS: Cause = Cause {
     },
 };
 
-/// The readings of one sensor over the diagnosed samples, and its normalised innovations `e/√S`; NaN where there is none.
 struct Readings {
     values: Vec<f64>,
     innovations: Vec<f64>,
@@ -300,7 +299,6 @@ impl Readings {
         let mut start = 0;
         while start < same.len() {
             let end = same[start..].iter().position(|same| !same).map_or(same.len(), |length| start + length);
-            // Two repeats and more are three equal readings and more.
             if end - start >= 2 {
                 marks[start + 1..=end].fill(true);
             }

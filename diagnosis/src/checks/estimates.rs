@@ -131,7 +131,6 @@ pub(super) static ELLIPSOID: Test = Test {
         let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
         found.push(Evidence {
             statistic: share,
-            // The errors of one record count as a single one.
             p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
             effect: if share > 0.0 { limit / share } else { f64::MAX },
             speaks_for: VerdictKind::Overconfident,
@@ -270,7 +269,6 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             continue;
         }
         let share = case.estimates.std(last, place) / first;
-        // The last part in which the filter learnt anything.
         let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
         let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
         let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));

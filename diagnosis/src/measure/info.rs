@@ -100,13 +100,11 @@ impl Best {
     }
 }
 
-/// The subject of a measure, with its unit if that is another than the channel's or the sensor's.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum MeasureSubject {
     Filter,
     Channel(Option<&'static str>),
     Sensor(Option<&'static str>),
-    /// A channel and a sensor, the first one if none is named.
     Gain,
 }
 

@@ -15,7 +15,6 @@ pub struct Observed<'a> {
     pub(super) place: usize,
     pub(super) record: &'a Record,
     pub(super) estimates: &'a Estimates,
-    /// The estimates of all filters of the run, in the order of the scenario; empty if they are not known.
     pub(super) all: &'a [Estimates],
     given: Option<&'a Diagnostics>,
     own: OnceCell<Diagnostics>,
@@ -180,7 +179,6 @@ pub(super) struct ObservedSums<'a> {
 }
 
 impl ObservedSums<'_> {
-    /// A number from the score of the channel; NaN if its truth is not known.
     pub(super) fn score(&self, number: impl Fn(&ChannelScore) -> f64) -> f64 {
         let mut scores = self.whole.outcome.channels.iter();
         scores.find(|(channel, _)| Some(*channel) == self.channel).map_or(f64::NAN, |(_, score)| number(score))
@@ -191,7 +189,6 @@ impl ObservedSums<'_> {
     }
 }
 
-/// NaN if the filter does not have the channel.
 pub(super) fn std(sums: &ObservedSums<'_>) -> f64 {
     sums.place().map_or(f64::NAN, |place| sums.whole.outcome.std[place])
 }

@@ -309,7 +309,6 @@ fn probability(part: &Part<'_>) -> Option<f64> {
     ModelClasses::new(evidence).probabilities().get(part.run.place).copied()
 }
 
-/// Of `g(y, f)` in one predicted step. `truth` is the filter's plant unless its settings name another.
 fn evaluations(settings: &FilterSettings, truth: &PlantKind) -> f64 {
     (settings.kind.info().evaluations)(&settings.method(truth), settings.model(truth, InputKind::Force).size()) as f64
 }

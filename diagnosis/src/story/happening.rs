@@ -24,7 +24,6 @@ pub(super) struct TrueChange {
 }
 
 impl TrueChange {
-    /// The time from which on it changes no more \[s\].
     pub(super) fn end(&self) -> f64 {
         match self.signal {
             Signal::Constant(_) => 0.0,

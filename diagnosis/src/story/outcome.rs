@@ -41,7 +41,6 @@ pub(super) struct FilterOutcome<'a> {
     stop: Option<(Stop, f64)>,
     /// The angle of the motion in a step \[°\]; `None` where the band of a parameter is right.
     long_steps: Option<u8>,
-    /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
     is_settling: bool,
     now: f64,
@@ -180,7 +179,6 @@ impl<'a> FilterOutcome<'a> {
         Adjustable { form: Form::Decimals(3), ..fading }
     }
 
-    /// Without the fading factor where `is_told`: the sentence has it.
     pub(super) fn aside(&self, is_told: bool) -> Vec<Adjustable> {
         let guess = self.main.as_ref().map(|main| {
             let channel = main.channel;
@@ -293,8 +291,7 @@ fn suffix(kind: VerdictKind) -> String {
     format!(" ({})", kind.name())
 }
 
-/// Local linearisation takes the motion for constant in a step: in a free decay the band of ωₙ is 1.2 times too narrow at half a
-/// radian, and 3.6 times at one. On a nonlinear plant a motion that is stiffer than the initial belief makes Runge-Kutta steps err.
+/// Local linearisation takes the motion for constant in a step: the band of ωₙ is 1.2 times too narrow at half a radian, 3.6 times at one.
 fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimates, record: &Record) -> Option<u8> {
     let (info, plant, dt) = (filter.kind.info(), &scenario.plant.kind, record.dt());
     let last = estimates.len().checked_sub(1).filter(|_| !info.is_sampled)?;
@@ -314,7 +311,6 @@ fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimate
     is_long.then_some(LONG_STAGES as u8)
 }
 
-/// Whether innovations are too small by at most the frequencies that an import leaves out, which moves no parameter.
 fn is_behind_a_band(run: &Run, diagnostics: &Diagnostics) -> bool {
     let Some(mapping) = run.scenario().record.as_ref().filter(|_| run.source().is_measured()) else {
         return false;

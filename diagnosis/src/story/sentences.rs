@@ -150,8 +150,7 @@ const VAGUE: f64 = 0.5;
 /// Below this period nobody counts swings \[s\].
 const QUICK: f64 = 0.05;
 
-/// From the first filter whose band is no narrower than it should be, or else from the first. None if none knows both parameters well enough.
-///
+/// By the first filter whose band is wide enough, or else by the first. `None` if none knows both parameters well enough.
 /// ```text
 /// T = 2π / (ωₙ √(1 - ζ²)),  t½ = ln 2 / (ζ ωₙ),  Q = 1 / (2 ζ),  δ = ζ ωₙ T
 /// ```

@@ -105,7 +105,6 @@ async fn info_of(adapter: &Adapter) -> AdapterInfo {
     info
 }
 
-/// The vendor and the architecture of the browser's adapter, as in `nvidia ampere`.
 #[cfg(target_arch = "wasm32")]
 async fn adapter_name() -> Option<String> {
     use js_sys::{Function, Object, Promise, Reflect};

@@ -1,5 +1,4 @@
-//! The structures of `shader/layout.wgsl` as words of 32 bits, records as the shader reads them, and outcomes
-//! from its sums.
+//! The structures of `shader/layout.wgsl` as words of 32 bits, records for the shader, and outcomes from its sums.
 
 use kalmanscope_core::diagnostics::{ErrorSums, Total};
 use kalmanscope_core::internals::engine::Setup;
@@ -11,7 +10,6 @@ use kalmanscope_core::{Channel, FilterError, Record, Stop};
 pub(crate) struct StateShape {
     pub(crate) size: usize,
     pub(crate) sensors: usize,
-    /// The number of components, from the first on, with a known truth.
     pub(crate) known: usize,
 }
 
@@ -24,7 +22,6 @@ impl StateShape {
         self.size * (self.size + 1) / 2
     }
 
-    /// The words of a sample. A structure has no array without entries.
     pub(crate) fn sample(self) -> usize {
         2 + self.sensors.max(1) + self.known.max(1)
     }
@@ -34,7 +31,6 @@ impl StateShape {
     }
 }
 
-/// Appends a sample of a record. Measurements are NaN where there is none.
 fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
     let mut present = 0;
     for (place, number) in measured.iter().enumerate() {
@@ -84,7 +80,6 @@ impl RunState {
     pub(crate) fn read(shape: StateShape, words: &[u32]) -> Self {
         let n = shape.size;
         let number = |at: usize| f64::from(f32::from_bits(words[at]));
-        // The sum of a number in two parts.
         let both = |at: usize, other: usize| number(at) + number(other);
         let root = 2 * n;
         let variance = |row: usize| {
@@ -155,7 +150,6 @@ impl RecordTape {
                 return None;
             }
             put_sample(&mut words, force, &numbers, &own);
-            // Nothing is measured at the first sample.
             let present = if k == 0 { 0 } else { numbers.iter().filter(|number| !number.is_nan()).count() };
             counts = [counts[0] + present as u32, counts[1] + u32::from(present > 0)];
             measured.push(counts);
@@ -196,7 +190,6 @@ fn channels(
     let of = |(place, tracked): (usize, &ErrorTally)| {
         let channel = setup.channels[place];
         let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
-        // In canonical form, in which the natural frequency is not negative.
         let error = |mean: &[f64], k: usize| {
             let is_negative = frequency.is_some_and(|place| mean[place] < 0.0);
             let sign = if channel.is_mirrored() && is_negative { -1.0 } else { 1.0 };

@@ -27,7 +27,6 @@ const PATIENCE: Duration = Duration::from_secs(90);
 pub(crate) struct GpuJob<'a> {
     pub(crate) program: &'a ShaderProgram,
     pub(crate) runs: u32,
-    /// The number of samples, and the time between them \[s\].
     pub(crate) length: u32,
     pub(crate) dt: f64,
     pub(crate) samples: Vec<u32>,

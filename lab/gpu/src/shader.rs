@@ -74,7 +74,6 @@ impl ShaderProgram {
         let has_parts = numbers.iter().any(|&(name, count)| name == "PARTS" && count > 1);
         for part in parts {
             text.push('\n');
-            // A step in one part is written out too.
             let part = if has_parts { part.to_owned() } else { part.replace("part += 1u", "part++") };
             text.push_str(&unrolled(&part, &numbers));
         }

@@ -27,7 +27,6 @@ impl ShaderText<'_> {
     }
 
     /// The changes from y to y + d, without a difference of numbers that are almost the same:
-    ///
     /// ```text
     /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
     /// ```
@@ -77,7 +76,6 @@ impl ShaderText<'_> {
         }
     }
 
-    /// The derivative of a number by the state, as an expression. `None` for a constant.
     fn change_name(&self, node: Node) -> Option<String> {
         let of_state = (1_u64 << self.size) - 1;
         (self.builder.needs(node) & of_state != 0).then(|| match self.operation(node.place()) {
@@ -103,7 +101,6 @@ impl ShaderText<'_> {
         }))
     }
 
-    /// The change of an operation; `Some(None)` if it needs no line.
     fn change(&self, place: usize) -> Option<Option<String>> {
         let name = |node| self.name(node);
         let change = |node| self.change_name(node);

@@ -37,7 +37,6 @@ fn the_theory_of_a_linear_filter_holds() {
         let interval = MonteCarlo::interval(degrees, 400).unwrap();
         values.iter().filter(|value| interval.contains(value)).count()
     };
-    // 20 times; 95 % of them are expected.
     assert!(inside(all.nees(0).collect(), 2) >= 15, "{:?}", all.nees(0).collect::<Vec<_>>());
     assert!(inside(all.nis(0).collect(), 1) >= 15, "{:?}", all.nis(0).collect::<Vec<_>>());
     for (rmse, std) in all.rmse(0, 0).zip(all.std(0, 0)).skip(2) {
@@ -96,7 +95,6 @@ fn a_population_is_counted() {
     assert_eq!((statistics.done(), statistics.impossible()), (seeds, seeds - possible.len()));
     assert_eq!(statistics.runs(), possible.len());
     assert!((20..45).contains(&statistics.impossible()), "{}", statistics.impossible());
-    // A member is what its seed draws.
     let places = ensemble.trace();
     let damping = places.channels(0).iter().position(|&channel| channel == Channel::DAMPING_RATIO).unwrap();
     let truth = |cell: usize| ensemble.at(cell).plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
@@ -105,7 +103,6 @@ fn a_population_is_counted() {
     }
     assert_eq!(ensemble.member(3), [ensemble.at(3).filters[0].initial_mean[Channel::DAMPING_RATIO], truth(3)]);
     assert_eq!(statistics.verdicts(0).iter().sum::<usize>(), possible.len());
-    // A draw is of no use without seeds, and may not be an axis beside them.
     let plan = |axis: &str| Plan { filters: vec![0], axes: vec![Axis::parse(axis).unwrap()], ..Plan::default() };
     let other = Ensemble::new(scenario.clone(), plan("filters.1.fading=1:1.1:3")).unwrap();
     assert_eq!((other.drawn().len(), other.at(0).plant), (0, scenario.plant.clone()));

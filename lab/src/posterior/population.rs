@@ -51,7 +51,6 @@ impl Population {
         Self { random, points, temperature: 0.0, first: 1.0, log_evidence: 0.0, stage: SamplerStage::Drawn }
     }
 
-    /// The points whose likelihoods are wanted next; none at the end.
     pub(super) fn wanted(&mut self) -> Vec<Vec<f64>> {
         match self.stage {
             SamplerStage::Drawn => self.points.iter().map(|point| point.at.clone()).collect(),
@@ -185,7 +184,6 @@ impl Population {
         points.iter().skip(half).step_by(2).map(&mut propose).collect()
     }
 
-    /// Returns how many points have moved.
     fn accept(&mut self, half: usize, proposals: Vec<Vec<f64>>, log_likelihoods: &[f64]) -> usize {
         let Self { random, points, temperature, .. } = self;
         let square = |at: &[f64]| at.iter().map(|x| x * x).sum::<f64>();

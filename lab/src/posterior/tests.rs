@@ -24,7 +24,6 @@ fn on_grid(scenario: &Scenario, about: &Sampled) -> ([[f64; 2]; 2], f64) {
         let (filter, channel) = (&scenario.filters[0], about.channels[i]);
         [filter.initial_mean[channel], filter.initial_std[channel]]
     });
-    // In standard deviations of the belief.
     let centre = [0, 1].map(|i| {
         let [mean, std] = about.moments(about.channels[i]).unwrap();
         [(mean - belief[i][0]) / belief[i][1], 6.0 * std / belief[i][1]]

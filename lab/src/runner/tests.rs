@@ -235,7 +235,6 @@ fn a_cell_of_a_large_particle_filter_or_of_a_hard_truth_is_interrupted() {
     hard.filters.insert(0, hard.filters[0].clone());
     hard.filters[0].name = "EKF".to_owned();
     hard.number_filters();
-    // 100 samples of some milliseconds each, and the halvings of some.
     for (scenario, least) in [(large, 100), (hard, 11)] {
         let runner = runner_of(scenario, &SLICED, &["nis"], 0);
         let (row, slices) = in_slices(&runner, 2);

@@ -44,7 +44,6 @@ fn dropped_work_ends() {
     let work = team.rows(Priority::Map, &runner, order, |_| {});
     assert!(work.wait().is_some());
     drop(work);
-    // The only thread is free again for work that comes after it.
     let next = team.rows(Priority::Seeds, &runner, vec![5], |_| {});
     assert_eq!(next.wait().unwrap(), Slice { cells: vec![5], rows: runner.rows(&[5]) });
     assert!(next.wait().is_none());
@@ -54,7 +53,6 @@ fn dropped_work_ends() {
 fn the_hand_comes_before_the_map_and_the_map_before_causes() {
     let team = Threads::new(1, 0).unwrap();
     let (begun, seen) = (Arc::new(Barrier::new(2)), Arc::new(Mutex::new(Vec::new())));
-    // The only thread is busy until all work waits.
     let gate = Arc::clone(&begun);
     let busy = team.begin(Priority::Hand, [move |_| (gate.wait(), WorkStep::Last(())).1], |_| {});
     let work = [Priority::Causes, Priority::Map, Priority::Seeds, Priority::Hand].map(|priority| {

@@ -10,14 +10,12 @@ use super::{Cost, FORBIDDEN, Goal, Try};
 
 /// Settings on a logarithmic axis count by their logarithms. The inverse of the matrix of second derivatives, the observed
 /// information, is the covariance of the error of a maximum-likelihood estimate over a long record.
-///
 /// Source: Efron and Hinkley (1978), Assessing the accuracy of the maximum likelihood estimator: observed versus expected Fisher
 /// information; Åström (1980), Maximum likelihood and prediction error methods (for the likelihood of innovations).
 pub(super) struct Information {
     values: Vec<f64>,
     best: f64,
     steps: Vec<f64>,
-    /// The costs a step below and above on each axis, as far as they are known.
     beside: Vec<[f64; 2]>,
     /// The second derivatives of pairs, in the order of [`pairs`].
     mixed: Vec<f64>,
@@ -100,7 +98,6 @@ impl Information {
         let is_known = self.beside.len() == n && self.beside.iter().flatten().all(|cost| *cost < FORBIDDEN);
         let factor = Matrix::from_column_slice(n, n, &second).cholesky().filter(|_| is_known)?;
         let cov = factor.inverse();
-        // The distance to the maximum of the parabola.
         let away: Vec<f64> = (0..n).map(|i| (0..n).map(|j| cov[(i, j)] * slope[j]).sum::<f64>()).collect();
         let square: f64 = away.iter().zip(&slope).map(|(a, b)| a * b).sum();
         let is_here = square <= NEAR * NEAR * n as f64;

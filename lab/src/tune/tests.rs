@@ -124,7 +124,6 @@ fn bands_are_of_a_maximum_of_the_likelihood_only() {
     let is_inside = |bands: &Vec<[f64; 2]>| bands.iter().all(|[low, high]| (*low..=*high).contains(&0.02));
     assert!(bands.filter(is_inside).count() >= 7, "σ of the sensor, and of the force's impulse in a step, are 0.02");
     assert_eq!(tune(scenario(7), axes(), Goal::Consistency).bands, None);
-    // The best value is beyond the end of its range.
     let beyond = vec![Axis::parse("filters.EKF.sensor_std.displacement=0.05:0.5:2:log").unwrap()];
     let tuned = tune(scenario(7), beyond, Goal::Likelihood);
     let end = TuneRemark::Edge("filters.EKF.sensor_std.displacement".to_owned());

@@ -1,5 +1,4 @@
-//! Cells of ensembles, single filters, start values, records and their files in messages, and the page's program
-//! in one of its workers.
+//! Messages of ensembles' cells, single filters, start values, records and files, and the page's program in one of its workers.
 
 use std::sync::Arc;
 
@@ -180,7 +179,6 @@ fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     if clocks.readings.is_empty() { Some(record) } else { record.with_clocks(clocks).ok() }
 }
 
-/// Fails where the text is no scenario, or the message has no record.
 fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
     let scenario: Scenario = document::read_json(scenario).map_err(|error| error.to_string())?;
     let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));

@@ -14,7 +14,6 @@ const ROOM: usize = 1 << 18;
 /// Limits the numbers freed in one call: 4 MB.
 const FREED: usize = 1 << 19;
 
-/// The numbers of all samples, of one behind those of another.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
     pub(super) mean: Vec<f64>,
@@ -24,7 +23,6 @@ pub(super) struct History {
     pub(super) gain: Vec<f64>,
     pub(super) nis: Vec<f64>,
     pub(super) determinant: Vec<f64>,
-    /// Of a particle filter only.
     pub(super) log_likelihood: Vec<f64>,
     pub(super) effective_samples: Vec<f64>,
     pub(super) weights: Vec<f64>,
@@ -45,7 +43,6 @@ impl Estimates {
         first.into_iter().chain(then).chain(canonical).chain(variance).chain([nis])
     }
 
-    /// The numbers of a sample in the first columns; the others have one.
     fn widths(&self) -> impl Iterator<Item = usize> + use<> {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let of = |does: bool, width: usize| if does { width } else { 0 };

@@ -24,21 +24,16 @@ struct AtLevel<L> {
 
 struct FollowedEngine {
     filter: Wrapped<f64>,
-    /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
-    /// The belief before the update, where it is wanted.
     prior: GaussianBelief<f64>,
     update: SensorUpdate,
-    /// One of several updates within a sample.
     part: SensorUpdate,
-    /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
     learnt: LearntNoise,
     sample: usize,
 }
 
-/// The parts of a step, for what is in the program once for all levels.
 trait EngineSteps {
     fn predict(&self, filter: &mut Wrapped<f64>, span: Span<f64>);
 
@@ -61,7 +56,7 @@ impl<L: Level> EngineSteps for L {
     }
 }
 
-/// What a filter learns, for all sensors: one that the model lacks keeps its R. The memory of a report.
+/// The noise that a filter learns, for all sensors: one that the model lacks keeps its R.
 #[derive(Clone)]
 struct LearntNoise {
     process: Vec<f64>,
@@ -117,7 +112,6 @@ impl FollowedEngine {
         }
     }
 
-    /// Begins the next sample. Returns the times of its step.
     fn next_sample(&mut self) -> [f64; 2] {
         self.sample += 1;
         [self.sample - 1, self.sample].map(|sample| self.filter.design.dt * sample as f64)
@@ -140,14 +134,12 @@ impl FollowedEngine {
         mirror(Baseline, &mut prior.cov, prior.mean.len());
     }
 
-    /// Conditions on readings of all sensors, and keeps the update.
     fn condition(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
         self.add(level, force, readings)
     }
 
-    /// The same after earlier readings within the sample.
     fn add(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         let Self { filter, places, measured, .. } = self;
         let [nis, determinant] = condition(level, filter, places, measured, force, readings)?;
@@ -294,7 +286,6 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
     }
 }
 
-/// Adds the passage since the last one to those of a smoother's sink.
 #[inline(always)]
 fn pass(filter: &mut Wrapped<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     if let Some(passage) = filter.passage()

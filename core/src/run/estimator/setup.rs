@@ -16,7 +16,7 @@ use crate::run::estimator::FilterContext;
 use crate::run::run_error::sensor_places;
 use crate::{FilterSettings, RunError, Scenario, Values};
 
-/// The most components of filters side by side, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
+/// Limits the components of filters side by side: beyond ten masses, eight lanes of a matrix leave the caches.
 pub(crate) const MOST: usize = 32;
 
 /// A filter of a scenario before its first sample.
@@ -49,7 +49,6 @@ pub struct Setup {
     /// The time of the first sample \[s\].
     pub start: f64,
     pub(crate) settings: FilterSettings,
-    /// The settings that all runs of a batch share.
     pub(crate) of_batch: FilterSettings,
 }
 
@@ -102,7 +101,6 @@ impl Setup {
             return None;
         }
         let (model, method) = (model::StateModel::of(&book), method(&settings.method(&context.plant), book.size()));
-        // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
             Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor], late.of(sensor)))
@@ -140,7 +138,6 @@ impl Setup {
 }
 
 impl Setup {
-    /// A filter in its options, from the inside out.
     fn in_options<T: Number>(&self, mut filter: GaussianFilter<T>) -> Wrapped<T> {
         let Self { settings, channels, start, .. } = self;
         let mut plucks = mapped(&settings.plucks, &|time| time - start);
@@ -160,7 +157,6 @@ impl Setup {
     }
 }
 
-/// Missing measurements aside. If a number is not finite, the single filter reports the place.
 fn is_finite(record: &Record, columns: &[usize]) -> bool {
     // Without an early end, several numbers are looked at at once.
     let none = |values: &[f64], is_bad: fn(f64) -> bool| !values.iter().fold(false, |any, &value| any | is_bad(value));
@@ -170,7 +166,6 @@ fn is_finite(record: &Record, columns: &[usize]) -> bool {
         && columns.iter().all(|&column| none(record.measured(column), f64::is_infinite))
 }
 
-/// The filters of some setups of one design, one a lane, before their first sample.
 pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Wrapped<T> {
     let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
         (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
@@ -202,8 +197,7 @@ pub(crate) struct Beginning {
 impl Beginning {
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        // The unit of a logarithm is one over the initial mean: it converts all standard deviations of the settings, including that of the
-        // process noise, and stays the same when the estimate moves.
+        // The unit of a logarithm is one over the initial mean: it stays the same when the estimate moves.
         let (mean, unit) = model.to_state(&numbers(model.size(), &|i| settings.initial_mean[model.channels()[i]]));
         let initial =
             Gaussian::independent(mean.clone(), &spread(&model, settings, &settings.initial_std).component_mul(&unit));

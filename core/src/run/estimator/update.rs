@@ -118,7 +118,6 @@ impl SensorUpdate {
     }
 }
 
-/// Samples of a filter with logarithms in its state, in the channels' units.
 #[derive(Clone, Debug)]
 pub(crate) struct InUnits {
     logarithms: Vec<usize>,
@@ -137,7 +136,7 @@ impl InUnits {
         (!logarithms.is_empty()).then(|| Box::new(Self { logarithms: logarithms.to_vec(), unit, belief, prior, gain }))
     }
 
-    /// A belief in the channels' units, in those of the state.
+    /// Converts a belief in the channels' units to those of the state.
     pub(super) fn back(&mut self, mean: &[f64], cov: &[f64]) -> &GaussianBelief<f64> {
         let Self { logarithms, unit, belief, .. } = self;
         belief.mean.copy_from_slice(mean);
@@ -152,14 +151,13 @@ impl InUnits {
         belief
     }
 
-    /// The same sample in the channels' units; `None` where a number is not finite in them.
     #[cold]
     pub(super) fn convert_finite<'a>(&'a mut self, sample: Sample<'a>) -> Option<Sample<'a>> {
         let (sample, is_finite) = self.take(sample);
         is_finite.then_some(sample)
     }
 
-    /// The same sample in the channels' units, and whether its numbers are finite in them.
+    /// Converts to the channels' units. Returns whether the numbers are finite in them.
     pub(crate) fn take<'a>(&'a mut self, sample: Sample<'a>) -> (Sample<'a>, bool) {
         let Self { logarithms, unit, belief, prior, gain } = self;
         if !sample.prior_mean.is_empty() {

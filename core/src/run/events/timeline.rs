@@ -15,9 +15,7 @@ pub(super) struct TimedEvent {
     pub(super) force: Option<f64>,
     /// A reading for each sensor, NaN where there is none.
     pub(super) readings: Vec<f64>,
-    /// The state of the filter after the readings; `None` before the filter reaches this event.
     pub(super) state: Option<State>,
-    /// The way of the filter from the event before, if it is asked for what it knows in hindsight.
     pub(super) passages: Vec<Passage>,
 }
 
@@ -32,7 +30,7 @@ impl TimedEvent {
 pub(super) struct Timeline {
     pub(super) events: VecDeque<TimedEvent>,
     hold: Hold,
-    /// Events are kept for this time \[s\].
+    /// \[s\]
     kept: f64,
     before: Option<(f64, f64)>,
 }
@@ -48,7 +46,6 @@ impl Timeline {
         self.place_until(time).unwrap_or(0)
     }
 
-    /// The place of the last event up to a time \[s\], if it is still kept.
     pub(super) fn place_until(&self, time: f64) -> Option<usize> {
         self.events.partition_point(|event| event.time <= time).checked_sub(1)
     }

@@ -1,5 +1,4 @@
-//! A plant in motion. The step of one that is not linear is one by Runge-Kutta steps that are halved where needed, such as around kinks
-//! of the rate.
+//! A plant in motion. Runge-Kutta steps of a nonlinear plant are halved where needed, such as around kinks of the rate.
 
 use kalmanscope_filters::engine::exponential::{Exponential, Impulse};
 use kalmanscope_filters::engine::level::Baseline;
@@ -18,9 +17,7 @@ pub(crate) struct Response {
     size: Vector,
     /// The constant components of the last step and their exact integrals, which seldom change.
     exact: Option<(Vec<f64>, Exact)>,
-    /// Memory for the rates of the motion, and for its change over a step.
     work: [Vector; 2],
-    /// The step of a plant that is not linear, and whether it is under way.
     step: Refinement,
     is_under_way: bool,
     pub(crate) halved: u64,
@@ -33,7 +30,6 @@ struct Exact {
 }
 
 impl Response {
-    /// At rest, except for the components in `initial`.
     pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         let empty = || Vector::zeros(0);
@@ -56,9 +52,8 @@ impl Response {
         self.state[place] = value;
     }
 
-    /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
-    /// `forces`, an unrecorded one is held \[m/s²\]. Halves steps at most `most` times, and returns whether the step is done;
-    /// otherwise the next call, with the same arguments, continues it, and the state stays as it is until then.
+    /// Moves on by `dt` \[s\]. The recorded force over mass is linear between the two of `forces`, an unrecorded one is held \[m/s²\].
+    /// Returns whether the step is done; otherwise the next call, with the same arguments, continues it.
     pub(crate) fn advance(
         &mut self,
         model: &Model,
@@ -126,9 +121,7 @@ impl Exact {
     }
 }
 
-/// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
-/// each component so far. After extrapolation the error is a hundredth of that, and below 1e-9 of the signal after a
-/// minute.
+/// Limits the difference of a Runge-Kutta step to two half steps, relative to the largest value so far; extrapolation leaves a hundredth.
 const ACCURACY: f64 = 3e-12;
 
 /// After a failed integration, the plant counts as diverged if its state is this many times as large as ever before.
@@ -144,7 +137,6 @@ struct LinearMotion<'a> {
 }
 
 impl LinearMotion<'_> {
-    /// Makes `to` the state after one Runge-Kutta step from another one, over a share of the sample.
     fn step(&self, memory: &mut [Vec<f64>; 5], to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
         let [begin, end] = self.forces;
         to.clear();
@@ -163,7 +155,6 @@ impl LinearMotion<'_> {
 /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
 #[derive(Default)]
 struct Refinement {
-    /// The state at the beginning of the part, and at the end of the step once that is done.
     state: Vec<f64>,
     /// Where the part begins and its length, as shares of the sample.
     part: (f64, f64),

@@ -38,7 +38,6 @@ impl ErrorSums {
     }
 }
 
-/// Running sums of the errors of a channel of known truth, of one run or of several in lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tracked<T> {
     pub(crate) channel: Channel,
@@ -51,14 +50,12 @@ pub(crate) struct Tracked<T> {
     pub(crate) recent: T,
     pub(crate) recent_known: T,
     pub(crate) largest_truth: T,
-    /// The first absolute error, kept or not; 0 before the first.
     pub(crate) first_error: T,
     pub(crate) error: T,
     pub(crate) initial_variance: T,
 }
 
 impl<T: Number> Tracked<T> {
-    /// The channel at a place of a filter's, before the sample with the number `first`.
     pub(crate) fn new(channel: Channel, place: usize, first: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
         Self {
@@ -104,7 +101,7 @@ impl<T: Number> Tracked<T> {
     }
 }
 
-/// By errors of more than `limit` standard deviations, than truth or first error ever was, and than was thought possible.
+/// Whether an error exceeds `limit` standard deviations, the truth, the first error and the initial uncertainty.
 pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f64) -> bool {
     std > 0.0 && rmse > limit * std && rmse > seen.max(2.0 * initial_std)
 }
@@ -119,7 +116,6 @@ fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
 pub(super) struct Accuracy {
     pub(super) known: Vec<Tracked<f64>>,
     first: usize,
-    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     squares: Vec<RangeSums>,
     /// The errors of the last samples, a row each, in the filter's own form, and the sign that makes the last ones canonical.
@@ -163,7 +159,6 @@ impl Accuracy {
         errors
     }
 
-    /// The same, which are also added to the tallies.
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
         self.measure(estimates, record, samples.clone());
         let Self { known, first, squares, errors, .. } = self;
@@ -192,7 +187,6 @@ impl Accuracy {
         (known > 0.0 && settled < end).then_some(settled)
     }
 
-    /// Restores the sums over forgotten samples from `before`, after a restart with the kept samples.
     pub(super) fn remember(&mut self, before: &[Tracked<f64>]) {
         for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.known > 0.0) {
             known.first_error = before.first_error;
@@ -224,7 +218,6 @@ pub(super) struct Nees {
 }
 
 impl Nees {
-    /// Begins again, for errors of the channels at `places`, in ascending order.
     pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
         let Self { square, values, totals, inside, limits } = self;
         *square = ErrorSquare::new(new_places.collect());
@@ -236,7 +229,6 @@ impl Nees {
         }
     }
 
-    /// Takes in a sample: the errors of these channels, and the mean and n × n covariance of all n channels.
     #[inline]
     pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
         let Self { square, values, totals, inside, limits } = self;
@@ -368,7 +360,6 @@ mod tests {
             nees.restart(0..n);
             let cov: Vec<f64> = (0..n * n).map(|i| if i % (n + 1) == 0 { 1e-78 } else { 0.0 }).collect();
             nees.push(&vec![-6.9e-18; n], &vec![0.04; n], &cov);
-            // A sample at which the oscillator passes through zero is not special.
             nees.push(&vec![-6.9e-18; n], &vec![0.0; n], &cov);
             assert!(nees.values.iter().all(|&square| square < n as f64), "{:?}", nees.values);
         }

@@ -93,9 +93,7 @@ fn both(a: f64, x: f64) -> (f64, f64) {
     }
 }
 
-/// The x with `P(a, x) = p`, for 0 < p < 1: Newton's method on the logarithm of the smaller tail, which is nearly straight over ln x
-/// below and over x above, from the approximation of Wilson and Hilferty.
-///
+/// The x with `P(a, x) = p`, 0 < p < 1: Newton's method on the logarithm of the smaller tail, nearly straight over ln x or x.
 /// Source of the start: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
 fn inverse(a: f64, p: f64) -> f64 {
     let (is_low, tail) = (p <= 0.5, p.min(1.0 - p));

@@ -49,7 +49,6 @@ pub struct MeanSquare {
 }
 
 impl MeanSquare {
-    /// `independent` is the number of samples that count as independent.
     pub(super) fn new(total: Total, independent: u32) -> Option<Self> {
         let Total { degrees, samples, .. } = total;
         let expected = f64::from(degrees) / f64::from(samples);
@@ -81,20 +80,14 @@ impl Totals {
         self.squares.clear();
     }
 
-    /// For each sample of `range`, which exist, the mean over all numbers that were squared in the `window` samples up to it;
-    /// NaN if there is none.
-    ///
+    /// For each sample of `range` the mean over the `window` samples up to it; NaN if nothing was squared there.
     /// ```text
     /// Σ_(k-w<i≤k) = Σ_(k-w<i<s) + Σ_(s≤i≤k),  s = w ⌊k/w⌋
     /// ```
-    ///
-    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window enters it. Source:
-    /// van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
+    /// No term outside a window enters it. Source: van Herk (1992), A fast algorithm for local minimum and maximum filters.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
-        // A longer window has no more samples.
         let (squares, window) = (self.squares.terms(), window.min(range.end).max(1));
         let mut means = Vec::with_capacity(range.len());
-        // The sums from each sample of the block before to its end.
         let mut behind = Vec::with_capacity(window + 1);
         let mut start = range.start - range.start % window;
         while start < range.end {
@@ -110,7 +103,6 @@ impl Totals {
             for (k, square) in (start..end).zip(&squares[start..end]) {
                 sum += square;
                 if k >= range.start {
-                    // The window begins in the block before, or with the first sample.
                     let more = (start + window - 1 - k).min(before.len());
                     means.push((sum + behind[more]) / f64::from(self.degrees(start - more, k + 1)));
                 }
@@ -130,7 +122,6 @@ impl Totals {
     }
 }
 
-/// The log likelihood of Gaussian beliefs, for which it needs the sum of the NIS as well; a particle filter reports its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Likelihood {
     ln_determinants: LogSum,
@@ -148,7 +139,6 @@ impl Likelihood {
         Self { own: kind.has_own_likelihood().then_some(0.0), ..Self::default() }
     }
 
-    /// Takes in a sample: det S, NaN where nothing was measured, with its logarithm, and the log likelihood of particles.
     #[inline]
     pub(super) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
         match &mut self.own {
@@ -165,14 +155,9 @@ impl Likelihood {
     }
 }
 
-/// A block is the sum of this many items of the level below it.
 const BLOCK: usize = 16;
 
-/// Numbers, their sums over any range, and two counts up to each.
-///
-/// A difference of running totals loses the digits of a range where a term before it is large. Here a range is the sum
-/// of whole blocks of 16, 256, 4096, … terms and of the terms at its edges, so that no term outside it enters it. A term
-/// takes one addition more than a running total, and a range about thirty for each level.
+/// Sums of whole blocks of 16, 256, 4096, … terms: no large term outside a range takes the digits of its sum.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RangeSums {
     /// The terms, then the sums of blocks of terms, then those of blocks of these.
@@ -225,7 +210,6 @@ impl RangeSums {
         }
     }
 
-    /// The sum and the counts over a range. `whole` is the running total of all terms.
     pub(super) fn within(&self, range: Range<usize>, whole: f64) -> (f64, (u32, u32)) {
         let end = range.end.min(self.len());
         let start = range.start.min(end);

@@ -1,5 +1,4 @@
-//! A free run under way, a piece after the other: its beginning, fitted to the first readings by Gauss and Newton, and the motion from
-//! there on.
+//! A free run, piece by piece: its beginning, fitted to the first readings by Gauss and Newton, and the motion from there on.
 
 use std::ops::Range;
 
@@ -20,7 +19,6 @@ pub struct Running {
     ends: Vec<usize>,
     beginning: StartState,
     fitted: Vec<Range<usize>>,
-    /// The motion at the next sample, once the motion at the beginning is fitted.
     course: Option<InputCourse>,
     predicted: Vec<Vec<f64>>,
     done: usize,
@@ -117,7 +115,6 @@ struct StartState {
     motion: Vec<f64>,
     rows: usize,
     error: Option<Vector>,
-    /// The changes of the error with each component of the motion, for the components done in this iteration.
     columns: Vec<Vector>,
     iterations: usize,
     trial: FitTrial,
@@ -148,7 +145,6 @@ impl StartState {
     }
 
     fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        // Without readings there is nothing to fit.
         if self.rows == 0 || self.motion.is_empty() {
             return true;
         }
@@ -160,7 +156,6 @@ impl StartState {
         false
     }
 
-    /// Takes in the error of the trial. Returns the next motion to try, or `None` if the fit is done.
     fn conclude(&mut self) -> Option<Vec<f64>> {
         let after = Vector::from_vec(std::mem::take(&mut self.trial.errors));
         match self.error.take() {
@@ -170,7 +165,6 @@ impl StartState {
                 self.error = Some(error);
             }
             Some(error) => {
-                // A motion that runs away has no error that is a number.
                 if after.norm_squared().is_nan() || after.norm_squared() >= error.norm_squared() {
                     return None;
                 }
@@ -255,7 +249,6 @@ const CHUNK: usize = 64;
 
 struct InputCourse {
     response: Response,
-    /// Whether it has just arrived at a sample.
     is_new: bool,
     goes_on: bool,
 }
@@ -273,8 +266,7 @@ impl InputCourse {
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
     }
 
-    /// Continues behind the first `done` samples of a part, for about a millisecond: a step that is halved takes time. Hands over the state
-    /// at each sample. A model that has run away is done.
+    /// Continues for about a millisecond, since a step that is halved takes time. A model that has run away is done.
     fn go_on(
         &mut self,
         identified: &Identified,

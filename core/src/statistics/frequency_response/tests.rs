@@ -99,7 +99,6 @@ fn chains_answer_as_their_impedances_say() {
             let found = transfer_function(&kind, value).magnitude(&frequencies);
             for (&w, found) in frequencies.iter().zip(found) {
                 let expected = chain_by_impedance(&kappas[..masses], damping, w);
-                // Polynomials of a high degree lose digits, but not visibly in a plot.
                 let limit = if masses <= 4 { 1e-9 } else { 1e-6 };
                 assert!((found / expected - 1.0).abs() < limit, "{found} instead of {expected} at {w}, {}", kind.key());
             }

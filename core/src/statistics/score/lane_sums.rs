@@ -11,7 +11,6 @@ use crate::statistics::diagnostics::Total;
 use crate::statistics::diagnostics::accuracy::Tracked;
 use crate::statistics::score::{ChannelSums, Outcome, SampleScore};
 
-/// A sum of normalised squares: the sum, the degrees of freedom, the samples that count.
 #[derive(Clone, Copy, Debug)]
 struct Squares<T> {
     sum: T,
@@ -69,7 +68,6 @@ impl<T: Number> ScoreSums<T> {
         );
     }
 
-    /// The same, where the truth of the whole state is known or not.
     #[inline(always)]
     fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, [of_mean, cov]: [&[T]; 2], truth: &[T]) {
         let Self { frequency, last_fifth, samples, tracked, square, nees, last, mean, variance, .. } = self;
@@ -110,8 +108,7 @@ impl<T: Number> ScoreSums<T> {
         self.samples
     }
 
-    /// Adds an update: NIS and det S, zero and one without a measurement, and the number of measurements. `ln_determinant` computes
-    /// ln det S of a lane if det S is too large or too small for a number.
+    /// NIS zero and det S one stand for no measurement. `ln_determinant` is for a lane whose det S is too large or too small for a number.
     #[inline(always)]
     pub(super) fn take_update(
         &mut self,
@@ -123,7 +120,6 @@ impl<T: Number> ScoreSums<T> {
         self.ln_determinants.add(determinant, ln_determinant);
     }
 
-    /// Adds the updates of the parts of a step: their NIS, the number of readings and ln det S, which is empty afterwards.
     pub(super) fn take_updates(&mut self, [nis, measured]: [T; 2], ln_determinants: &mut LogProducts<T>) {
         self.take_square(nis, measured);
         self.ln_determinants.absorb(ln_determinants);
@@ -223,7 +219,6 @@ impl<T: Number> LogProducts<T> {
         for (lane, taken) in self.taken.iter_mut().enumerate() {
             let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
             let own = factor.lane(lane);
-            // As a history has it.
             sum.add(own, || if own.is_normal() { libm::log(own) } else { ln(lane) });
             *taken = sum.taken;
             self.product.set_lane(lane, sum.product);
@@ -232,7 +227,6 @@ impl<T: Number> LogProducts<T> {
 
     pub(super) fn absorb(&mut self, other: &mut Self) {
         let Self { product, taken } = other;
-        // A product is in the range of factors.
         self.add(*product, |_| 0.0);
         self.taken.iter_mut().zip(&mut *taken).for_each(|(own, other)| *own += std::mem::take(other));
         *product = T::of(1.0);

@@ -73,14 +73,12 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &
 }
 
 struct LaneInputs<'a> {
-    /// The run whose record has readings at times of their own, which all lanes share.
     timed: Option<SetupRun<'a>>,
     force: LaneColumn<'a>,
     measured: Vec<LaneColumn<'a>>,
     truth: Vec<LaneColumn<'a>>,
 }
 
-/// A number of each sample: the same for all lanes, or one a lane.
 struct LaneColumn<'a>(Vec<Cow<'a, [f64]>>);
 
 impl LaneColumn<'_> {
@@ -215,7 +213,6 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         true
     }
 
-    /// The same from one reading to the next, where they have times of their own. `measured` is memory.
     fn step_through(&mut self, parts: &Parts, measured: &mut [T], k: usize) -> bool {
         let mut squares = [T::of(0.0); 2];
         for (part, readings) in parts.iter() {
@@ -230,7 +227,6 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         true
     }
 
-    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if all filters have stopped.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
         let Self { level, filter, .. } = self;
@@ -262,7 +258,6 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         Some(update)
     }
 
-    /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.
     #[cold]
     #[inline(never)]
     fn stop(&mut self, holds: T::Mask, fits: T::Mask, k: usize) {

@@ -30,7 +30,6 @@ fn white_noise_is_flat() {
     let found = density(&white(200_000), &frequencies, 20.0);
     assert!((mean(&found) / level - 1.0).abs() < 0.01, "{} instead of {level}", mean(&found));
     assert!(found.iter().all(|s| (s / level - 1.0).abs() < 0.4));
-    // The estimate is unbiased even for short records.
     for samples in [1, 40, 700] {
         let records = white(400 * samples);
         let sum: f64 = records.chunks(samples).map(|record| mean(&density(record, &frequencies, 20.0))).sum();
@@ -70,7 +69,6 @@ fn a_sine_is_a_line_with_its_power() {
 fn it_is_the_sum_as_it_is_written() {
     let frequencies = [0.7, 3.0, 11.0];
     let (samples, half) = (white(1234), 150);
-    // A single group with a window of 3 s.
     let found = density(&samples, &frequencies, 3.0);
     for (w, found) in frequencies.into_iter().zip(found) {
         let mut squares = 0.0;

@@ -12,7 +12,6 @@ use super::spectra::{GapTreatment, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::Scenario;
 
-/// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sizes {
     /// s \[m/s²\]
@@ -37,12 +36,10 @@ pub(super) struct Ambient {
     sizes: Sizes,
     pub(super) climb: Climb,
     left_out: Vec<Quantity>,
-    /// The best of the climb with a force that is held: its log likelihood, if it has one. None before it was tried.
     held: Option<Option<f64>>,
 }
 
 impl Ambient {
-    /// The start values for a record without an input. `None` if the spectrum shows no oscillator.
     pub(super) fn new(mut suggestion: Suggestion, record: &mut Record) -> Option<Self> {
         let left_out = suggestion.felt_twice();
         left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
@@ -100,7 +97,6 @@ impl Suggestion {
         left_out
     }
 
-    /// The start values under a white force, and the first guess of its size. `None` if filters or spectrum have no frequency.
     fn ambient(&mut self, record: &mut Record) -> Option<Sizes> {
         if !self.has_frequency() {
             return None;
@@ -200,15 +196,11 @@ const STEPS: usize = 200;
 const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096];
 
 /// The fit to the lines around the highest peak of the spectrum, by Whittle's likelihood:
-///
 /// ```text
 /// S(ω) = s² |G(ω)|² + R,  minimal Σ ln S + P / S
 /// X = sinc(ω dt / 2) / (ωₙ² - ω² + 2iζωₙω),  G = X, iωX or 1 - ωₙ² X - 2ζωₙ iωX
 /// ```
-///
-/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` if
-/// there is no such peak.
-///
+/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` without such a peak.
 /// Source: Whittle (1953), Estimation and information in stationary time series; Brincker and Ventura (2015), *Introduction
 /// to Operational Modal Analysis*.
 fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> Option<AmbientFit> {
@@ -260,7 +252,6 @@ struct Lines<'a> {
     first: f64,
     line: f64,
     dt: f64,
-    /// The number of times that a displacement is differentiated to give the measured quantity.
     order: i32,
     powers: &'a [f64],
 }
@@ -280,8 +271,7 @@ impl Lines<'_> {
         (above_re * above_re + above_im * above_im) / (re * re + im * im).max(f64::MIN_POSITIVE)
     }
 
-    /// The frequency from which on the spectrum falls off below that of the logarithms of ωₙ, ζ, s² and R, as behind a low-pass
-    /// filter. Only an accelerometer feels the force there.
+    /// The frequency from which the spectrum of an accelerometer falls off below the fit, as behind a low-pass filter \[rad/s\].
     fn edge(&self, spectra: &Spectra, found: [f64; 4]) -> Option<f64> {
         let [wn, zeta, force, noise] = found.map(libm::exp);
         let (length, last) = (spectra.len() / PARTS, (LAST * spectra.len() as f64) as usize);
@@ -297,7 +287,6 @@ impl Lines<'_> {
         Some(spectra.frequency(*edge))
     }
 
-    /// The logarithm of S at each line, for the logarithms of ωₙ, ζ, s² and R.
     fn model(&self, at: &[f64; 4]) -> Vec<f64> {
         let [wn, zeta, force, noise] = at.map(libm::exp);
         let reach = WINDOW.len() / 2;
@@ -307,7 +296,6 @@ impl Lines<'_> {
         numbers(self.powers.len(), &|line| libm::log(force * smeared(line) + noise))
     }
 
-    /// The equations of a step of the logarithms of ωₙ, ζ, s² and R, from the logarithm of S at each line.
     fn equations(&self, at: &[f64; 4], spectrum: &[f64]) -> NormalEquations<4> {
         const CHANGE: f64 = 1e-4;
         let near: [Vec<f64>; 4] =
@@ -320,7 +308,6 @@ impl Lines<'_> {
         equations
     }
 
-    /// The least of Whittle's likelihood, negative, that scoring reaches from a point, and its place.
     fn descend(&self, begin: [f64; 4]) -> (f64, [f64; 4]) {
         let look = |at: &[f64; 4]| {
             let spectrum = self.model(at);

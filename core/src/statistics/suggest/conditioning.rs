@@ -20,8 +20,7 @@ const CERTAIN: f64 = 4.0;
 const OFFSET: f64 = 0.5;
 
 impl Suggestion {
-    /// A constant part of input and displacement says nothing about the motion, but bends every estimate: the mapping takes it away.
-    /// A record without a mapping stays unchanged: instead the filters get the offsets as known constants.
+    /// Constant parts bend every estimate: the mapping takes them away. Without a mapping, filters get them as known constants.
     pub(super) fn remove_means(&mut self, record: &mut Record) {
         let (mapping, is_open) =
             (self.scenario.record.as_ref(), |column: &MappedColumn| column.offset == Offset::default());
@@ -77,7 +76,6 @@ const KNOWN: f64 = 0.5;
 pub(super) struct LostReadings(Vec<Vec<usize>>);
 
 impl LostReadings {
-    /// The gaps of a record that can be filled. `None` if nothing is lost, or too much.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let columns = (0..record.sensors().len()).map(|sensor| record.measured(sensor));
         let lost = columns.map(|column| {
@@ -100,8 +98,7 @@ impl LostReadings {
         }
     }
 
-    /// The raw record with each lost reading replaced by the prediction of the first filter in a run over the
-    /// conditioned record. `None` if that filter does not follow the motion.
+    /// Replaces lost readings by predictions of the first filter. `None` if that filter does not follow the motion.
     pub(super) fn filled(&self, run: &Run, raw: &Record) -> Option<Record> {
         let (scenario, record) = (run.scenario(), run.record());
         let (settings, estimates) = (scenario.filters.first()?, run.estimates().first()?);
@@ -122,7 +119,6 @@ impl LostReadings {
         let mut filled = raw.clone();
         for (sensor, lost) in self.0.iter().enumerate().filter(|(_, lost)| !lost.is_empty()) {
             let reading = model.reading(raw.sensors()[sensor])?;
-            // The conditioned record may lack a mean.
             let there = (0..raw.len()).find(|&k| !raw.measured(sensor)[k].is_nan())?;
             let offset = raw.measured(sensor)[there] - record.measured(sensor)[there];
             for &k in lost {
@@ -139,7 +135,6 @@ impl LostReadings {
 pub(super) struct Plucked {
     pub(super) whole: Record,
     times: Vec<f64>,
-    /// The largest reading of all over that of the longest part.
     growth: f64,
 }
 
@@ -151,7 +146,7 @@ const PART: usize = 100;
 const PULLED: f64 = 1.05;
 
 impl Plucked {
-    /// The longest part of a record without an input that swings more after pauses, and what is needed besides. `None` for others.
+    /// `None` for a record with an input, or without a part that swings more after a pause.
     pub(super) fn of(record: &Record) -> Option<(Record, Self)> {
         let measured = record.sensors().first().map(|_| record.measured(0)).filter(|_| has_no_input(record))?;
         let read = places(record.len(), &|k| !measured[k].is_nan());
@@ -251,7 +246,6 @@ impl Course {
     }
 }
 
-/// The trials of the courses, each with some shares of process noise, and their log likelihoods of the same readings.
 pub(super) struct CourseTrials {
     place: usize,
     part: Option<Record>,
@@ -276,7 +270,6 @@ impl CourseTrials {
         (self.place as f64 + shares as f64 / SHARES.len() as f64) / Course::ALL.len() as f64
     }
 
-    /// The record and the scenario of the next trial, from the settings and the record so far. `None` if all are done.
     pub(super) fn next(&mut self, suggestion: &Suggestion, record: &Record) -> Option<(&Record, Scenario)> {
         while self.part.is_none() {
             let course = Course::ALL.get(self.place)?;
@@ -312,7 +305,6 @@ impl CourseTrials {
         let readings = self.readings.iter().find_map(|one| one.best).map(|(readings, _)| readings);
         let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| Some(best.0) == readings);
         let all = || Course::ALL.into_iter().filter_map(|course| Some((course, likelihood(&course)?.1)));
-        // The simpler one stays unless another one is clearly likelier.
         let Some(taken) = all().reduce(|taken, other| if other.1 > taken.1 + CLEARLY { other } else { taken }) else {
             return (Course::Linear, None);
         };

@@ -35,7 +35,6 @@ struct Readings {
     order: i32,
 }
 
-/// ln ωₙ and ln ζ.
 type Place = [f64; 2];
 /// The columns of a sample, and the parts that fit best: of the response to the input from rest, of a free decay, and constant.
 type Parts = [f64; 4];
@@ -46,7 +45,6 @@ fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 
 impl Readings {
     /// The columns of every sample, by the exact motion from sample to sample:
-    ///
     /// ```text
     /// q' = λq + u,  λ = -ζωₙ + iω_d,  x = Im q / ω_d,  v = Im λq / ω_d,  a = Im λ²q / ω_d + u
     /// ```
@@ -137,16 +135,11 @@ fn dot(a: &Parts, b: &Parts) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The oscillator that explains most of the readings of a quantity, by least squares, from the motion at the record's beginning and the
-/// input:
-///
+/// The oscillator that explains most of the readings, by least squares, from the motion at the record's beginning and the input:
 /// ```text
 /// y = g (h * u) + exp(-ζωₙt) (a cos ω_d t + b sin ω_d t) + c
 /// ```
-///
-/// The descent begins at the best of frequencies all over the `band` \[Hz\] and at `guess`. `None` if the input does not explain the
-/// readings.
-///
+/// `band` is in \[Hz\]. `None` if the input does not explain the readings.
 /// Source: Golub and Pereyra (1973), The differentiation of pseudo-inverses and nonlinear least squares problems whose variables
 /// separate; Ljung (1999), *System Identification*, section 4.3 (output error).
 pub(super) fn forced(

@@ -44,7 +44,6 @@ impl Suggestion {
         }
     }
 
-    /// Lets every filter expect a motion as large as a decay's beginning, and begin near the parameters of a fit that leaves noise alone.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
         let Decay { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
@@ -57,8 +56,7 @@ impl Suggestion {
         if !decay.is_all {
             return;
         }
-        // The readings count again in the filter: a spread far above that of the fit says next to nothing, and a linearisation holds
-        // within it.
+        // The readings count again in the filter: a spread far above that of the fit says next to nothing, and breaks a linearisation.
         let eight_digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
         let starts = [
             (Channel::NATURAL_FREQUENCY, natural_frequency, (LOOSE * spread[0]).max(1e-5 * natural_frequency)),
@@ -74,7 +72,6 @@ impl Suggestion {
         self.reasons.push(format!("spread of ωₙ and ζ: {LOOSE} times that of the fit at most"));
     }
 
-    /// Puts a gain that is far from 1 into the mapping; the filters estimate the rest of it.
     fn gain(&mut self, record: &mut Record, gain: Option<f64>) {
         // The fitted gain may include terms of the equation that an oscillator lacks.
         let gain = gain.filter(|_| self.own_parameters().is_none());
@@ -146,8 +143,7 @@ fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
 /// Share of the load that the spring keeps after yielding, to begin with.
 const POST_YIELD: (f64, f64) = (0.5, 0.25);
 
-/// Start values for a filter with a Bouc-Wen plant: the spring yields at a large motion, at about twice the root mean
-/// square `displacement` \[m\]. Returns false for another plant.
+/// Lets a Bouc-Wen spring yield at twice the root mean square `displacement` \[m\]. Returns false for another plant.
 fn start_yielding(filter: &mut FilterSettings, truth: &PlantKind, input: InputKind, displacement: f64) -> bool {
     let model = filter.model(truth, input);
     let shapes = [
@@ -193,16 +189,13 @@ const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.
 pub(super) struct Search {
     kind: PlantKind,
     channels: Vec<Channel>,
-    /// The magnitudes between which each is tried, and the share of points with the other sign than the guess.
     ranges: Vec<(f64, f64, f64)>,
     points: usize,
-    /// The mean and the standard deviation of each parameter at the end of a trial, and the number of readings.
     ends: Likeliest<(Vec<(f64, f64)>, u32)>,
 }
 
 impl Search {
-    /// The searches for a suggestion: of its first filter's equation, if that has parameters that the spectra cannot give, or of both
-    /// exponents of a Bouc-Wen spring, that of the scenario first. The spectra then give all but the spring's own parameters.
+    /// Searches for parameters that spectra cannot give, or for each exponent of a Bouc-Wen spring, that of the scenario first.
     pub(super) fn all(suggestion: &Suggestion) -> Vec<Self> {
         let Scenario { plant, filters, .. } = &suggestion.scenario;
         let mut kinds = [PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1];
@@ -286,7 +279,6 @@ impl Search {
         }
     }
 
-    /// Mean and standard deviation with which a parameter begins the next trial: the guess, then points, then the best end.
     fn start(&self, place: usize, guess: (f64, f64)) -> (f64, f64) {
         let (low, high, other) = self.ranges[place];
         if let Some(((ends, _), _)) = self.ends.best.as_ref().filter(|_| self.ends.trials >= self.points) {

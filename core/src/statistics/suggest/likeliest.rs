@@ -85,7 +85,6 @@ pub(super) fn likelihood(run: &Run) -> Option<f64> {
     likelihood_over(run, 1..run.estimates().first()?.len()).map(|(sum, _)| sum)
 }
 
-/// The log likelihood of the readings at some samples, and their number, if the filter went through.
 pub(super) fn likelihood_over(run: &Run, samples: Range<usize>) -> Option<(f64, u32)> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
     let counted = samples.map(|k| (estimates.log_likelihood(k), estimates.readings(k))).filter(|(l, _)| !l.is_nan());
@@ -150,12 +149,10 @@ impl<P> Likeliest<P> {
     }
 }
 
-/// Tries factors on several sizes in turn, first large ones: further in a direction while the likelihood rises.
 #[derive(Clone, Debug)]
 pub(super) struct Climb {
     pub(super) found: Likeliest<Vec<f64>>,
     sizes: usize,
-    /// The place in [`FACTORS`], the size that is tried now, and whether it is made smaller.
     round: usize,
     size: usize,
     is_down: bool,
@@ -195,7 +192,6 @@ impl Climb {
             self.has_moved = !is_first;
             return;
         }
-        // If one direction improves the likelihood, the other one is not tried.
         let is_over = self.is_down || self.has_moved;
         (self.is_down, self.has_moved) = (!is_over, false);
         let place = self.round * self.sizes + self.size + usize::from(is_over);

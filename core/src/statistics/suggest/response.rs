@@ -31,7 +31,6 @@ const FEEDTHROUGH_ROUNDS: usize = 4;
 /// The least mean coherence around the peak for which a response to the input is believed.
 const COHERENT: f64 = 0.3;
 
-/// The number of times that a displacement is differentiated to give the quantity.
 pub(super) fn order(quantity: Quantity) -> i32 {
     let orders = [(Aspect::DISPLACEMENT, 0), (Aspect::DRIFT, 0), (Aspect::VELOCITY, 1)];
     orders.into_iter().find(|(aspect, _)| *aspect == quantity.aspect()).map_or(2, |(_, order)| order)
@@ -53,7 +52,6 @@ struct Point {
     response: (f64, f64),
     weight: f64,
     explained: f64,
-    /// The power of the measurement over that of a displacement.
     scale: f64,
 }
 
@@ -62,18 +60,12 @@ fn power(h: (f64, f64)) -> f64 {
 }
 
 /// The response of a quantity to the input, fitted by
-///
 /// ```text
 /// H(ω) = g w(ω) / (ωₙ² - ω² + 2iζωₙω)
 /// ```
-///
-/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` for an input that is linear over
-/// each of some `steps` in place of one. `None` if the input does not explain the measurements. Only frequencies count at which the input has power, within `band`
-/// \[Hz\]. The fit begins at each of three peaks: of the response, of the measured power that the input explains, and
-/// of the spectrum. The one that explains most of the measured power is taken.
-///
-/// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
-/// complex polynomials.
+/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` for an input that is linear over each of some
+/// `steps`; `band` is in \[Hz\]. `None` if the input does not explain the measurements. Source: Levy (1959), Complex-curve fitting;
+/// Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two complex polynomials.
 pub(super) fn response(
     record: &Record,
     quantity: Quantity,
@@ -101,7 +93,6 @@ pub(super) fn response(
 
 /// The frequencies at which the input explains the measurement beyond chance. An acceleration follows a held force at
 /// once, by its gain g, while displacement and velocity follow its mean over a sample:
-///
 /// ```text
 /// a = g f - (ωₙ² + 2iζωₙω) x,  x = g w f / D,  D = ωₙ² - ω² + 2iζωₙω  ⇒  a / f - g (1 - w) = -ω² g w / D
 /// ```
@@ -193,7 +184,6 @@ fn fit(points: &[Point], peak: f64) -> Option<MeasuredResponse> {
 }
 
 /// The highest peak of a measurement's spectrum, and its width at half the power.
-///
 /// Source: Bendat and Piersol (2010), *Random Data*, section 5.2 (half-power bandwidth).
 pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<MeasuredResponse> {
     let spectra = Spectra::new(record, measured, LONG, GapTreatment::Fill)?;
@@ -217,7 +207,6 @@ pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64
     Some(MeasuredResponse { natural_frequency, damping_ratio, gain: None })
 }
 
-/// An oscillator that nothing moves any more, as one sensor shows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Decay {
     pub(super) found: MeasuredResponse,
@@ -235,7 +224,6 @@ const MOST: usize = 16_384;
 const SHORTEST: usize = 64;
 /// The largest share of the power in the first time constants that a decay leaves unexplained.
 const UNEXPLAINED: f64 = 0.5;
-/// The time constants in which a decay is looked at.
 const LASTS: f64 = 3.0;
 /// The frequencies about that of the decay, relative to it, in which a force would leave its response.
 const NEAR: std::ops::Range<f64> = 0.8..1.25;
@@ -243,23 +231,17 @@ const NEAR: std::ops::Range<f64> = 0.8..1.25;
 const LOUD: f64 = 6.0;
 
 /// The free response that fits best to the readings from the largest one on, by least squares:
-///
 /// ```text
 /// y = exp(-σt) (a cos ω_d t + b sin ω_d t) + c,  ωₙ² = ω_d² + σ²,  ζ = σ / ωₙ
 /// ```
-///
-/// Displacement, velocity and acceleration have this form alike. The descent begins at the highest frequency of the
-/// first 64, 128, … samples, since light damping shows in long parts and strong damping in short ones. `None` if no
-/// decay explains the readings, for example because an unknown force still acts.
-///
-/// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
-/// Testing*, section 4.4 (time domain).
+/// The descent begins in the first 64, 128, … samples: light damping shows in long parts and strong damping in short ones. `None` if no
+/// decay explains the readings, for example because an unknown force still acts. Source: Levenberg (1944), A method for the solution of
+/// certain non-linear problems in least squares; Ewins (2000), *Modal Testing*, section 4.4 (time domain).
 pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>) -> Option<Decay> {
     let band = mapping.and_then(|mapping| mapping.band);
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
     let begin = (0..measured.len()).max_by(|&a, &b| size(measured[a]).total_cmp(&size(measured[b])))?;
-    // A largest reading late in the record is no beginning of a decay.
     if 2 * begin > measured.len() {
         return None;
     }
@@ -292,8 +274,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     (is_sound && left < UNEXPLAINED * all).then_some(found)
 }
 
-/// Whether what a decay leaves has no more power about the decay's frequency, in radians a sample, than elsewhere, where an import lets
-/// anything through; and the mean power there over that elsewhere.
+/// Whether the rest has no more power near `frequency` \[rad/sample\] than elsewhere, and its mean power there over that elsewhere.
 fn leaves_noise(rests: &[f64], frequency: f64, passed: [f64; 2]) -> (bool, f64) {
     let length = 1 << rests.len().max(2).ilog2();
     let mut powers = powers(rests[..length].iter().copied(), length);

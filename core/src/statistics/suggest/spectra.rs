@@ -39,15 +39,11 @@ pub(super) struct Spectra {
     pub(super) dt: f64,
     pub(super) input: Vec<f64>,
     pub(super) output: Vec<f64>,
-    /// Output times the conjugate of the input, real and imaginary.
     pub(super) cross: Vec<(f64, f64)>,
 }
 
 impl Spectra {
-    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples. `None` if
-    /// too few samples are measured. If an interpolation left samples between measurements empty, the measurements are
-    /// taken at their own rate.
-    ///
+    /// Windows have at most `longest` samples. `None` if too few are measured. Measurements between empty samples keep their own rate.
     /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
     /// (2010), *Random Data*, chapter 6.
     pub(super) fn new(record: &Record, measured: &[f64], longest: usize, gaps: GapTreatment) -> Option<Self> {
@@ -78,7 +74,6 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// The mean over windows that begin at these samples. `None` if too few of them are measured.
     fn over(input: &[f64], output: &[f64], begins: &[usize], length: usize, dt: f64) -> Option<Self> {
         let weights = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64));
         let weights: Vec<f64> = weights.map(|w| w * w).collect();
@@ -99,7 +94,6 @@ impl Spectra {
                 continue;
             }
             let (input_mean, output_mean) = (input.iter().sum::<f64>() / length as f64, sum / f64::from(count));
-            // Missing samples are zero; the others are scaled up for them.
             let filled = |value: f64| if value.is_nan() { 0.0 } else { value - output_mean };
             for (((slot, weight), input), output) in buffer.iter_mut().zip(&weights).zip(input).zip(output) {
                 *slot = (weight * (input - input_mean), weight * filled(*output));
@@ -129,7 +123,6 @@ impl Spectra {
         }
     }
 
-    /// The number of independent windows with the same information: these overlap.
     pub(super) fn independent(&self) -> f64 {
         0.5 * (self.windows as f64 + 1.0)
     }
@@ -139,7 +132,6 @@ impl Spectra {
     }
 
     /// The 99 % quantile of the coherence of pure noise at a frequency.
-    ///
     /// Source: Bendat and Piersol (2010), *Random Data*, section 9.2; Carter (1987), Coherence and time delay estimation.
     pub(super) fn coherence_of_chance(&self) -> f64 {
         1.0 - libm::pow(0.01, 1.0 / (self.windows as f64 - 1.0).max(1.0))
@@ -231,12 +223,10 @@ const FEWEST: usize = 30;
 
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// The standard deviation of the noise in some readings, by divided differences over their times; `None` if there are too few.
-///
+/// The standard deviation of the noise, by divided differences over the times of readings; `None` if there are too few.
 /// ```text
 /// d = Σ cᵢ zᵢ / √Σ cᵢ²,  cᵢ = Π 1 / (tᵢ - tⱼ), j ≠ i;  σ = median |d| / 0.674
 /// ```
-///
 /// Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
 pub(super) fn noise(Timed { times, values }: &Timed) -> Option<f64> {
     let mut sizes: Vec<f64> = times.windows(READINGS).zip(values.windows(READINGS)).map(|(t, z)| size(t, z)).collect();

@@ -9,7 +9,6 @@ use super::likeliest::{Trial, first_alone, frequency_error, likelihood, sizes, s
 use super::{Suggestion, first_for_trial};
 use crate::{Run, Scenario};
 
-/// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
 
 /// The same without an input: the size of an unknown force takes more samples to estimate.
@@ -38,7 +37,6 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 pub struct Suggest {
     suggestion: Suggestion,
     record: Record,
-    /// Of an oscillator that was plucked several times.
     plucked: Option<Plucked>,
     given: Option<(Record, Suggestion)>,
     lost: Option<LostReadings>,
@@ -48,25 +46,21 @@ pub struct Suggest {
     between: Option<CourseTrials>,
     course: Option<(Course, Option<String>)>,
     likelihoods: Vec<(f64, f64, Vec<f64>)>,
-    /// The suggestion before R was that of the innovations, with its share and log likelihood.
     quieter: Option<(Suggestion, f64, f64)>,
     ambient: Option<Ambient>,
     timed: Option<Record>,
-    /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TrialStage {
     Data,
-    /// A filter with these fills the gaps, and they are read again.
     GapTreatment,
     Search,
     CourseTrials,
     Likelihood(usize),
     WhiteForce,
     FreeRun,
-    /// The free run of the model with larger R and no Q.
     ModelError,
     Done,
 }
@@ -95,7 +89,6 @@ impl Suggest {
     }
 
     fn begin(&mut self, lost: Option<&LostReadings>) -> bool {
-        // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
         if self.suggestion.knows_zero() {
             let reason = "the means of input and readings stay: a nonlinear equation defines its own zero";
@@ -146,7 +139,6 @@ impl Suggest {
         }
     }
 
-    /// Ends the trials of the input between samples. Start values that depend on it are made again.
     fn choose_course(&mut self) -> TrialStage {
         self.timed = self.ambient.as_ref().and_then(|_| self.record.clocks()).map(|_| self.record.clone());
         if self.timed.is_some() {
@@ -171,7 +163,6 @@ impl Suggest {
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// Ends the trials of noise with the most likely result, and says what comes next.
     fn choose(&mut self) -> TrialStage {
         let best = self.likelihoods.drain(..).max_by(|a, b| a.1.total_cmp(&b.1));
         let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
@@ -187,7 +178,6 @@ impl Suggest {
             return TrialStage::Done;
         }
         if let Some(timed) = self.timed.take() {
-            // Q is that of the readings at their times.
             self.record = timed;
             return TrialStage::Likelihood(0);
         }
@@ -314,7 +304,6 @@ impl Task for Suggest {
     fn progress(&self) -> f64 {
         let all = (SHARES.len() + 4) as f64;
         match self.stage {
-            // The course of the input is known: start values are made again.
             TrialStage::Data | TrialStage::GapTreatment | TrialStage::Search if self.course.is_some() => 2.0 / all,
             TrialStage::Data | TrialStage::GapTreatment => 0.0,
             TrialStage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
