@@ -47,11 +47,11 @@ impl LogSum {
     /// Limits factors and products: beyond, the logarithm is taken.
     pub const RANGE: RangeInclusive<f64> = 1e-150..=1e150;
 
-    /// Adds the logarithm of a factor. `ln` computes it where the factor is too large or too small to be multiplied.
+    /// Adds the logarithm of a factor. `ln` computes it where the factor is too large or too small for a number.
     #[inline]
     pub fn add(&mut self, factor: f64, ln: impl FnOnce() -> f64) {
         if !Self::RANGE.contains(&factor) {
-            self.taken += ln();
+            self.taken += if factor.is_normal() { libm::log(factor) } else { ln() };
             return;
         }
         self.product *= factor;

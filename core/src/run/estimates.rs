@@ -9,7 +9,7 @@ use kalmanscope_records::hash::Hash;
 use kalmanscope_records::record::Delays;
 
 use crate::run::remarks::{Monitor, Remark, Trouble};
-use crate::run::sink::readings;
+use crate::run::sink::{Sample, readings};
 use crate::scenario::SMOOTHED;
 use crate::{FilterColor, FilterSettings};
 use growth::History;
@@ -42,8 +42,9 @@ pub struct Estimates {
     /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
     canonical: Vec<Vec<f64>>,
     variance: Vec<Vec<f64>>,
-    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
-    earlier: Vec<(usize, u32)>,
+    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more; and those with a
+    /// ln det S of their own.
+    earlier: Vec<(usize, u32, f64)>,
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
@@ -247,9 +248,12 @@ impl Estimates {
     /// since the sample before.
     #[inline]
     pub fn readings(&self, k: usize) -> u32 {
-        let sample = self.forgotten + k;
-        let earlier = self.earlier.binary_search_by_key(&sample, |(sample, _)| *sample);
-        earlier.map_or(0, |place| self.earlier[place].1) + readings(self.innovation(k))
+        self.earlier(k).0 + readings(self.innovation(k))
+    }
+
+    fn earlier(&self, k: usize) -> (u32, f64) {
+        let place = self.earlier.binary_search_by_key(&(self.forgotten + k), |(sample, ..)| *sample);
+        place.map_or((0, f64::NAN), |place| (self.earlier[place].1, self.earlier[place].2))
     }
 
     /// The innovations' covariance S at sample `k`, m × m.
@@ -300,7 +304,9 @@ impl Estimates {
 
     /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
     pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        gaussian_likelihood::ln_determinant(self.history.determinant[k], self.innovation_cov(k), self.sensors.len())
+        let (determinant, (_, ln_determinant)) = (self.history.determinant[k], self.earlier(k));
+        let (innovation, innovation_cov) = (self.innovation(k), self.innovation_cov(k));
+        Sample { innovation, innovation_cov, determinant, ln_determinant, ..Sample::default() }.ln_determinant()
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.

@@ -112,15 +112,16 @@ impl Mixture {
         (update.innovation, update.innovation_cov) = (expected.mean, expected.cov);
         mean(after.iter().map(|(weight, of)| (*weight, of.gain)), &mut update.gain);
         update.take_squares();
-        // Of several readings of a sensor in one step, NIS and det S are those of the likeliest filter.
         update.earlier = likeliest.earlier;
-        if likeliest.earlier > 0 {
-            (update.nis, update.determinant) = (likeliest.nis, likeliest.determinant);
-        }
         if !belief.mean.iter().chain(&belief.cov).all(|number| number.is_finite()) {
             return Err(FilterError::NotFinite);
         }
         let mut sample = update.sample(&belief.mean, &belief.cov);
+        // Of several readings of a sensor in one step, NIS and det S are those of the likeliest filter.
+        if likeliest.earlier > 0 {
+            let Sample { nis, determinant, ln_determinant, .. } = *likeliest;
+            sample = Sample { nis, determinant, ln_determinant, ..sample };
+        }
         if wants_prior {
             prior.mix(before.iter().map(|(weight, of)| (*weight, [of.prior_mean, of.prior_cov])));
             (sample.prior_mean, sample.prior_cov) = (&prior.mean, &prior.cov);

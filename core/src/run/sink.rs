@@ -31,6 +31,8 @@ pub struct Sample<'a> {
     pub nis: f64,
     /// det S over the sensors with a measurement; zero or infinite where it underflows or overflows.
     pub determinant: f64,
+    /// ln det S of all readings, where det S is zero or infinite and S is of the last ones only; else NaN.
+    pub ln_determinant: f64,
     /// For a particle filter, the logarithm of the mean likelihood of its particles; NaN for other filters, where it
     /// follows from NIS and det S.
     pub log_likelihood: f64,
@@ -50,7 +52,8 @@ impl<'a> Sample<'a> {
     /// A belief without a measurement, and without that before it.
     pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
         let nan = f64::NAN;
-        Self { mean, cov, nis: nan, determinant: nan, log_likelihood: nan, effective_samples: nan, ..Self::default() }
+        let sample = Self { mean, cov, nis: nan, determinant: nan, ln_determinant: nan, ..Self::default() };
+        Self { log_likelihood: nan, effective_samples: nan, ..sample }
     }
 
     /// The number of readings in its update.
@@ -64,15 +67,20 @@ impl<'a> Sample<'a> {
     /// -(NIS + ln det S + m ln 2π) / 2
     /// ```
     pub fn ln_likelihood(&self) -> f64 {
-        let Self { innovation, innovation_cov, nis, determinant, log_likelihood: own, .. } = *self;
+        let own = self.log_likelihood;
         match self.readings() {
             0 => f64::NAN,
             _ if !own.is_nan() => own,
-            measured => {
-                let ln_determinant = gaussian_likelihood::ln_determinant(determinant, innovation_cov, innovation.len());
-                gaussian_likelihood::log_likelihood(nis, ln_determinant, measured)
-            }
+            measured => gaussian_likelihood::log_likelihood(self.nis, self.ln_determinant(), measured),
         }
+    }
+
+    pub(crate) fn ln_determinant(&self) -> f64 {
+        let Self { innovation, innovation_cov, determinant, ln_determinant, .. } = *self;
+        if !ln_determinant.is_nan() {
+            return ln_determinant;
+        }
+        gaussian_likelihood::ln_determinant(determinant, innovation_cov, innovation.len())
     }
 }
 
@@ -197,7 +205,7 @@ impl Sink for LastSample {
         let noise =
             sample.noise.map(|AssumedNoise { process_scale, .. }| AssumedNoise { process_scale, ..Default::default() });
         let scalars = Sample { earlier, nis, determinant, log_likelihood, effective_samples, ..Sample::default() };
-        self.scalars = Sample { noise, has_widened, ..scalars };
+        self.scalars = Sample { noise, has_widened, ln_determinant: sample.ln_determinant, ..scalars };
     }
 
     fn stop_at(&mut self, _: Stop) {}

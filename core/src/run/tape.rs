@@ -14,7 +14,7 @@ pub struct Tape(Vec<f64>);
 
 const HEAD: usize = 3;
 
-const SCALARS: usize = 6;
+const SCALARS: usize = 7;
 
 /// Every reason to stop; its place is its number.
 const REASONS: [FilterError; 8] = [
@@ -69,10 +69,13 @@ impl Tape {
                 let process_scale = next(2).try_into().unwrap_or([f64::NAN; 2]);
                 AssumedNoise { process, sensors, uncertainty, process_scale }
             });
-            let &[nis, determinant, log_likelihood, effective_samples, earlier, widened] = scalars else { return None };
+            let &[nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened] = scalars
+            else {
+                return None;
+            };
             let mut sample =
                 Sample { innovation, innovation_cov, gain, weights, noise, ..Sample::unmeasured(mean, cov) };
-            (sample.nis, sample.determinant) = (nis, determinant);
+            (sample.nis, sample.determinant, sample.ln_determinant) = (nis, determinant, ln_determinant);
             (sample.log_likelihood, sample.effective_samples) = (log_likelihood, effective_samples);
             (sample.earlier, sample.has_widened) = (earlier as u32, widened != 0.0);
             estimates.push(&sample);
@@ -96,7 +99,8 @@ impl Sink for Tape {
         }
         let widened = f64::from(u8::from(sample.has_widened));
         let earlier = f64::from(sample.earlier);
-        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, earlier, widened]);
+        numbers.extend([nis, determinant, sample.ln_determinant, sample.log_likelihood]);
+        numbers.extend([sample.effective_samples, earlier, widened]);
         numbers.extend_from_slice(sample.weights);
         if let Some(AssumedNoise { process, sensors, uncertainty, process_scale }) = sample.noise {
             numbers.extend(process.iter().chain(sensors).chain(uncertainty).chain(&process_scale));

@@ -4,7 +4,6 @@ mod lane_sums;
 pub(crate) mod lanes;
 
 use kalmanscope_filters::engine::level::Baseline;
-use kalmanscope_filters::gaussian_likelihood::ln_determinant;
 use kalmanscope_filters::{Channel, Stop};
 use kalmanscope_records::Record;
 
@@ -31,7 +30,6 @@ use crate::{Estimates, Pass, RunError, Scenario};
 #[derive(Clone, Debug)]
 pub struct Scores {
     sums: lane_sums::ScoreSums<f64>,
-    sensors: usize,
     own_likelihood: Option<f64>,
     truth: Vec<f64>,
     channels: Vec<Channel>,
@@ -60,7 +58,6 @@ impl Scores {
         let is_known = |channel| record.truth(channel).is_some();
         Self {
             sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
-            sensors: history.sensors().len(),
             own_likelihood: history.kind().has_own_likelihood().then_some(0.0),
             channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
             truth: Vec::new(),
@@ -108,15 +105,13 @@ pub struct Scoring<'a> {
 
 impl Sink for Scoring<'_> {
     fn push(&mut self, sample: &Sample<'_>) {
-        let Scores { sums, sensors, own_likelihood, truth, channels, .. } = &mut *self.scores;
+        let Scores { sums, own_likelihood, truth, channels, .. } = &mut *self.scores;
         let Some(k) = sums.len().checked_sub(self.record.forgotten()) else { return };
         truth.clear();
         truth.extend(channels.iter().map(|channel| self.record.truth(*channel).map_or(f64::NAN, |truth| truth[k])));
         let readings = sample.readings();
         let of_update = if readings > 0 { [sample.nis, sample.determinant] } else { [0.0, 1.0] };
-        sums.take_update(of_update, f64::from(readings), |_| {
-            ln_determinant(sample.determinant, sample.innovation_cov, *sensors)
-        });
+        sums.take_update(of_update, f64::from(readings), |_| sample.ln_determinant());
         sums.take_belief(Baseline, [sample.mean, sample.cov], truth);
         if let Some(sum) = own_likelihood.as_mut().filter(|_| readings > 0) {
             *sum += sample.log_likelihood;

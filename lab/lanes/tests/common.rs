@@ -5,7 +5,7 @@ use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::internals::engine::{self, Baseline, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Record, Scenario, Signal,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Signal,
 };
 use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with};
 
@@ -85,6 +85,8 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
         let filter = FilterSettings { kind, ..good.clone() };
         scenario.filters.push(changed(filter, &plant, &augment, &mut draw));
     }
+    let substeps = 1 + draw.below(3);
+    let propagation = draw.one(&[None, Some(Propagation::RungeKutta), Some(Propagation::LocalLinearisation)]);
     let (robust, adapts, logs) = (draw.one(&ROBUST), draw.one(&ADAPTS), draw.once_in(4));
     let training = draw.one(&[0.0, 0.2]);
     for filter in &mut scenario.filters {
@@ -96,6 +98,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
             ..ADAPTS_FAST
         };
         filter.log_parameters = logs;
+        (filter.substeps, filter.propagation) = (substeps, propagation);
     }
     if logs {
         // A logarithm has a sign.

@@ -84,7 +84,7 @@ impl Estimates {
             values.drain(..(count * width).min(values.len()));
         }
         let first = self.forgotten + samples;
-        self.earlier.drain(..self.earlier.partition_point(|(sample, _)| *sample < first));
+        self.earlier.drain(..self.earlier.partition_point(|(sample, ..)| *sample < first));
         self.forgotten += samples;
         self.monitor.forget_before(self.forgotten);
     }
@@ -107,8 +107,8 @@ impl Estimates {
             push(&mut self.canonical, mean.iter().copied());
         }
         self.history.innovation.extend_from_slice(innovation);
-        if sample.earlier > 0 {
-            self.earlier.push((self.forgotten + self.history.nis.len(), sample.earlier));
+        if sample.earlier > 0 || !sample.ln_determinant.is_nan() {
+            self.earlier.push((self.forgotten + self.history.nis.len(), sample.earlier, sample.ln_determinant));
         }
         self.history.innovation_cov.extend_from_slice(innovation_cov);
         self.history.gain.extend_from_slice(gain);

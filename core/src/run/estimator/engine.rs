@@ -8,6 +8,7 @@ use kalmanscope_filters::engine::level::{Baseline, Known, Level};
 use kalmanscope_filters::engine::update::UpdateResult;
 use kalmanscope_filters::engine::wrapper::{Span, Wrapped};
 use kalmanscope_filters::filter::Gaussian;
+use kalmanscope_filters::gaussian_likelihood::LogSum;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_records::record::Parts;
 
@@ -163,6 +164,10 @@ impl FollowedEngine {
         }
         [part.nis, part.determinant] = squares;
         update.add(part);
+        if !part.nis.is_nan() {
+            let logs = update.logs.get_or_insert(LogSum::ZERO);
+            logs.add(part.determinant, || filter.update.ln_determinant(0));
+        }
     }
 
     /// In the channels' units. Fails where a number overflows in them.

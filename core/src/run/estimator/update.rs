@@ -3,7 +3,7 @@
 use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::columns::{factor, square};
 use kalmanscope_filters::filter::robust::Robust;
-use kalmanscope_filters::gaussian_likelihood::part_of;
+use kalmanscope_filters::gaussian_likelihood::{LogSum, part_of};
 use kalmanscope_filters::lists::{numbers, places};
 
 use crate::run::sink::Sample;
@@ -18,20 +18,23 @@ pub(crate) struct SensorUpdate {
     pub(crate) earlier: u32,
     pub(crate) nis: f64,
     pub(crate) determinant: f64,
+    /// ln det S of several updates, which S alone does not tell.
+    pub(super) logs: Option<LogSum>,
 }
 
 impl SensorUpdate {
     pub(crate) fn nothing(n: usize, m: usize) -> Self {
         let nan = f64::NAN;
         let (innovation, innovation_cov) = (vec![nan; m], vec![nan; m * m]);
-        Self { innovation, innovation_cov, gain: vec![0.0; n * m], earlier: 0, nis: nan, determinant: nan }
+        let gain = vec![0.0; n * m];
+        Self { innovation, innovation_cov, gain, earlier: 0, nis: nan, determinant: nan, logs: None }
     }
 
     pub(super) fn clear(&mut self) {
         self.innovation.fill(f64::NAN);
         self.innovation_cov.fill(f64::NAN);
         self.gain.fill(0.0);
-        (self.earlier, self.nis, self.determinant) = (0, f64::NAN, f64::NAN);
+        (self.earlier, self.nis, self.determinant, self.logs) = (0, f64::NAN, f64::NAN, None);
     }
 
     pub(super) fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
@@ -113,7 +116,9 @@ impl SensorUpdate {
     pub(crate) fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64]) -> Sample<'a> {
         let Self { innovation, innovation_cov, gain, .. } = self;
         let (earlier, nis, determinant) = (self.earlier, self.nis, self.determinant);
-        let unmeasured = Sample::unmeasured(mean, cov);
+        let logs = self.logs.filter(|_| !determinant.is_normal());
+        let ln_determinant = logs.map_or(f64::NAN, LogSum::value);
+        let unmeasured = Sample { ln_determinant, ..Sample::unmeasured(mean, cov) };
         Sample { innovation, innovation_cov, gain, earlier, nis, determinant, ..unmeasured }
     }
 }

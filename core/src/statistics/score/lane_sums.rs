@@ -116,19 +116,9 @@ impl<T: Number> ScoreSums<T> {
         measured: T,
         ln_determinant: impl Fn(usize) -> f64,
     ) {
-        self.take_square(nis, measured);
-        self.ln_determinants.add(determinant, ln_determinant);
-    }
-
-    pub(super) fn take_updates(&mut self, [nis, measured]: [T; 2], ln_determinants: &mut LogProducts<T>) {
-        self.take_square(nis, measured);
-        self.ln_determinants.absorb(ln_determinants);
-    }
-
-    #[inline(always)]
-    fn take_square(&mut self, nis: T, measured: T) {
         self.nis.add(nis, measured);
         self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
+        self.ln_determinants.add(determinant, ln_determinant);
     }
 
     pub(super) fn sample_score(&self, lane: usize) -> SampleScore {
@@ -218,46 +208,18 @@ impl<T: Number> LogProducts<T> {
     fn take_logarithms(&mut self, factor: T, ln: impl Fn(usize) -> f64) {
         for (lane, taken) in self.taken.iter_mut().enumerate() {
             let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
-            let own = factor.lane(lane);
-            sum.add(own, || if own.is_normal() { libm::log(own) } else { ln(lane) });
+            sum.add(factor.lane(lane), || ln(lane));
             *taken = sum.taken;
             self.product.set_lane(lane, sum.product);
         }
     }
 
-    pub(super) fn absorb(&mut self, other: &mut Self) {
-        let Self { product, taken } = other;
-        self.add(*product, |_| 0.0);
-        self.taken.iter_mut().zip(&mut *taken).for_each(|(own, other)| *own += std::mem::take(other));
-        *product = T::of(1.0);
+    pub(super) fn clear(&mut self) {
+        self.product = T::of(1.0);
+        self.taken.fill(0.0);
     }
 
     pub(super) fn value(&self, lane: usize) -> f64 {
         LogSum { taken: self.taken[lane], product: self.product.lane(lane) }.value()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_filters::engine::lanes::Lanes;
-
-    #[test]
-    fn sums_that_absorb_others_have_the_logarithms_of_all_factors() {
-        let factor = |k: i32, lane: usize| libm::exp2(f64::from((k * (7 + lane as i32)) % 900 - 500));
-        let (mut all, mut part) = (LogProducts::<Lanes<4>>::new(), LogProducts::new());
-        let mut direct = [0.0; 4];
-        for k in 0..600 {
-            part.add(Lanes::from_lanes(|lane| factor(k, lane)), |lane| libm::log(factor(k, lane)));
-            direct.iter_mut().enumerate().for_each(|(lane, sum)| *sum += libm::log(factor(k, lane)));
-            if k % 3 == 0 {
-                all.absorb(&mut part);
-            }
-        }
-        all.absorb(&mut part);
-        for (lane, direct) in direct.iter().enumerate() {
-            assert!((all.value(lane) - direct).abs() < 1e-10 * direct.abs(), "{} for {direct}", all.value(lane));
-            assert_eq!(part.value(lane), 0.0);
-        }
     }
 }

@@ -214,16 +214,18 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
     }
 
     fn step_through(&mut self, parts: &Parts, measured: &mut [T], k: usize) -> bool {
-        let mut squares = [T::of(0.0); 2];
-        for (part, readings) in parts.iter() {
-            measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
+        let ([mut all_nis, mut readings], mut product) = ([T::of(0.0); 2], T::of(1.0));
+        self.of_parts.clear();
+        for (part, values) in parts.iter() {
+            measured.iter_mut().zip(values).for_each(|(measured, value)| *measured = T::of(*value));
             let update = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
             let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
-            squares = [squares[0] + nis, squares[1] + measured];
+            (all_nis, readings, product) = (all_nis + nis, readings + measured, product * determinant);
         }
-        self.scores.take_updates(squares, &mut self.of_parts);
+        let Self { scores, of_parts, .. } = self;
+        scores.take_update([all_nis, product], readings, |lane| of_parts.value(lane));
         true
     }
 
