@@ -7,27 +7,39 @@ use super::exponential::{Classes, INVERSE_FACTORIAL};
 use super::level::{Level, apart};
 use super::number::Number;
 
-/// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each, one a column, and its integrals, m × m.
-/// `ḧ = h K + ḣ C`, `h(0) = 0`, `ḣ(0) = I`, `q = ∫ h`, `p = ∫ q`, `ḣ = I + q K + h C`
-/// `exp(A dt) = [I + q K, h; h K, ḣ]`, `Γ₁ = [h - q C, q; q K, h]`, `Γ₂ = [q - p C, p; p K, q]`
-/// K and C stand in bands, one for each distance of a row from its column: `(A B)ᵢⱼ = Σ_d A_{i,j+d} B_{j+d,j}`.
+/// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each of them, one a column, after a time, and its
+/// integrals, m × m.
+///
+/// ```text
+/// ḧ = h K + ḣ C,  h(0) = 0,  ḣ(0) = I,  q = ∫ h,  p = ∫ q
+/// exp(A dt) = [I + q K, h; h K, ḣ],  Γ₁ = [h - q C, q; q K, h],  Γ₂ = [q - p C, p; p K, q],  ḣ = I + q K + h C
+/// ```
+///
+/// It is the closed form of one [oscillator](super::exponential::Impulse) with matrices in place of numbers.
+///
+/// K and C stand in bands, one for each distance of a row from its column, and a product is a sum over bands: `(A B)ᵢⱼ = Σ_d
+/// A_{i,j+d} B_{j+d,j}`.
 #[derive(Clone, Debug)]
 pub(super) struct Coupled<T> {
     masses: usize,
-    /// w, the largest distance of an entry of K and C from the diagonal.
+    /// w, the largest distance of a row of K and C from its column, of those that may differ from zero.
     reach: usize,
+    /// The bands of K and C, column by column.
     stiffness: Vec<T>,
     damping: Vec<T>,
     /// `t² K` and `t C`
     scaled: [Vec<T>; 2],
-    /// h \[s\], with w columns of zeros before and after, as a product with bands needs.
+    /// h \[s\], with w columns of zeros before and after, as all matrices that are multiplied by bands.
     value: Vec<T>,
     /// q \[s²\]
     integral: Vec<T>,
-    /// p \[s³\]
+    /// p \[s³\], if the caller wants it.
     second: Vec<T>,
+    /// The terms cₙ₊₁, cₙ and cₙ₋₁ of the series.
     terms: [Vec<T>; 3],
+    /// `q K`, `h K` and `q K + h C`
     products: [Vec<T>; 3],
+    /// h, q and p of the lanes of the classes that are done.
     kept: [Vec<T>; 3],
 }
 
@@ -73,7 +85,7 @@ impl<T: Number> Coupled<T> {
         level.moving(2 * self.masses) / 2
     }
 
-    /// After `dt` \[s\], from the derivatives of the rates by displacements, then by velocities.
+    /// After `dt` \[s\], from the derivatives of the rates by displacements and then velocities; p only `with_slope`.
     #[inline(always)]
     pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], dt: f64, with_slope: bool) {
         let size = apart!(level, self.take(level, a));
@@ -88,7 +100,7 @@ impl<T: Number> Coupled<T> {
             apart!(
                 level,
                 match self.count(level) {
-                    // The compiler knows this size, also where it knows no other.
+                    // Known to the compiler, also where no size is.
                     4 => self.sum(4, dt, with_slope, class),
                     m => self.sum(m, dt, with_slope, class),
                 }
@@ -121,6 +133,7 @@ impl<T: Number> Coupled<T> {
         (damping + (damping * damping + stiffness * 4.0).sqrt()) * 0.5
     }
 
+    /// Sums the series of a class over its part of the step, then doubles that part.
     #[inline(always)]
     fn sum(&mut self, m: usize, dt: f64, with_slope: bool, class: usize) {
         let doublings = Classes::<4>::doublings(class);
@@ -133,7 +146,9 @@ impl<T: Number> Coupled<T> {
         }
     }
 
-    /// `h = t Σ cₙ/(n+1)!`, `q = t² Σ cₙ/(n+2)!`, `p = t³ Σ cₙ/(n+3)!` with `cₙ₊₁ = cₙ C t + cₙ₋₁ K t²`, `c₀ = I`
+    /// ```text
+    /// h = t Σ cₙ/(n+1)!,  q = t² Σ cₙ/(n+2)!,  p = t³ Σ cₙ/(n+3)!,  cₙ₊₁ = cₙ C t + cₙ₋₁ K t²,  c₀ = I
+    /// ```
     #[inline(always)]
     fn series(&mut self, m: usize, t: f64, with_slope: bool, count: usize) {
         let Self { reach, stiffness, damping, scaled, value, integral, second, terms, .. } = self;
@@ -180,7 +195,9 @@ impl<T: Number> Coupled<T> {
         Bands { m, count, by: [stiffness, damping] }.multiply([integral, value], &mut kept[..m * m]);
     }
 
-    /// `q(2t) = 2 q + q K q + h h`, `h(2t) = 2 h + h K q + (q K + h C) h`, `p(2t) = 2 p + q t + q K p + h q`
+    /// ```text
+    /// q(2t) = 2 q + q K q + h h,  h(2t) = 2 h + h K q + (q K + h C) h,  p(2t) = 2 p + q t + q K p + h q
+    /// ```
     #[inline(always)]
     fn double(&mut self, m: usize, t: f64, with_slope: bool) {
         let Self { reach, value, integral, second, terms: [sum, half, rest], products, .. } = self;
@@ -207,6 +224,7 @@ impl<T: Number> Coupled<T> {
             value[i] = value[i] * 2.0 + half[i] + rest[i];
         }
         integral.copy_from_slice(sum);
+        // The columns beside the terms are zero.
         for terms in &mut self.terms {
             terms.fill(T::of(0.0));
         }
@@ -220,7 +238,8 @@ struct Bands<'a, T, const N: usize> {
 }
 
 impl<T: Number, const N: usize> Bands<'_, T, N> {
-    /// `Σ A B`, m × m, of matrices A between their columns of zeros, a few rows at a time as in [`combine`].
+    /// `Σ A B`, m × m, of matrices A with their columns of zeros. It takes a few rows at a time, as [`combine`] does.
+    // A page has this once for each N, to be smaller.
     #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn multiply(&self, a: [&[T]; N], out: &mut [T]) {
@@ -272,6 +291,8 @@ mod tests {
 
     const SIZES: [f64; 8] = [1e-3, 0.07, 0.1, 0.25, 3.0, f64::NAN, 40.0, 1e61];
 
+    /// The derivatives of the rates of three masses, this much faster, whose dampers are no multiples of their springs; in a row, or
+    /// with a reach of 2 the first one pulls on the last one too.
     fn block(i: usize, size: f64, reach: usize) -> f64 {
         const STIFFNESS: [f64; 9] = [-1.9, 0.8, 0.2, 0.8, -1.5, 0.7, 0.3, 0.7, -0.9];
         const DAMPING: [f64; 9] = [-0.2, 0.06, 0.1, 0.06, -0.3, 0.24, 0.05, 0.24, -0.24];
@@ -329,6 +350,7 @@ mod tests {
                 let of_matrix = |i: usize| matrix[(column + i / 3) * 6 + row + i % 3];
                 let largest = (0..9).map(|i| of_matrix(i).abs()).fold(0.0, f64::max);
                 let error = (0..9).map(|i| (of_matrix(i) - part[i]).abs()).fold(0.0, f64::max) / largest;
+                // Each doubling of a step doubles its rounding, in both.
                 let limit = if size > 10.0 { 1e-9 } else { 1e-13 };
                 assert!(error < limit, "{size}, reach {reach}: {place}: {error:e}");
             };

@@ -17,11 +17,13 @@ pub(super) struct ExpectedReadings<T> {
     /// `P⁻ Hᵀ`, n × m.
     pub(super) cross: Vec<T>,
     pub(super) is_linear: bool,
+    /// The component of each sensor, where all sensors read one component each.
     pub(super) places: Vec<usize>,
     pub(super) are_components: bool,
     /// The rows of H of sensors that read more than components, n numbers for each.
     pub(super) rows: Vec<T>,
     derivatives: Derivatives<T>,
+    /// Memory for points.
     root: Vec<T>,
     state: Vec<T>,
     high: Vec<T>,
@@ -56,7 +58,8 @@ impl<T: Number> ExpectedReadings<T> {
         self.state.len()
     }
 
-    /// Predicts the sensors' measurements; a linear h needs no sigma points. Returns the lanes for which points can be drawn.
+    /// Takes the prediction of some sensors' measurements while this recorded force acts. Sigma points through a linear function
+    /// give its exact moments, which H gives for less. Returns the lanes for which points can be drawn.
     #[inline(always)]
     pub(super) fn take<L: Level, C: Count>(
         &mut self,
@@ -106,7 +109,7 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// Linearised in another state: `h(at) + H (y⁻ - at)`.
+    /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
     pub(super) fn take_at<L: Level>(
         &mut self,
         level: L,
@@ -120,6 +123,7 @@ impl<T: Number> ExpectedReadings<T> {
         self.linearise(level, active.len(), design, belief, active, force, Some(at));
     }
 
+    /// H of a sensor, n numbers, written over `out`.
     pub(super) fn row_into<'a>(&self, reading: &Reading, row: usize, out: impl Iterator<Item = &'a mut T>)
     where
         T: 'a,
@@ -137,6 +141,7 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
+    /// The prediction of an EKF: h at the mean, or from another state, and H.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     fn linearise<L: Level, C: Count>(
@@ -178,8 +183,11 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// A UKF draws its points again:
-    /// `h = h(y⁻) + s`, `s = Σ W d`, `S = Σ W d dᵀ + o s sᵀ`, `P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ`, `d = h(χ) - h(y⁻)`
+    /// The prediction of a UKF, by sigma points that are drawn again.
+    ///
+    /// ```text
+    /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
+    /// ```
     #[inline(always)]
     fn transform<L: Level>(
         &mut self,
@@ -231,7 +239,7 @@ impl<T: Number> ExpectedReadings<T> {
     }
 }
 
-/// `h x` of a sensor's row h of H, n numbers; h counts where the sensor reads more than components.
+/// `h x` of a sensor's row h of H, which counts where the sensor reads more than components, with n numbers x.
 #[inline(always)]
 fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
     if let Some(place) = reading.component {
@@ -275,6 +283,7 @@ pub(super) fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &
     }
 }
 
+/// A column of a symmetric n × n matrix. The compiler may know the first ones.
 #[inline(always)]
 pub(super) fn select_column<T: Copy>(cov: &[T], n: usize, place: usize, out: &mut [T]) {
     match place {

@@ -14,10 +14,12 @@ pub(crate) struct Linearised<T> {
     derivatives: Derivatives<T>,
     /// The upper rows of Φ, column by column; the others are those of an identity.
     pub rows: Vec<T>,
+    /// Memory for T P, or for a part of a step's derivative.
     half: Vec<T>,
     effect: Vec<T>,
     exponential: Exponential<T>,
     coupled: Option<Coupled<T>>,
+    /// The state that a step began with, a stage of it, and the derivative of the stage before.
     begun: Vec<T>,
     stage: Vec<T>,
     before: Vec<T>,
@@ -40,6 +42,7 @@ impl<T: Number> Linearised<T> {
         }
     }
 
+    /// Carries a belief over a step: `P⁻ = Φ P Φᵀ`.
     #[inline(always)]
     pub(crate) fn advance<L: Level>(
         &mut self,
@@ -74,12 +77,22 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// One step of local linearisation; ḟ is the slope of a force that is not held:
-    /// `y⁻ = y + Γ₁ g(y, F) + Γ₂ b g ḟ`, `Φ = exp(A dt)`, `A = ∂g/∂y`, `b = ∂g/∂F`
-    /// An input gain has the column `b f` in A and `Γ₁ b f + Γ₂ b ḟ` in Φ. With Γ₁ and Γ₂ of the block F of moving components,
-    /// `A = [F, C; 0, 0]` gives `exp(A dt) = [exp(F dt), Γ₁ C; 0, I]`.
-    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; `A⁻¹(exp(A dt) - I)` is here `dt φ₁(A dt)`, which
-    /// a singular A does not trouble; Van Loan (1978), Computing integrals involving the matrix exponential.
+    /// One step of local linearisation. A force that is not held has a slope ḟ.
+    ///
+    /// ```text
+    /// y⁻ = y + Γ₁ g(y, F) + Γ₂ b g ḟ,  Φ = exp(A dt),  A = ∂g/∂y,  b = ∂g/∂F
+    /// ```
+    ///
+    /// The column of an input gain g in A is `b f` and changes with the force: its column of Φ is `Γ₁ b f + Γ₂ b ḟ`.
+    /// Only moving components need an exponential:
+    ///
+    /// ```text
+    /// A = [F, C; 0, 0],  exp(A dt) = [exp(F dt), Γ₁ C; 0, I],  Γ₁ and Γ₂ of F
+    /// ```
+    ///
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
+    /// entire function `dt φ₁(A dt)`, which a singular A does not trouble; Van Loan (1978), Computing integrals involving
+    /// the matrix exponential.
     #[inline(always)]
     fn linearise<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
         self.derivatives.take(level, model, mean, step.forces[0]);
@@ -218,8 +231,11 @@ impl<T: Number> Linearised<T> {
         });
     }
 
-    /// One Runge-Kutta step, and its derivative stage by stage:
-    /// `kₛ = g(y + aₛ dt kₛ₋₁)`, `Kₛ = Aₛ (I + aₛ dt Kₛ₋₁)`, `y⁻ = y + dt Σ bₛ kₛ`, `Φ = I + dt Σ bₛ Kₛ`
+    /// One Runge-Kutta step, and its derivative by the state that it starts from: the chain rule, stage by stage.
+    ///
+    /// ```text
+    /// kₛ = g(y + aₛ dt kₛ₋₁),  Kₛ = Aₛ (I + aₛ dt Kₛ₋₁),  y⁻ = y + dt Σ bₛ kₛ,  Φ = I + dt Σ bₛ Kₛ
+    /// ```
     #[inline(always)]
     fn runge_kutta<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
         let moving = level.moving(model.moving());

@@ -18,6 +18,7 @@ pub(crate) struct SigmaPoints<T: Number> {
     /// The points, n numbers for each pack of them. The centre comes first, then those on both sides of it, pair by pair.
     points: Vec<T::Pack>,
     method: RungeKutta<T::Pack>,
+    /// The centre, where the other points fill their packs without it.
     centre: Vec<T>,
     of_centre: RungeKutta<T>,
 }
@@ -37,9 +38,16 @@ impl<T: Number> SigmaPoints<T> {
         }
     }
 
-    /// Carries a belief over a step; returns the lanes for which points can be drawn:
-    /// `χ± = y ± c L e_i`, `L Lᵀ = P`, `g(χ±) = g(y) + eᵢ ± oᵢ` (of components that do not move, eᵢ is zero and oᵢ is `c L`),
-    /// `s = 2 W Σ eᵢ`, `y⁻ = g(y) + s`, `P⁻ = 2 W Σ (oᵢ oᵢᵀ + eᵢ eᵢᵀ) + o s sᵀ`
+    /// Carries a belief over a step; returns the lanes for which points can be drawn.
+    ///
+    /// ```text
+    /// χ± = y ± c L e_i,  L Lᵀ = P,  g(χ±) = g(y) + eᵢ ± oᵢ
+    /// s = 2 W Σ eᵢ,  y⁻ = g(y) + s,  P⁻ = 2 W Σ (oᵢ oᵢᵀ + eᵢ eᵢᵀ) + o s sᵀ
+    /// ```
+    ///
+    /// The even parts eᵢ and the odd parts oᵢ are about the centre's image. For components that do not move, the odd
+    /// parts are `c L` and the even ones zero, so that their covariance stays.
+    ///
     /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; Arasaratnam and Haykin (2009), Cubature
     /// Kalman filters.
     #[inline(always)]
@@ -75,6 +83,7 @@ impl<T: Number> SigmaPoints<T> {
         }
     }
 
+    /// The points of a pack, and the rates of their moving components under this recorded force.
     #[inline(always)]
     pub(super) fn rate<L: Level>(
         &mut self,
@@ -88,6 +97,7 @@ impl<T: Number> SigmaPoints<T> {
         (state, method.rate(level, model, state, force))
     }
 
+    /// The centre, and the rates of its moving components under this recorded force, where it is [apart](Self::is_apart).
     #[inline(always)]
     pub(super) fn rate_of_centre<L: Level>(&mut self, level: L, model: &StateModel, force: T) -> (&[T], &[T]) {
         let Self { centre, of_centre, .. } = self;
@@ -99,7 +109,7 @@ impl<T: Number> SigmaPoints<T> {
         if Self::is_apart(n) { 2 * n / T::POINTS } else { (2 * n + 1).div_ceil(T::POINTS) }
     }
 
-    /// The points without the centre fill their packs.
+    /// Whether the points but the centre fill their packs.
     #[inline(always)]
     pub(super) fn is_apart(n: usize) -> bool {
         T::POINTS > 1 && (2 * n).is_multiple_of(T::POINTS)
@@ -135,6 +145,7 @@ impl<T: Number> SigmaPoints<T> {
         rooted
     }
 
+    /// Places the points of a mean and a root, n × n, row by row.
     #[inline(always)]
     pub(super) fn place<L: Level>(&mut self, level: L, rule: Rule, mean: &[T], rows: &[T]) {
         let n = level.size(mean.len());
@@ -161,6 +172,7 @@ impl<T: Number> SigmaPoints<T> {
         T::of_pack(points[point / T::POINTS * n + i], point % T::POINTS)
     }
 
+    /// Takes the odd and even parts of the moving components; with these, `Σ` needs no weights.
     #[inline(always)]
     fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel) {
         let Self { root, even, points, centre, .. } = self;
@@ -221,6 +233,7 @@ impl<T: Number> SigmaPoints<T> {
     }
 }
 
+/// Places points in pairs about a mean. `root` gives a component of the direction of a pair.
 #[inline(always)]
 fn place<T: Number, L: Level>(
     level: L,

@@ -1,4 +1,5 @@
-//! The square-root UKF: its belief has the lower triangular root L of the covariance `L Lᵀ`, which no rounding makes indefinite.
+//! The square-root UKF: a belief held as its mean and the lower triangular root L of its covariance `L Lᵀ`, which no rounding
+//! makes indefinite.
 //!
 //! With the unscented rule every covariance is a sum of squares `A Aᵀ`. Householder reflections bring A to a triangle:
 //!
@@ -9,7 +10,8 @@
 //!                                                  [ 0   L]                 [C   L⁺  0]
 //! ```
 //!
-//! with odd and even parts a and b of the pairs of points, a column for each pair, and the shift s of the mean; or of the readings.
+//! with the odd parts a and the even parts b of the pairs of points ([`SigmaPoints`]), a column for each pair, and the shift s
+//! of the mean; in an update they are those of the readings.
 //!
 //! Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation; Kailath,
 //! Sayed and Hassibi (2000), *Linear Estimation*, section 12.3 (array algorithms).
@@ -31,19 +33,22 @@ pub(super) struct SquareRoot<T: Number> {
     /// L, n × n, row by row.
     pub(super) rows: Vec<T>,
     points: SigmaPoints<T>,
+    /// A, row by row.
     array: Vec<T>,
     /// The even parts, the shift and the noise of the sensors, row by row.
     even: Vec<T>,
-    /// All sensors read components, which have no even parts.
+    /// Whether all sensors read components, and thus have no even parts.
     is_linear: bool,
     columns: usize,
+    /// The triangle of `array`, row by row.
     triangle: Vec<T>,
     /// The readings in the points, a number for each sensor and pack.
     readings: Vec<T::Pack>,
+    /// Those in the centre, where it is apart from the packs.
     of_centre: Vec<T>,
 }
 
-/// Lanes hold no root. One version for all sizes is enough: one for each size was a tenth of the crate's compile time.
+/// Lanes hold no root, and one version for all sizes is enough: one for each size was a tenth of the crate's compile time.
 pub(super) const fn may_have_root<T: Number, L: Level>() -> bool {
     T::LANES == 1 && !L::IS_KNOWN
 }
@@ -80,6 +85,7 @@ impl<T: Number> SquareRoot<T> {
         rooted
     }
 
+    /// Moves mean and points by a step; [`Self::spread`] makes a root of them.
     #[inline(always)]
     pub(super) fn advance<L: Level>(
         &mut self,
@@ -111,7 +117,7 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// Makes a root of `λ P + Q` from the moved points; `process` writes n numbers of a row of Q's root.
+    /// Makes a root of the points that have moved: of `λ P + Q`, where this writes the root of Q, n numbers of a row.
     #[inline(always)]
     pub(super) fn spread<L: Level>(&mut self, level: L, fading: T, process: impl Fn(usize, &mut [T])) {
         let Self { size, rows, array, .. } = self;
@@ -158,7 +164,7 @@ impl<T: Number> SquareRoot<T> {
         belief.mean[place] = belief.mean[place] * kept + zero;
     }
 
-    /// The lower triangle of `L Lᵀ`.
+    /// The lower triangle of `P = L Lᵀ`.
     #[inline(always)]
     pub(super) fn square<L: Level>(&self, level: L, cov: &mut [T]) {
         let n = level.size(self.size);
@@ -321,7 +327,7 @@ pub(super) fn std<T: Number>(variance: T) -> T {
     T::select(variance.is_normal(), variance.sqrt(), T::of(0.0))
 }
 
-/// Writes the odd parts of a number of each point to one row, even parts and shift to another; returns the mean.
+/// Writes the odd parts of a number of each point to one row, the even parts and the shift to another, and returns the mean.
 #[inline(always)]
 fn parts<T: Number>(rule: Rule, odd: &mut [T], even: &mut [T], of: impl Fn(usize) -> T) -> T {
     let (n, inverse) = (odd.len(), 1.0 / rule.spread.sqrt());
@@ -353,6 +359,7 @@ fn apply<T: Number>(reading: &Reading, rows: &[T], out: &mut [T]) {
     }
 }
 
+/// The product of two rows, of their first `length` numbers; rows are `width` numbers long.
 #[inline(always)]
 fn along<T: Number>(rows: &[T], width: usize, one: usize, other: usize, length: usize) -> T {
     let mut sum = rows[one * width] * rows[other * width];
@@ -362,7 +369,8 @@ fn along<T: Number>(rows: &[T], width: usize, one: usize, other: usize, length: 
     sum
 }
 
-/// The product of two rows in several sums; numbers outside whole blocks are added one by one, so that columns of zeros change no bit.
+/// The product of two rows in sums that do not wait for each other. The first `lead` numbers, and those after whole blocks of a
+/// row of `base` more, are summed one by one: no bit changes where columns are left out that are zero.
 #[inline(always)]
 fn dot<T: Number>(a: &[T], b: &[T], [lead, base]: [usize; 2]) -> T {
     let ((a_lead, a), (b_lead, b)) = (a.split_at(lead), b[..a.len()].split_at(lead));
@@ -386,9 +394,16 @@ fn dot<T: Number>(a: &[T], b: &[T], [lead, base]: [usize; 2]) -> T {
 
 /// The lower triangular root of `A Aᵀ`, row by row. A has `count` rows of `lead + base` numbers and is overwritten. `reach`
 /// limits those of the `base` numbers of a row, and of all rows before it, that are not zero.
-/// Reflections of `[0, A]` give `[0, d] → [|d|, 0]` and, of a row x below, `[0, x] → [d·x / |d|, x - d (d·x / d·d)]`,
-/// so that no row waits for a root. A row of zeros, or too small to square, gives a column of zeros.
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, sections 5.1.2 and 5.2.9.
+///
+/// The reflections are those of `[0, A]`, with a column of zeros for each of the triangle. For a row d and another row x
+/// below it they give
+///
+/// ```text
+/// [0, d] → [|d|, 0],   [0, x] → [d·x / |d|, x - d (d·x / d·d)]
+/// ```
+///
+/// so that no row waits for a root. A row that is zero, or too small to square, gives a column of zeros: a component known for
+/// certain stays so. Source: Golub and Van Loan (2013), *Matrix Computations*, sections 5.1.2 and 5.2.9.
 #[inline(always)]
 fn triangularise<T: Number, L: Level>(
     level: L,
@@ -406,7 +421,7 @@ fn triangularise<T: Number, L: Level>(
         let (before, after) = array.split_at_mut((j + 1) * width);
         let own = &before[j * width..j * width + used];
         let square = dot(own, own, [lead, base]);
-        // NaN counts too.
+        // Not a number counts.
         let counts = !square.lt(T::of(f64::MIN_POSITIVE));
         let inverse = T::select(counts, T::of(1.0) / square, zero);
         let length = T::select(counts, square.sqrt(), zero);
@@ -430,6 +445,7 @@ mod tests {
     use crate::engine::lanes::Lanes;
     use crate::engine::level::{Baseline, Known};
 
+    /// `X Xᵀ` of rows of numbers.
     fn square(rows: &[f64], count: usize) -> Vec<f64> {
         let width = rows.len() / count;
         (0..count * count).map(|at| along(rows, width, at / count, at % count, width)).collect()

@@ -28,6 +28,7 @@ pub struct UpdateResult<T: Number> {
     pub holds: T::Mask,
 }
 
+/// The belief that an update conditions, with the root of its covariance if it has one, and whether the step holds.
 pub(super) struct Target<'a, T: Number> {
     pub(super) design: &'a Design,
     pub(super) belief: &'a mut GaussianBelief<T>,
@@ -39,6 +40,7 @@ pub(super) struct Target<'a, T: Number> {
 pub(super) struct MeasuredReadings<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub(super) force: T,
+    /// A number for each sensor; NaN where it is missing.
     pub(super) measured: &'a [T],
     pub(super) variances: &'a [T],
 }
@@ -57,7 +59,9 @@ pub struct Update<T> {
     /// K, n × m.
     gain: Vec<T>,
     excess: Vec<T>,
+    /// Of an iterated EKF.
     descent: Option<Box<Descent<T>>>,
+    /// Of a filter whose beliefs are smoothed later.
     pub(super) passage: Option<Box<Passage<T>>>,
 }
 
@@ -173,7 +177,8 @@ impl<T: Number> Update<T> {
         result(level, belief, scores, measured, checks)
     }
 
-    /// `e = z - h(y⁻)`, `S = H P⁻ Hᵀ + R`; returns m. A sensor without a measurement in a lane has e = 0 and R = 1 without covariance.
+    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
+    /// information: e = 0, R = 1, without covariance.
     #[inline(always)]
     fn compare<L: Level, C: Count>(&mut self, level: L, count: C, observation: MeasuredReadings<'_, T>) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
@@ -209,6 +214,7 @@ impl<T: Number> Update<T> {
         number
     }
 
+    /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
     #[inline(always)]
     fn correct<L: Level, C: Count>(
         &mut self,
@@ -228,7 +234,8 @@ impl<T: Number> Update<T> {
         result(level, belief, scores, measured, checks)
     }
 
-    /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e`; returns NIS and det S.
+    /// `K = P⁻ Hᵀ S⁻¹` and `y = y⁻ + K e`. Returns NIS and det S.
+    ///
     /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
     #[inline(always)]
     fn weigh<L: Level, C: Count>(
@@ -245,7 +252,7 @@ impl<T: Number> Update<T> {
         let lower = &mut lower[..m * m];
         let (determinant, factored) = factor(lower, m);
         let cross = &expected.cross[..m * n];
-        // One by one: a page calls its browser to copy more than a few.
+        // One by one: a page would call its browser to copy more than a few.
         each!(level, 0, m * n, |i| gain[i] = cross[i]);
         divide(lower, m, gain, n);
         for row in 0..m {
@@ -260,8 +267,13 @@ impl<T: Number> Update<T> {
         [nis, determinant]
     }
 
-    /// `P⁺ = (I - K H) P (I - K H)ᵀ + K R Kᵀ` stays positive semidefinite even if sensors are far more precise than the belief.
-    /// Two updates of the sensors' rank: `M = P - K (P Hᵀ)ᵀ`, `P⁺ = M - (M Hᵀ - K R) Kᵀ`.
+    /// Replaces P by `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite even if sensors are far more
+    /// precise than the belief; written as two updates of the sensors' rank:
+    ///
+    /// ```text
+    /// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
+    /// ```
+    ///
     /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
     #[inline(always)]
     fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut GaussianBelief<T>) {
@@ -298,6 +310,7 @@ impl<T: Number> Update<T> {
         subtract_products(&mut belief.cov[..n * n], excess, gain, n, m);
     }
 
+    /// K, n × m, to be changed.
     pub(super) fn gain_mut(&mut self) -> &mut [T] {
         let m = self.active.len();
         let n = self.expected.size();
@@ -334,6 +347,7 @@ impl<T: Number> Update<T> {
         }
     }
 
+    /// S of a lane, and the innovation, of the sensors that measure in it.
     pub(super) fn of_lane(&self, lane: usize) -> (Vec<f64>, Vec<f64>) {
         let m = self.active.len();
         let cov = self.innovation_cov[..m * m].iter().map(|entry| entry.lane(lane)).collect();
@@ -378,10 +392,12 @@ fn without_readings<T: Number, L: Level>(level: L, target: &mut Target<'_, T>) -
     result(level, belief, [T::of(0.0), T::of(1.0)], T::of(0.0), checks)
 }
 
+/// Why a step does not hold.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Checks<M> {
-    /// Sigma points can be drawn, for the prediction and for the update.
+    /// Sigma points can be drawn for the prediction.
     pub(super) predicted: Rooted<M>,
+    /// Sigma points can be drawn for the update.
     pub(super) expected: Rooted<M>,
     pub(super) factored: M,
     pub(super) is_finite: M,
@@ -406,7 +422,7 @@ impl<M: Mask> Checks<M> {
         Self { is_likely: M::of(true), ..*self }.all()
     }
 
-    /// The first part that fails for a lane. `update` gives the lane's S, with its size, and the innovation.
+    /// The first part that does not hold for a lane. `update` gives S of that lane with its size, and the innovation.
     pub(super) fn reason(&self, lane: usize, update: &dyn Fn() -> (Vec<f64>, Vec<f64>)) -> FilterError {
         for rooted in [self.predicted, self.expected] {
             if !rooted.holds.lane(lane) {

@@ -6,6 +6,7 @@ use crate::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovations<'a, T> {
+    /// The place of each measurement's sensor among all sensors.
     pub(crate) sensors: &'a [usize],
     /// e, m numbers.
     pub(crate) innovation: &'a [T],
@@ -15,8 +16,11 @@ pub(crate) struct Innovations<'a, T> {
     pub(crate) variances: &'a [T],
 }
 
-/// For each measurement, the residual ε of the linearised sensor and the variance that the state's own uncertainty gives it:
-/// `ε = R S⁻¹ e`, `H P⁺ Hᵀ = R - R S⁻¹ R`
+/// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it.
+///
+/// ```text
+/// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
+/// ```
 #[derive(Clone, Debug)]
 pub(crate) struct Residuals<T> {
     each: Vec<[T; 2]>,
@@ -57,7 +61,7 @@ pub(crate) struct Weights<T> {
     pub(super) variances: Vec<T>,
     /// The weight of each sensor in the last update; NaN for a sensor without a measurement.
     pub(super) weights: Vec<T>,
-    /// Of each sensor: `e² / S` before any weight, and the usual one, from which the next sample begins.
+    /// Of each sensor: `e² / S` before any weight, and the usual one, which the next sample begins with.
     predicted: Vec<T>,
     pub(super) usual: Vec<T>,
     residuals: Residuals<T>,
@@ -81,7 +85,7 @@ impl<T: Number> Weights<T> {
         self.weights.fill(T::of(f64::NAN));
     }
 
-    /// In the first update each measurement counts as its R says. `variances` and `measured` have all sensors.
+    /// By the first update, in which each measurement counts as its R says. `variances` and `measured` are of all sensors.
     pub(crate) fn begin(&mut self, update: &Innovations<'_, T>, variances: &[T], measured: &[T]) {
         self.clear();
         self.measured.fill(T::of(f64::NAN));
@@ -98,7 +102,7 @@ impl<T: Number> Weights<T> {
         }
     }
 
-    /// Settled lanes keep their weights. `unweighed` is the diagonal of R of all sensors. Returns the lanes with a changed weight.
+    /// Settled lanes keep theirs. `unweighed` is the diagonal of R of all sensors. Returns the lanes with a changed weight.
     pub(crate) fn weigh(&mut self, update: &Innovations<'_, T>, unweighed: &[T], settled: T::Mask) -> T::Mask {
         let Self { rule, measured, variances, weights, predicted, usual, residuals } = self;
         let mut changed = T::Mask::of(false);

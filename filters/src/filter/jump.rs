@@ -1,23 +1,35 @@
 //! Widens a belief once if the innovations grow suddenly.
 
-/// Detects a sudden growth of a filter's innovations, and computes an addition to P.
-/// `s ← max(0, s + min(½ (NIS (1 - 1/ρ) / ℓ - m ln ρ), h/10))`, `ρ = 1.5`, `h = 20`
-/// `s > h`: `P⁻ ← P⁻ + a P₀` in the next prediction
-/// s is the cumulative sum of the log likelihood of m innovations a sample with the covariance ρ S against that with S. A consistent
-/// filter raises it above h at most once in e^h = 4.9e8 samples (56 days at 100 Hz). A sample adds a tenth of h at most, so that an
-/// outlier is no change. ℓ is the mean of NIS/m before, if that is above 1 by more than chance: a filter with too small R or Q does
-/// not jump over and over.
-/// P₀ is the initial covariance. Another change soon after a jump quadruples a, which is 1: P₀ was too small.
-/// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution; Willsky and
-/// Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in linear systems.
+/// Detects a sudden growth of a filter's innovations, and computes what to add to P.
+///
+/// ```text
+/// s ← max(0, s + min(½ (NIS (1 - 1/ρ) / ℓ - m ln ρ), h/10)),   ρ = 1.5,  h = 20
+/// s > h:  P⁻ ← P⁻ + a P₀ in the next prediction
+/// ```
+///
+/// s is the cumulative sum of the log likelihood of innovations with the covariance ρ S against that of innovations
+/// with S, of m measurements a sample. Innovations of a consistent filter raise it above h once in e^h = 4.9e8 samples
+/// or less often (56 days at 100 Hz). A sample raises it by a tenth of h at most, so that an outlier is no change. ℓ is
+/// the mean of NIS/m before, if that is above 1 by more than chance: a filter with too small R or Q from the beginning
+/// does not jump over and over.
+///
+/// P₀ is the initial covariance: the filter keeps its mean and gets its initial uncertainty. After a jump it has 50
+/// samples to learn before the next one can be found. Another one within 150 samples says that P₀ was too small: then
+/// a, which is 1, becomes four times what it was, twice the standard deviation.
+///
+/// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution
+/// (the time between false alarms); Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and
+/// estimation of jumps in linear systems (a wider P after a jump).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Jump {
     /// The diagonal of P₀, in the state's units squared.
     initial: Vec<f64>,
+    /// s
     sum: f64,
     /// The mean of NIS/m before, and the number of samples in that mean.
     level: f64,
     learnt: usize,
+    /// The samples until a change can be found.
     blind: usize,
     since: Option<usize>,
     /// a
@@ -42,15 +54,15 @@ const FIRST: usize = 200;
 /// The samples after a jump without a search for changes.
 const DEAD: usize = 50;
 
-/// Limits the samples between two jumps of which the first was too small.
+/// Two jumps within this many samples say that the first was too small.
 const SOON: usize = 150;
 
 const LARGEST_FACTOR: f64 = 4096.0;
 
-/// Limits the samples of the mean that is the level: later ones replace the first.
+/// Limits the samples that the level is a mean of: later ones replace the first.
 const LEVEL_SAMPLES: usize = 1000;
 
-/// The level begins as a mean of this many samples of 1.
+/// The samples of a level of 1 that the level begins with.
 const LEVEL_PRIOR: usize = 10;
 
 /// Limits the NIS of one sample in the level, in levels.
@@ -109,6 +121,7 @@ mod tests {
     use super::*;
     use crate::random::{Normal, Purpose};
 
+    /// The samples at which a filter with these squares of innovations, each of `m` measurements, jumps.
     fn jumps(count: usize, m: usize, seed: u64, size: impl Fn(usize) -> f64) -> Vec<usize> {
         let mut normal = Normal::new(seed, Purpose::Ensemble(0));
         let mut jump = Jump::new(vec![1.0]);

@@ -4,8 +4,9 @@
 //! Rᵢ ← Rᵢ / wᵢ,  wᵢ from the misfit of sensor i after the update; again until no weight changes
 //! ```
 //!
-//! A weight of zero, or near zero, leaves a sensor out. Each misfit is divided by the usual one of the sensor's last readings, where
-//! that is large: else a filter that is lost would take all readings for outliers. The registry below lists the rules.
+//! A weight of zero leaves a sensor out, as if it had measured nothing; a weight near zero is reported in the same way. Each misfit
+//! is divided by the usual one of the sensor's last readings, where that is large: otherwise a filter that is lost would take all
+//! readings for outliers. The registry below lists the rules.
 
 use crate::registry::{keyed, registry};
 
@@ -100,7 +101,11 @@ static HUBER: RobustInfo = RobustInfo {
 /// ν, the degrees of freedom: the fewer, the heavier the tails.
 const DEGREES: f64 = 4.0;
 
-/// The weight is the expected precision of a reading given the state, `w = (ν + 1) / (ν + (ε² + H P⁺ Hᵀ) / R)`.
+/// Each reading has its own precision, whose expectation given the state is the weight.
+///
+/// ```text
+/// w = (ν + 1) / (ν + (ε² + H P⁺ Hᵀ) / R)
+/// ```
 static STUDENT_T: RobustInfo = RobustInfo {
     key: "student_t",
     name: "Student-t",
@@ -120,8 +125,12 @@ const WIDER: f64 = 10.0;
 /// A reading with larger odds is left out.
 const MOST_ODDS: f64 = 1e6;
 
-/// The weight is the probability that a reading is good and no outlier, whose noise is λ = 10 times as wide:
-/// `w = 1 - P`, `P = π N(ε; 0, λ² R) / (π N(ε; 0, λ² R) + (1 - π) N(ε; 0, R))`, with `ε² + H P⁺ Hᵀ` in place of ε².
+/// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both is uncertain, and has a probability
+/// given the state. An outlier says next to nothing, so the weight is the probability that the reading is good.
+///
+/// ```text
+/// P = π N(ε; 0, λ² R) / (π N(ε; 0, λ² R) + (1 - π) N(ε; 0, R)),  w = 1 - P,  with ε² + H P⁺ Hᵀ in place of ε²
+/// ```
 static MIXTURE: RobustInfo = RobustInfo {
     key: "mixture",
     name: "good or outlier",
@@ -179,7 +188,7 @@ keyed!(Robust, also read);
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;
 
-/// The usual misfit moves by this share towards that of each reading, and not below the least level.
+/// The usual misfit goes by this share towards each reading's, and not below this level.
 const STEP: f64 = 0.2;
 const LEAST_LEVEL: f64 = 0.5;
 

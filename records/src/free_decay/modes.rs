@@ -199,7 +199,7 @@ impl<const N: usize> Fit<N> {
         Self { cost, numbers }
     }
 
-    /// What the model leaves of each reading.
+    /// The difference of each reading from the model.
     pub fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
         let rest = |[time, reading]: &[f64; 2]| reading - Self::at(&self.numbers, time - readings[0][0]).0;
         mapped(readings, &rest)

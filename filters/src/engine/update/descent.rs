@@ -1,6 +1,10 @@
-//! The update of the iterated EKF, a Gauss-Newton descent to the likeliest state: `yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ))`, `y₀ = y⁻`.
+//! The update of the iterated EKF: a Gauss-Newton descent to the most probable state.
 //!
-//! The reported innovation, S, NIS and likelihood are those of the first step, at y⁻; gain and covariance are those of the last.
+//! ```text
+//! yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ)),  y₀ = y⁻
+//! ```
+//!
+//! Innovation, S, NIS and likelihood that are reported are those of the first step, at y⁻; gain and covariance are those of the last.
 //!
 //! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal Estimation*, section
 //! 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
@@ -17,6 +21,7 @@ const CONVERGED: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub(super) struct Descent<T> {
     pub(super) prior: GaussianBelief<T>,
+    /// The state in which the sensors are linearised.
     pub(super) at: Vec<T>,
     /// Innovation, S and the factor of S of the first step.
     pub(super) first: [Vec<T>; 3],
@@ -34,6 +39,7 @@ impl<T: Number> Descent<T> {
         belief.copy_from(&self.prior);
     }
 
+    /// Whether no component has moved by more than 1e-6 of its standard deviation.
     pub(super) fn has_converged(&self, belief: &GaussianBelief<T>) -> bool {
         let n = belief.size();
         (0..n).all(|i| {
@@ -44,6 +50,7 @@ impl<T: Number> Descent<T> {
 }
 
 impl<T: Number> Update<T> {
+    /// The same, with further steps of an iterated EKF, and a note for the smoother.
     #[inline(never)]
     pub(super) fn descend<L: Level>(
         &mut self,
@@ -108,6 +115,9 @@ impl<T: Number> Update<T> {
         self.passage = Some(passage);
     }
 
+    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
+    ///
+    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
     fn condition_at<L: Level>(
         &mut self,
         level: L,
