@@ -4,6 +4,7 @@
 mod cases;
 mod columns;
 mod dialects;
+mod figures;
 #[cfg(unix)]
 mod files;
 mod fix;

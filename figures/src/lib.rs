@@ -13,5 +13,5 @@
 mod axes;
 mod svg;
 
-pub use axes::Axes;
+pub use axes::{Axes, marks};
 pub use svg::{Anchor, Color, Point, Style, Svg, Text, escaped};

@@ -1,8 +1,5 @@
 //! The statistics of many runs that differ in their seeds: other noise each time, or the members of a population.
 
-#[cfg(test)]
-mod tests;
-
 use std::ops::RangeInclusive;
 
 use kalmanscope_core::diagnostics::chi_squared;

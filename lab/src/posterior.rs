@@ -9,9 +9,6 @@
 //! filter's prediction of the motion alone.
 
 mod population;
-#[cfg(test)]
-mod tests;
-
 use std::sync::Arc;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
@@ -57,7 +54,8 @@ pub enum NoPosterior {
 /// Source: Del Moral, Doucet and Jasra (2006), Sequential Monte Carlo samplers; Neal (2001), Annealed importance sampling; ter Braak
 /// (2006), A Markov chain Monte Carlo version of the genetic algorithm differential evolution.
 pub struct Posterior {
-    target: Target,
+    /// The likelihood.
+    pub target: Target,
     population: Population,
     wanted: Vec<Vec<f64>>,
     known: Vec<f64>,
@@ -191,7 +189,7 @@ const LEAST_SHARE: f64 = 0.03;
 impl Solutions {
     /// `None` where the values are one group. Source: Otsu (1979), A threshold selection method from gray-level histograms; Ashman, Bird
     /// and Zepf (1994), Detecting bimodality in astronomical datasets, for the distance.
-    fn of(mut values: Vec<f64>) -> Option<Self> {
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
         sort_numbers(&mut values);
         let count = values.len();
         let total: f64 = values.iter().sum();
@@ -219,18 +217,24 @@ impl Solutions {
     }
 }
 
-struct Target {
+/// The likelihood of parameters, by the filter that takes them for known.
+pub struct Target {
     scenario: Scenario,
     record: Arc<Record>,
     channels: Vec<Channel>,
     belief: Vec<[f64; 2]>,
     bounds: Vec<[f64; 2]>,
     of_logarithms: bool,
-    threads: usize,
+    /// The number of threads that share the points.
+    pub threads: usize,
 }
 
 impl Target {
-    fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
+    /// The likelihood of the parameters that the filter at `place` of a scenario estimates.
+    ///
+    /// # Errors
+    /// [`NoPosterior`]
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
         Pass::new(scenario, place, record)?;
         let filter = scenario.filters[place].clone();
         let channels = parameters(&filter, &scenario.plant.kind);
@@ -282,8 +286,9 @@ impl Target {
         self.belief.iter().zip(&self.bounds).map(share).sum()
     }
 
-    /// ln p(z | θ) at some points, which threads share; -∞ where the filter cannot run, and beyond the ends.
-    fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
+    /// ln p(z | θ) at points in standard deviations from the mean of the initial belief; -∞ where the filter cannot run, and
+    /// beyond the bounds.
+    pub fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
         in_parts(points, self.threads, PIECE, |points| self.piece(points))
     }
 

@@ -351,6 +351,3 @@ impl<R: Deref<Target = Runner>> Task for CellTask<R> {
         self.row
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -328,6 +328,3 @@ impl Waiting {
         self.portions.insert((priority, self.last), portion);
     }
 }
-
-#[cfg(test)]
-mod tests;

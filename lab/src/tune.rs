@@ -321,9 +321,6 @@ impl Cost {
     }
 }
 
-#[cfg(test)]
-mod tests;
-
 /// The number that tuning optimises. In files it is the name of its measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Measure", into = "Measure")]

@@ -93,28 +93,3 @@ impl BuiltIn {
         Scenario::from_toml(self.toml)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::library::tests::files;
-
-    #[test]
-    fn each_file_is_in_the_list() {
-        for (folder, list) in [("scenarios", BUILT_IN), ("equations", EQUATIONS)] {
-            let mut built_in: Vec<&str> = list.iter().map(|scenario| scenario.file).collect();
-            built_in.sort_unstable();
-            assert_eq!(files(folder), built_in);
-        }
-    }
-
-    #[test]
-    fn each_built_in_scenario_can_be_read_and_has_a_description() {
-        for built_in in BUILT_IN.iter().chain(EQUATIONS) {
-            assert!(built_in.scenario().is_ok(), "{}: {:?}", built_in.title, built_in.scenario());
-            assert!(built_in.description().len() > 20, "{}: {}", built_in.title, built_in.description());
-        }
-        let of_core = BuiltIn::named("stiffness-loss").unwrap().scenario().unwrap();
-        assert_eq!(of_core, Scenario::default(), "the core's default is one of them");
-    }
-}

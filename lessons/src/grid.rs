@@ -117,36 +117,3 @@ impl GridCells {
         check_corners(scenario, &axes)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use kalmanscope_core::Channel;
-
-    use super::*;
-
-    #[test]
-    fn axes_of_too_few_or_too_many_values_are_refused() {
-        for text in ["x", "x=0:1:1", "x=0:1:257", "x=0:1:5:log"] {
-            assert_eq!(axis(text), Err(LessonError::Axis(text.to_owned())));
-        }
-    }
-
-    #[test]
-    fn a_grid_has_every_combination_once() {
-        let axes = ["filters.*.initial_mean.natural_frequency=5:7:3", "seed=1:2:2"].map(|text| axis(text).unwrap());
-        let cells = cells(&Scenario::default(), &axes).unwrap();
-        let of = |s: &Scenario| (s.filters[1].initial_mean[Channel::NATURAL_FREQUENCY], s.seed);
-        let found: Vec<_> = cells.iter().map(of).collect();
-        assert_eq!(found, [(5.0, 1), (5.0, 2), (6.0, 1), (6.0, 2), (7.0, 1), (7.0, 2)]);
-    }
-
-    #[test]
-    fn settings_that_are_missing_or_impossible_are_named() {
-        let error = |text: &str| check_corners(&Scenario::default(), &[axis(text).unwrap()]).unwrap_err().to_string();
-        assert_eq!(
-            error("filters.KF.fading=1:2:2"),
-            "the scenario has no number `filters.KF.fading` to vary; its filters are `EKF` and `UKF`"
-        );
-        assert!(error("filters.EKF.fading=0.5:2:9").contains("filters[0].fading"));
-    }
-}

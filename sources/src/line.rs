@@ -138,37 +138,3 @@ pub fn read_line(input: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<bool
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use std::io::BufReader;
-
-    use super::*;
-
-    #[test]
-    fn a_decimal_comma_stands_wherever_commas_divide_no_cells() {
-        for (text, mark) in
-            [("0,5;1e-2;-3", ';'), ("0,5\t1e-2\t-3", '\t'), ("0.5,1e-2,-3", ','), ("0.5 1e-2  -3\r\n", ' ')]
-        {
-            let Ok(StreamLine::Cells(cells, found)) = StreamLine::of(text.as_bytes(), None) else { panic!("{text}") };
-            let numbers: Vec<Option<f64>> = cells.iter().map(|cell| number(cell, found)).collect();
-            assert_eq!((found, numbers), (mark, vec![Some(0.5), Some(0.01), Some(-3.0)]), "{text}");
-        }
-        // Between blanks, a header says that the comma is none of the marks.
-        let Ok(StreamLine::Cells(cells, ' ')) = StreamLine::of(b"0,5 1,25", Some(' ')) else { panic!("blanks") };
-        assert_eq!(cells.iter().map(|cell| number(cell, ' ')).collect::<Vec<_>>(), [Some(0.5), Some(1.25)]);
-        assert_eq!(number("1,5", ','), None);
-    }
-
-    #[test]
-    fn lines_end_and_long_ones_are_cut() {
-        let text = format!("a\n\n{}\nb", "x".repeat(3 * LONGEST));
-        let mut input = BufReader::with_capacity(100, text.as_bytes());
-        let mut line = Vec::new();
-        let mut lengths = Vec::new();
-        while read_line(&mut input, &mut line).expect("it can be read") {
-            lengths.push(line.len());
-        }
-        assert_eq!(lengths, [1, 0, LONGEST + 1, 1]);
-    }
-}

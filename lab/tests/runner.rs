@@ -1,7 +1,15 @@
-use super::*;
-use crate::Plan;
+use std::sync::Arc;
+
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::{Axis, Channel, Diagnostics, FilterKind, Run, RunError};
+use kalmanscope_core::import::Mapping;
+use kalmanscope_core::scenario::Between;
+use kalmanscope_core::{
+    Axis, Channel, Diagnostics, FilterKind, Hold, PlantKind, Quantity, Run, RunError, Scenario, Sensor, Source, Task,
+    simulate,
+};
+use kalmanscope_diagnosis::Measure;
+use kalmanscope_lab::{CellRun, CellTask, Ensemble, EnsembleError, Plan, Runner};
+use kalmanscope_lanes::{LaneRun, serves};
 
 fn runner(axes: &[&str], measures: &[&str]) -> Runner {
     runner_of(Scenario { duration: 5.0, ..Scenario::default() }, axes, measures, 0)
@@ -56,7 +64,7 @@ fn per_degree(mean: &MeanSquare) -> f64 {
 }
 
 fn measured() -> Scenario {
-    let mut scenario = Scenario { duration: 5.0, hold: kalmanscope_core::Hold::First, ..Scenario::default() };
+    let mut scenario = Scenario { duration: 5.0, hold: Hold::First, ..Scenario::default() };
     scenario.filters.iter_mut().for_each(|filter| filter.augment = vec![Channel::INPUT_GAIN]);
     scenario
 }
@@ -64,7 +72,7 @@ fn measured() -> Scenario {
 #[test]
 fn rows_do_not_depend_on_their_order_or_on_those_beside_them_and_are_those_of_the_single_filter() {
     let mut duffing = Scenario { duration: 5.0, ..Scenario::default() };
-    duffing.set_plant(kalmanscope_core::PlantKind::DUFFING);
+    duffing.set_plant(PlantKind::DUFFING);
     let guess = |axis| ["seed=1:2:2", axis];
     let cases = [
         (
@@ -96,7 +104,7 @@ fn rows_do_not_depend_on_their_order_or_on_those_beside_them_and_are_those_of_th
     for (runner, limit) in cases {
         let (cells, width): (Vec<usize>, usize) = ((0..runner.ensemble().cells()).collect(), runner.ensemble().width());
         for CellRun { scenario, record } in runner.runs(&cells).iter().flatten() {
-            let is_served = |place| kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record });
+            let is_served = |place| serves(&LaneRun { scenario, place, record });
             assert!(is_served(0).unwrap() && is_served(1).unwrap());
         }
         let all = runner.rows(&cells);
@@ -127,7 +135,7 @@ fn cells_that_lanes_take_are_computed_together() {
     assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::NIS), 8);
     assert_eq!(at_once(measured(), Measure::VERDICT), 1);
     let mut bounded = measured();
-    let ends = kalmanscope_core::scenario::Between { least: Some(0.0), most: None };
+    let ends = Between { least: Some(0.0), most: None };
     bounded.filters[0].bounds.set(Channel::DAMPING_RATIO, ends);
     assert_eq!(at_once(bounded, Measure::NIS), 1);
     assert_eq!(at_once(alone(FilterKind::SR_UKF), Measure::NIS), 1);
@@ -164,8 +172,8 @@ fn a_given_record_stays_as_it_is() {
     let refused = runner("seed", &scenario).err().unwrap();
     assert!(refused.to_string().contains("`seed`"), "{refused}");
     let mut other = scenario;
-    other.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
-    other.add_sensor(kalmanscope_core::Sensor::new(kalmanscope_core::Quantity::ACCELERATION, 0.1));
+    other.remove_sensor(Quantity::VELOCITY);
+    other.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.1));
     let refused = runner("filters.EKF.process_std", &other).err().unwrap();
     assert!(matches!(refused, EnsembleError::Run(RunError::MissingSensor(_))));
 }
@@ -174,7 +182,7 @@ fn a_given_record_stays_as_it_is() {
 fn a_given_record_follows_the_gain_of_its_input() {
     let mapping = "file = \"a.csv\"\n[time]\nrate = 100.0\n[input]\ncolumn = \"u\"\ngain = 2.0\n";
     let mapping = format!("{mapping}[sensors.displacement]\ncolumn = \"x\"\n[sensors.velocity]\ncolumn = \"v\"\n");
-    let mapping = kalmanscope_core::import::Mapping::from_toml(&mapping).unwrap();
+    let mapping = Mapping::from_toml(&mapping).unwrap();
     let scenario = Scenario { duration: 5.0, ..Scenario::default() };
     let record = Arc::new(simulate(&scenario));
     let scenario = Scenario { record: Some(mapping), ..scenario };
@@ -230,7 +238,7 @@ fn a_cell_in_slices_has_the_row_of_one_in_one_go() {
 fn a_cell_of_a_large_particle_filter_or_of_a_hard_truth_is_interrupted() {
     let mut large = Scenario { duration: 1.0, ..Scenario::default() };
     (large.filters[1].kind, large.filters[1].ensemble_size) = (FilterKind::PF, 10_000);
-    let hard = include_str!("../../../tests/hostile/hard-truth.toml");
+    let hard = include_str!("../../tests/hostile/hard-truth.toml");
     let mut hard = Scenario { duration: 0.3, ..Scenario::from_toml(hard).unwrap() };
     hard.filters.insert(0, hard.filters[0].clone());
     hard.filters[0].name = "EKF".to_owned();

@@ -1,10 +1,8 @@
-use std::sync::Barrier;
+use std::sync::{Arc, Barrier, Mutex, mpsc};
 
 use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
-
-use super::*;
-use crate::{Ensemble, EnsembleRows, Plan};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Lost, Plan, Priority, Runner, Slice, Threads, WorkStep};
 
 fn runner() -> Arc<Runner> {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };

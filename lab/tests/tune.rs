@@ -1,5 +1,10 @@
-use super::*;
-use kalmanscope_core::{Channel, simulate};
+use std::sync::Arc;
+
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Channel, FilterKind, Quantity, Scenario, Signal, Task, simulate};
+use kalmanscope_diagnosis::VerdictKind;
+use kalmanscope_lab::EnsembleError;
+use kalmanscope_lab::tune::{Goal, TuneRemark, Tuned, Tuner};
 
 fn scenario(seed: u64) -> Scenario {
     let text = format!(
@@ -59,7 +64,7 @@ fn the_result_says_where_the_record_does_not_tell_a_setting() {
 #[test]
 fn the_likelihood_of_a_wrong_model_is_not_believed() {
     let mut scenario = scenario(3);
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, kalmanscope_core::Signal::Constant(6.0));
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.disturbance_std = 0.0;
     scenario.filters[0].input_delay = 12;
     let tuned = tune(scenario, axes()[..1].to_vec(), Goal::Likelihood);
@@ -99,10 +104,10 @@ fn values_that_are_known_to_be_good_are_where_the_search_begins() {
 fn the_band_of_a_noise_is_that_of_theory() {
     let mut scenario = scenario(6);
     scenario.plant.disturbance_std = 0.0;
-    scenario.plant.set(Channel::NATURAL_FREQUENCY, kalmanscope_core::Signal::Constant(6.0));
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let damping = scenario.plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
     let filter = &mut scenario.filters[0];
-    filter.kind = kalmanscope_core::FilterKind::KF;
+    filter.kind = FilterKind::KF;
     filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
     filter.initial_mean[Channel::DAMPING_RATIO] = damping;
     for channel in [Channel::DISPLACEMENT, Channel::VELOCITY] {

@@ -1,6 +1,9 @@
-use super::*;
-use crate::Runner;
-use kalmanscope_core::{FilterKind, Run, Source};
+use std::sync::Arc;
+
+use kalmanscope_core::scenario::Law;
+use kalmanscope_core::{Axis, Channel, FilterKind, Run, Scenario, Source, simulate};
+use kalmanscope_diagnosis::CAUSES;
+use kalmanscope_lab::{Ensemble, MonteCarlo, Plan, RunVerdicts, Runner, Slice};
 
 /// A linear filter that knows the true model: its theory is exact.
 fn scenario(noise: f64) -> Scenario {
@@ -81,7 +84,7 @@ fn times_are_no_more_than_the_samples() {
 fn a_population_is_counted() {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     scenario.filters.truncate(1);
-    let law = |text: &str| (text.to_owned(), kalmanscope_core::scenario::Law::Normal([0.05, 0.05]));
+    let law = |text: &str| (text.to_owned(), Law::Normal([0.05, 0.05]));
     scenario.draw.extend([law("plant.damping_ratio"), law("filters.1.initial_mean.damping_ratio")]);
     let seeds = 200;
     let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, RunVerdicts::Verdicts).unwrap();
@@ -114,12 +117,12 @@ fn a_population_is_counted() {
 #[test]
 fn guesses_are_drawn_over_a_given_record() {
     let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
-    let record = std::sync::Arc::new(kalmanscope_core::simulate(&scenario));
-    let law = kalmanscope_core::scenario::Law::LogUniform([3.0, 20.0]);
+    let record = Arc::new(simulate(&scenario));
+    let law = Law::LogUniform([3.0, 20.0]);
     scenario.draw.insert("filters.*.initial_mean.natural_frequency".to_owned(), law);
     let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0, 1], 12, 0, RunVerdicts::Not).unwrap();
-    let runner = Runner::new(ensemble, Source::Measured(std::sync::Arc::clone(&record))).unwrap();
-    assert!(runner.runs(&[0, 5, 11]).iter().flatten().all(|run| std::sync::Arc::ptr_eq(&run.record, &record)));
+    let runner = Runner::new(ensemble, Source::Measured(Arc::clone(&record))).unwrap();
+    assert!(runner.runs(&[0, 5, 11]).iter().flatten().all(|run| Arc::ptr_eq(&run.record, &record)));
     scenario.draw.insert("plant.damping_ratio".to_owned(), law);
     let ensemble = MonteCarlo::ensemble(scenario, vec![0], 12, 0, RunVerdicts::Not).unwrap();
     let error = Runner::new(ensemble, Source::Measured(record)).err().unwrap().to_string();
@@ -128,7 +131,7 @@ fn guesses_are_drawn_over_a_given_record() {
 
 #[test]
 fn first_causes_are_counted() {
-    let mut scenario = Scenario::from_toml(include_str!("../../../assets/populations/input-gain.toml")).unwrap();
+    let mut scenario = Scenario::from_toml(include_str!("../../assets/populations/input-gain.toml")).unwrap();
     scenario.duration = 30.0;
     scenario.number_filters();
     let ensemble = MonteCarlo::ensemble(scenario, vec![0], 3, 0, RunVerdicts::Causes).unwrap();

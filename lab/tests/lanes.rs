@@ -1,6 +1,8 @@
 //! Filters of the engine: every lane has the bits of a single number, at every instruction set, and the single filter's numbers
 //! to rounding.
 
+mod common;
+
 use std::path::Path;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
@@ -14,7 +16,7 @@ use kalmanscope_core::{
 };
 use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with, serves};
 
-use crate::common::{Draw, PLANTS, check, check_alone, ensemble, runs_of, truth};
+use common::{Draw, PLANTS, check, check_alone, ensemble, runs_of, truth};
 
 #[derive(Default)]
 struct Compared {
@@ -265,7 +267,7 @@ fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
 }
 
 fn gallery() -> Vec<(String, Scenario)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/equations");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let read = |path: std::path::PathBuf| {
         let scenario = Scenario::from_toml(&std::fs::read_to_string(&path).unwrap()).unwrap();

@@ -1,7 +1,7 @@
-use kalmanscope_core::filter::Normal;
-use kalmanscope_core::{Signal, Values, simulate};
-
-use super::*;
+use kalmanscope_core::filter::{Normal, Robust};
+use kalmanscope_core::scenario::Between;
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal, Task, Values, simulate};
+use kalmanscope_lab::posterior::{NoPosterior, Posterior, Sampled, Solutions, Target};
 
 fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     let mut scenario = Scenario { duration: 12.0, seed, ..Scenario::default() };
@@ -81,7 +81,7 @@ fn a_truth_from_the_initial_belief_has_any_rank_among_the_points() {
         for seed in 0..SEEDS {
             let mut scenario = Scenario { duration: 2.0, ..scenario(plant.clone(), FilterKind::UKF, 100 + seed) };
             let mut random = Normal::from_seed(seed);
-            for channel in parameters(&scenario.filters[0], &plant) {
+            for channel in plant.parameters() {
                 let filter = &mut scenario.filters[0];
                 filter.initial_std[channel] = 0.1 * filter.initial_mean[channel];
                 let truth = filter.initial_mean[channel] + filter.initial_std[channel] * random.sample();
@@ -158,7 +158,7 @@ fn bounds_are_those_of_the_posterior() {
         (set(&filter.initial_mean, 6.0, 0.0), set(&filter.initial_std, 0.02, 0.01));
     scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
     let free = sampled(&scenario);
-    let ends = kalmanscope_core::scenario::Between { least: Some(0.0), most: None };
+    let ends = Between { least: Some(0.0), most: None };
     scenario.filters[0].bounds.set(Channel::DAMPING_RATIO, ends);
     let points = sampled(&scenario);
     let values = |points: &Sampled| points.values(Channel::DAMPING_RATIO).unwrap();
@@ -167,7 +167,7 @@ fn bounds_are_those_of_the_posterior() {
     };
     assert!((0.2..0.95).contains(&share(&free)), "{}: the end must matter here", share(&free));
     assert_eq!(share(&points), 1.0);
-    let mut run = kalmanscope_core::Run::new(&scenario).unwrap();
+    let mut run = Run::new(&scenario).unwrap();
     run.finish();
     let told = &run.estimates()[0];
     let (last, place) = (told.len() - 1, told.place(Channel::DAMPING_RATIO).unwrap());
