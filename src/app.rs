@@ -7,7 +7,7 @@ mod lesson;
 pub mod link;
 mod panels;
 mod screen_state;
-mod standstill;
+mod stalled;
 pub mod state;
 mod window;
 
@@ -31,14 +31,14 @@ use crate::layout::ViewLayout;
 use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
+use crate::record_store::{RecordStore, StoredFile};
 use crate::request::{Request, ViewKind};
 use crate::ruler::{Ruler, RulerEnd};
+use crate::screen_text::ScreenText;
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Version, Wanted};
-use crate::shelf::{Shelf, ShelfFile};
 use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
-use crate::twin::Twin;
 use crate::views::view;
 use crate::visibility::Visibility;
 use crate::{keys, theme, views};
@@ -81,11 +81,11 @@ pub struct App {
     exporting: Option<Exporting>,
     figure_dialog: Option<FigureDialog>,
     choose: Option<Choose>,
-    shelf: Option<Box<dyn Shelf>>,
+    store: Option<Box<dyn RecordStore>>,
     sensors: Sensors,
     measure: Option<Measure>,
-    candidate: Option<ShelfFile>,
-    standstill: standstill::Standstill,
+    candidate: Option<StoredFile>,
+    stalled: stalled::StalledWorks,
     pub inbox: Inbox,
     page: String,
     embedded: bool,
@@ -135,11 +135,11 @@ impl App {
             exporting: None,
             figure_dialog: None,
             choose: None,
-            shelf: None,
+            store: None,
             sensors: Sensors::default(),
             measure: None,
             candidate: None,
-            standstill: standstill::Standstill::default(),
+            stalled: stalled::StalledWorks::default(),
             inbox: Inbox::default(),
             page: link::PAGE.unwrap_or_default().to_owned(),
             embedded: false,
@@ -226,9 +226,9 @@ impl App {
         })
     }
 
-    pub fn twin(&self) -> Twin {
+    pub fn screen_text(&self) -> ScreenText {
         let Self { session, visible, axis, layout, .. } = self;
-        Twin::new(session, visible, axis, layout, self.notice())
+        ScreenText::new(session, visible, axis, layout, self.notice())
     }
 }
 
@@ -266,7 +266,7 @@ impl eframe::App for App {
         self.session.advance(elapsed);
         self.follow_import(ctx);
         self.follow_laboratory(ctx);
-        self.follow_standstill(ctx);
+        self.follow_stalled(ctx);
         let Self { session, importing, .. } = self;
         session.ask_for_frame(ctx);
         if session.is_before_behind()

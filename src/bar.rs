@@ -6,7 +6,7 @@ use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 use crate::export;
 use crate::layout::ViewLayout;
 use crate::menu::{Closing, entry_ui, menu_ui};
-use crate::probe;
+use crate::probe::{self, Remembered as _};
 use crate::request::{Arrangement, Request, Tabs, VIEWS, ViewKind};
 use crate::session::Session;
 use crate::theme::{self, Palette};
@@ -22,6 +22,13 @@ const SKETCH: egui::Vec2 = egui::vec2(54.0, 20.0);
 
 const FORGET: &str = "Remove the record’s file from this device: it will not be here next time";
 
+/// The ways through the changes of settings.
+#[derive(Clone, Copy)]
+pub(crate) struct History {
+    pub(crate) has_undo: bool,
+    pub(crate) has_redo: bool,
+}
+
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a ViewLayout,
@@ -29,7 +36,7 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
-    pub(crate) history: (bool, bool),
+    pub(crate) history: History,
     pub(crate) measures: bool,
 }
 
@@ -40,9 +47,7 @@ impl Bar<'_> {
             // Text without a frame, as in other programs' bars of menus.
             ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
-            let toggle = named(toggle, "Settings");
-            probe::remember(ui.ctx(), "Settings", toggle.rect);
-            if toggle.clicked() {
+            if named(toggle, "Settings").remembered("Settings").clicked() {
                 requests.push(Request::ToggleControls);
             }
             let is_roomy = ui.max_rect().width() > ROOMY;
@@ -76,8 +81,7 @@ impl Bar<'_> {
 
 fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool {
     let button = ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)");
-    let button = named(button, "Open a file");
-    probe::remember(ui.ctx(), "Open a file", button.rect);
+    let button = named(button, "Open a file").remembered("Open a file");
     if button.clicked() {
         requests.push(Request::ChooseFile);
     }
@@ -92,8 +96,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
         if measures {
             let hint = "Record something that swings or rings with the sensors of this device";
             let button = ui.button("Measure with this device…").on_hover_text(hint);
-            probe::remember(ui.ctx(), "Measure with this device…", button.rect);
-            if button.clicked() {
+            if button.remembered("Measure with this device…").clicked() {
                 requests.push(Request::Measure);
                 ui.close();
             }
@@ -144,8 +147,7 @@ fn views_menu_ui(ui: &mut Ui, layout: &ViewLayout, requests: &mut Vec<Request>) 
                     sketch(tabs[0]).paint(ui.painter(), rect, &Palette::of(ui.ctx().theme()));
                     ui.checkbox(&mut !of_view.is_empty(), *name)
                 });
-                let checkbox = row.inner;
-                probe::remember(ui.ctx(), name, checkbox.rect);
+                let checkbox = row.inner.remembered(name);
                 if checkbox.changed() {
                     let toggled = if of_view.is_empty() { &tabs[..1] } else { &of_view };
                     requests.extend(toggled.iter().map(|kind| Request::ToggleView(*kind)));
@@ -181,9 +183,10 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
     probe::remember(ui.ctx(), "More", button.rect);
 }
 
-pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
-    let undo = ("↶", "Undo", "Ctrl+Z", undo, Request::Undo);
-    for (icon, name, key, possible, request) in [undo, ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)] {
+pub(crate) fn history_ui(ui: &mut Ui, history: History, requests: &mut Vec<Request>) {
+    let undo = ("↶", "Undo", "Ctrl+Z", history.has_undo, Request::Undo);
+    let redo = ("↷", "Redo", "Ctrl+Shift+Z", history.has_redo, Request::Redo);
+    for (icon, name, key, possible, request) in [undo, redo] {
         let button = ui.add_enabled(possible, Button::new(RichText::new(icon).size(15.0)));
         let button = named(button.on_hover_text(format!("{name} the last change of a setting ({key})")), name);
         if button.clicked() {

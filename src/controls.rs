@@ -1,7 +1,7 @@
 //! The controls of the settings: each says which setting it changes.
 
 pub(crate) mod filter;
-mod lit;
+mod highlight;
 pub(crate) mod named;
 pub mod number;
 mod options;
@@ -71,7 +71,7 @@ pub fn controls_ui(
     lit: Vec<String>,
 ) -> Vec<PanelRequest> {
     let scenario = edits.scenario;
-    lit::light(ui, lit, scenario);
+    highlight::set(ui, lit, scenario);
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if ui
@@ -108,7 +108,7 @@ pub fn controls_ui(
             return;
         }
         section_ui(ui, "Truth", true, |ui| plant::plant_ui(ui, edits, &mut asked));
-        section_ui(ui, "Force", true, |ui| lit::lit_ui(ui, "force", |ui| record::force_ui(ui, edits)));
+        section_ui(ui, "Force", true, |ui| highlight::highlight_ui(ui, "force", |ui| record::force_ui(ui, edits)));
         section_ui(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, edits));
         section_ui(ui, "Record", false, |ui| record::general_ui(ui, edits));
         ui.add_space(12.0);

@@ -1,7 +1,7 @@
 //! The equation of a plant: printed over its picture and in the settings, and edited in its own window.
 
 mod editor;
-mod near;
+mod similar;
 
 use std::sync::LazyLock;
 

@@ -14,13 +14,14 @@ use crate::figure::Figure;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::ViewLayout;
+use crate::menu;
 use crate::menu::Closing;
+use crate::probe::Remembered as _;
 use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
 use crate::team::{Lost, Priority, RunningTask};
 use crate::view::ViewContext;
 use crate::widgets::named;
-use crate::{menu, probe};
 
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
@@ -212,9 +213,7 @@ pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &ViewLayout, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         let mut entry = |ui: &mut Ui, (request, name, hint): (Request, &str, &str)| {
-            let button = ui.button(name).on_hover_text(hint);
-            probe::remember(ui.ctx(), name, button.rect);
-            if button.clicked() {
+            if ui.button(name).on_hover_text(hint).remembered(name).clicked() {
                 requests.push(request);
                 ui.close();
             }
@@ -234,11 +233,10 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &ViewLayout, requests: 
                 entry(ui, as_request(one));
             }
         });
-        probe::remember(ui.ctx(), "Data…", data.response.rect);
+        data.response.remembered("Data…");
         entry(ui, as_request(SESSION));
     });
-    let button = named(button, "Export");
-    probe::remember(ui.ctx(), "Export", button.rect);
+    let button = named(button, "Export").remembered("Export");
     let popup = Popup::default_response_id(&button);
     ui.data_mut(|data| data.insert_temp(popup_key(), popup));
 }

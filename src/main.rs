@@ -22,7 +22,7 @@ mod web {
     mod microphone;
     mod motion;
     mod object;
-    mod shelf;
+    mod record_store;
     mod tables;
     mod workers;
 
@@ -152,7 +152,7 @@ mod web {
             let team = workers::team(address::allows_software_graphics(&address), &creation.egui_ctx);
             app = app.choosing(choose).working_with(team);
             if !embedded {
-                app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
+                app = app.keeping_records(Box::new(record_store::Browser), &creation.egui_ctx);
                 app = app.measuring_with(sensors(&creation.egui_ctx));
             }
             if is_match("(pointer: coarse)") {

@@ -16,11 +16,11 @@ macro_rules! of_device {
     };
 }
 
+mod accelerometer;
 mod health;
 mod live;
 mod sound;
 mod stream;
-mod swing;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,11 +28,11 @@ use std::time::Duration;
 use egui::{Align2, Button, Context, Key, Label, RichText, Ui, Vec2, Window};
 use kalmanscope_core::{Record, Scenario};
 
+use accelerometer::Accelerometer;
 use sound::Listener;
 use stream::Stream;
-use swing::Swing;
 
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::{RawFile, Request};
 use crate::sensor::Sensors;
 use crate::text::sentence;
@@ -106,7 +106,7 @@ enum MeasureStage {
 impl Measure {
     pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
         let Sensors { accelerometer, microphone, stream } = sensors.clone();
-        let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
+        let swing = accelerometer.map(|device| Box::new(Accelerometer::new(device)) as Box<dyn Instrument>);
         let listener = microphone.map(|device| Box::new(Listener::new(device)) as Box<dyn Instrument>);
         let stream = stream.map(|(device, scenario)| Box::new(Stream::new(device, &scenario)) as Box<dyn Instrument>);
         let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).collect();
@@ -221,8 +221,7 @@ impl Measure {
                 let [stop, close] = buttons_ui(ui, [instrument.words().ending, "Cancel"], palette);
                 instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
                 if instrument.watched().is_some() {
-                    let watch = ui.button("Watch the filters");
-                    probe::remember(ui.ctx(), "Watch the filters", watch.rect);
+                    let watch = ui.button("Watch the filters").remembered("Watch the filters");
                     self.is_watched |= watch.clicked();
                 }
                 if stop { self.stop(requests) } else { !close }
@@ -244,8 +243,9 @@ impl Measure {
         }
         ui.horizontal_wrapped(|ui| {
             for (place, instrument) in self.instruments.iter().enumerate() {
-                let choice = ui.selectable_value(&mut self.chosen, place, instrument.words().name);
-                probe::remember(ui.ctx(), instrument.words().name, choice.rect);
+                let choice = ui
+                    .selectable_value(&mut self.chosen, place, instrument.words().name)
+                    .remembered(instrument.words().name);
             }
         });
         ui.add_space(4.0);
@@ -271,8 +271,7 @@ fn buttons_ui(ui: &mut Ui, texts: [&str; 2], palette: &Palette) -> [bool; 2] {
 
 fn two_buttons_ui(ui: &mut Ui, [first, second]: [&str; 2], palette: &Palette) -> [bool; 2] {
     [(first, primary(first, palette)), (second, Button::new(second))].map(|(text, button)| {
-        let button = ui.add(button);
-        probe::remember(ui.ctx(), text, button.rect);
+        let button = ui.add(button).remembered(text);
         button.clicked()
     })
 }

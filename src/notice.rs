@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::Request;
 use crate::theme::Palette;
 use crate::widgets::named;
@@ -35,11 +35,11 @@ impl Notice {
         Self { sentence: format!("{} {more}", self.sentence).trim().to_owned(), since: None, ..self }
     }
 
-    pub(crate) fn of_standstill(sentence: String) -> Self {
+    pub(crate) fn of_stalled_work(sentence: String) -> Self {
         Self { button: Some(("Stop", Request::Leave)), ..Self::from(sentence) }
     }
 
-    pub(crate) fn is_of_standstill(&self) -> bool {
+    pub(crate) fn is_of_stalled_work(&self) -> bool {
         self.button.as_ref().is_some_and(|(_, request)| *request == Request::Leave)
     }
 
@@ -81,8 +81,7 @@ pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &P
                     ui.add(Label::new(text).wrap());
                 });
                 if let Some((text, request)) = &notice.button {
-                    let button = ui.button(*text);
-                    probe::remember(ui.ctx(), text, button.rect);
+                    let button = ui.button(*text).remembered(text);
                     requests.extend(button.clicked().then(|| request.clone()));
                 }
                 let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));

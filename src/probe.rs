@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Context, Id, Rect};
+use egui::{Context, Id, Rect, Response};
 
 /// Each control's position \[points\] and the frame in which it was drawn.
 type Places = BTreeMap<String, (u64, Rect)>;
@@ -20,6 +20,17 @@ pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
             None => _ = places.insert(name.to_owned(), (frame, rect)),
         }
     });
+}
+
+pub(crate) trait Remembered {
+    fn remembered(self, name: &str) -> Self;
+}
+
+impl Remembered for Response {
+    fn remembered(self, name: &str) -> Self {
+        remember(&self.ctx, name, self.rect);
+        self
+    }
 }
 
 pub fn place(ctx: &Context, name: &str) -> Option<Rect> {

@@ -2,8 +2,8 @@
 
 mod before;
 mod computing;
+mod diagnosing;
 mod free_runs;
-mod judging;
 mod library;
 mod live;
 mod long_filters;
@@ -11,20 +11,20 @@ mod playback;
 mod spectrogram;
 #[cfg(test)]
 mod tests;
-mod trying;
+mod trials;
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use diagnosing::{Hand, LiveVerdicts};
 use free_runs::FreeRuns;
-use judging::{Hand, LiveVerdicts};
 use kalmanscope_core::{Diagnostics, Estimates, Evidence, Quantity, Run, RunError, Scenario, Source};
 use kalmanscope_diagnosis::{Hindsight, Job, Study};
 use long_filters::LongFilters;
 use serde::{Deserialize, Serialize};
 use spectrogram::Spectrograms;
-use trying::Trying;
+use trials::Trials;
 
 use crate::team::{Frames, Team};
 
@@ -34,7 +34,7 @@ pub use free_runs::ModelTime;
 pub use kalmanscope_diagnosis::{Bound, Wanted};
 pub(crate) use library::is_same;
 pub use library::{Library, RecordFile, name_of};
-pub use trying::Attempt;
+pub use trials::Attempt;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
@@ -79,7 +79,7 @@ pub struct Session {
     /// Real time since the last edit \[s\].
     since_edit: f64,
     hand: Hand,
-    trying: Trying,
+    trials: Trials,
     library: Library,
     free: FreeRuns,
     spectrograms: Spectrograms,
@@ -140,7 +140,7 @@ impl Session {
             other: None,
             since_edit: f64::INFINITY,
             hand: Hand::default(),
-            trying: Trying::default(),
+            trials: Trials::default(),
             library,
             free: FreeRuns::default(),
             spectrograms: Spectrograms::default(),

@@ -1,7 +1,7 @@
 //! A team does tasks beside the frames: the threads of the desktop, or the workers of a page. The frames do
 //! the rest.
 
-mod relay;
+mod dispatch;
 mod running;
 
 use std::fmt;
@@ -17,8 +17,8 @@ use kalmanscope_lab::{CellTask, Runner, Threads, WorkParts, WorkStep, WorkToken}
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
+pub use dispatch::Dispatch;
 pub use kalmanscope_lab::{Lost, Priority, Report};
-pub use relay::Relay;
 pub use running::RunningTask;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);

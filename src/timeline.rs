@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use egui::{Align2, Color32, FontId, Rangef, Rect, Response, Shape, Slider, Stroke, Ui, lerp, pos2, vec2};
 use kalmanscope_core::{Scenario, Signal};
 
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::Request;
 use crate::ruler::{Ruler, RulerEnd};
 use crate::session::Session;
@@ -54,8 +54,8 @@ pub(crate) fn track_ui(
     ui.spacing_mut().interact_size.y = HEIGHT;
     let events = events(session, ruler, palette);
     let ground = ui.painter().add(Shape::Noop);
-    let slider = named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time");
-    probe::remember(ui.ctx(), "Time", slider.rect);
+    let slider =
+        named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time").remembered("Time");
     let track = TimelineTrack::new(&slider, start..=start + session.end());
     let shapes = events.iter().flat_map(|event| track.shapes(ui, event)).collect();
     ui.painter().set(ground, Shape::Vec(shapes));

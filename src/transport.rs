@@ -2,8 +2,8 @@
 
 use egui::{Align, Button, ComboBox, DragValue, Layout, Rect, RichText, Ui, vec2};
 
-use crate::bar::history_ui;
-use crate::probe;
+use crate::bar::{History, history_ui};
+use crate::probe::Remembered as _;
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
@@ -26,7 +26,7 @@ pub(crate) struct Transport<'a> {
     pub(crate) narrow: bool,
     pub(crate) extent: TransportExtent,
     pub(crate) embedded: bool,
-    pub(crate) history: (bool, bool),
+    pub(crate) history: History,
 }
 
 impl Transport<'_> {
@@ -85,8 +85,7 @@ fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
         let possible = mode == Mode::Live || session.can_be_whole();
         let too_long = format!("Too long to be recomputed at once: more than {} times Δt", Session::LONGEST_WHOLE);
         let button = ui.add_enabled(possible, button).on_hover_text(hint).on_disabled_hover_text(too_long);
-        probe::remember(ui.ctx(), text, button.rect);
-        if button.clicked() {
+        if button.remembered(text).clicked() {
             requests.push(Request::SetMode(mode));
         }
     }
@@ -94,8 +93,7 @@ fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
 
 fn button_ui(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
-    let response = named(hover_text(ui.add(button), &|| format!("{name} ({key})")), name);
-    probe::remember(ui.ctx(), name, response.rect);
+    let response = named(hover_text(ui.add(button), &|| format!("{name} ({key})")), name).remembered(name);
     response.clicked()
 }
 
@@ -129,8 +127,7 @@ const BAR: f32 = 2.0;
 
 fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let button = ui.button("Explore").on_hover_text("This picture in the whole explorer, in a page of its own");
-    probe::remember(ui.ctx(), "Explore", button.rect);
-    if button.clicked() {
+    if button.remembered("Explore").clicked() {
         requests.push(Request::OpenOutside);
     }
 }

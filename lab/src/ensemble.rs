@@ -229,7 +229,14 @@ impl Ensemble {
     /// The cells in the best order for a picture, which covers the grid evenly at every moment: first every cell at places that are
     /// multiples of the widest stride, then those of half the stride, down to 1.
     pub fn coarse_to_fine(&self) -> Vec<usize> {
-        coarse_to_fine(&self.counts())
+        let (counts, mut order, mut stride) = (self.counts(), Vec::with_capacity(self.cells()), widest(&self.counts()));
+        let is_on = |cell: usize, stride: usize| stand_in(&counts, cell, stride) == cell;
+        order.extend((0..self.cells()).filter(|&cell| is_on(cell, stride)));
+        while stride > 1 {
+            stride /= 2;
+            order.extend((0..self.cells()).filter(|&cell| is_on(cell, stride) && !is_on(cell, 2 * stride)));
+        }
+        order
     }
 
     pub(crate) fn record_of(&self, cell: usize) -> usize {
@@ -360,20 +367,6 @@ fn stride(channels: &[Channel]) -> usize {
     2 + 2 * channels.len()
 }
 
-/// The order covers the grid evenly at every moment: places that are multiples of the widest stride, of half the stride, down to 1.
-pub(crate) fn coarse_to_fine(counts: &[usize]) -> Vec<usize> {
-    let all: usize = counts.iter().product();
-    let mut order = Vec::with_capacity(all);
-    let mut stride = widest(counts);
-    let mut before = None;
-    while stride > 0 {
-        visit(counts, stride, before, 0, 0, true, &mut order);
-        before = Some(stride);
-        stride /= 2;
-    }
-    order
-}
-
 pub(crate) fn widest(counts: &[usize]) -> usize {
     let longest = counts.iter().copied().max().unwrap_or(1).max(1);
     let stride = longest.div_ceil(8).next_power_of_two();
@@ -390,25 +383,4 @@ pub(crate) fn stand_in(counts: &[usize], cell: usize, stride: usize) -> usize {
         scale *= count;
     }
     found
-}
-
-fn visit(
-    counts: &[usize],
-    stride: usize,
-    before: Option<usize>,
-    axis: usize,
-    cell: usize,
-    is_old: bool,
-    order: &mut Vec<usize>,
-) {
-    let Some(&count) = counts.get(axis) else {
-        if !(is_old && before.is_some()) {
-            order.push(cell);
-        }
-        return;
-    };
-    for place in (0..count).step_by(stride) {
-        let old = is_old && before.is_some_and(|before| place % before == 0);
-        visit(counts, stride, before, axis + 1, cell * count + place, old, order);
-    }
 }

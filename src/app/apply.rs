@@ -101,7 +101,7 @@ impl App {
             Request::ToggleKeys => self.keys_open = !self.keys_open,
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,
-            Request::Leave if self.standstill.first().is_some() => self.stop_standing_still(),
+            Request::Leave if self.stalled.first().is_some() => self.stop_stalled(),
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
                     || self.exporting.take().is_some()

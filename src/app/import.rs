@@ -13,10 +13,10 @@ use crate::inbox::Arrival;
 use crate::layout::ViewLayout;
 use crate::measure::{Measure, News};
 use crate::notice::Notice;
+use crate::record_store::{RecordStore, StoredFile};
 use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
 use crate::session::{Mode, name_of};
-use crate::shelf::{Shelf, ShelfFile};
 use crate::text::sentence;
 use crate::theme::Palette;
 
@@ -27,18 +27,18 @@ const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind
 impl App {
     pub(super) fn import(&mut self, RawFile { name, bytes, is_measured }: RawFile) {
         self.inviting = false;
-        self.candidate = self.shelf.is_some().then(|| ShelfFile::of(&name, &bytes)).flatten();
+        self.candidate = self.store.is_some().then(|| StoredFile::of(&name, &bytes)).flatten();
         let at_once = is_measured || self.width < NARROW;
         self.importing = Some(Import::new(&name, bytes, at_once, Rc::clone(self.session.team())));
     }
 
     #[must_use]
-    pub fn keeping_records(mut self, shelf: Box<dyn Shelf>, ctx: &Context) -> Self {
+    pub fn keeping_records(mut self, store: Box<dyn RecordStore>, ctx: &Context) -> Self {
         let mapping = self.session.scenario().record.as_ref();
         if mapping.is_some_and(|mapping| self.session.library().file(mapping).is_none()) {
-            shelf.fetch(ctx, &self.inbox);
+            store.fetch(ctx, &self.inbox);
         }
-        self.shelf = Some(shelf);
+        self.store = Some(store);
         self
     }
 
@@ -91,27 +91,27 @@ impl App {
         self.measure = None;
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));
         if let Some(bytes) = self.session.end_live(MEASURED).filter(|_| !is_imported) {
-            self.candidate = self.shelf.is_some().then(|| ShelfFile::of(MEASURED, &bytes)).flatten();
+            self.candidate = self.store.is_some().then(|| StoredFile::of(MEASURED, &bytes)).flatten();
             self.shelve(ctx);
         }
     }
 
     pub(super) fn forget_record(&self, ctx: &Context) {
-        if let Some(shelf) = &self.shelf {
+        if let Some(store) = &self.store {
             let forgotten = |_: &str| "This record will not be here next time.".to_owned();
             let failed = |reason: &str| format!("The record could not be forgotten: {reason}.");
-            shelf.forget(self.inbox.done(ctx, forgotten, failed));
+            store.forget(self.inbox.done(ctx, forgotten, failed));
         }
     }
 
     fn shelve(&mut self, ctx: &Context) {
-        let (Some(shelf), Some(file)) = (&self.shelf, self.candidate.take()) else { return };
+        let (Some(store), Some(file)) = (&self.store, self.candidate.take()) else { return };
         let (name, inbox, ctx) = (file.name.clone(), self.inbox.clone(), ctx.clone());
         let done = move |end: Result<String, String>| {
             let failed = |reason: String| Arrival::Failure(format!("“{name}” will not be here next time: {reason}."));
             inbox.put(end.map_or_else(failed, |_| Arrival::Shelved(name.clone())), &ctx);
         };
-        shelf.keep(&file.name, file.bytes, Arc::new(done));
+        store.keep(&file.name, file.bytes, Arc::new(done));
     }
 
     pub(super) fn change_columns(&mut self) {

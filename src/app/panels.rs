@@ -4,7 +4,7 @@ use egui::{Align, Frame, Layout, Panel, RichText, Ui};
 use kalmanscope_core::setting::Change;
 
 use super::App;
-use crate::bar;
+use crate::bar::{self, History};
 use crate::controls::{Edits, PanelRequest, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
@@ -27,7 +27,7 @@ impl App {
         ui: &mut Ui,
         frame: Frame,
         palette: &Palette,
-        (drawer, history): (Option<f32>, (bool, bool)),
+        (drawer, history): (Option<f32>, History),
     ) {
         let Self { session, tutor, requests, width, drawers, all_settings, story, inviting, .. } = self;
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));

@@ -3,12 +3,12 @@
 use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
 
 use super::App;
-use crate::bar::Bar;
+use crate::bar::{Bar, History};
 use crate::legend::{Legend, LegendExtent};
 use crate::notice;
 use crate::panes::{PaneArrangement, panes_ui};
-use crate::reading::{self, RulerReading};
 use crate::request::Request;
+use crate::ruler_table::{self, RulerReading};
 use crate::story;
 use crate::theme::{self, Palette};
 use crate::transport::{Transport, TransportExtent};
@@ -66,7 +66,7 @@ impl App {
         let extent = self.transport(narrow);
         let Self { session, layout, catalogue, presenting, embedded, requests, history, sensors, .. } = self;
         let now = session.version();
-        let history = (history.has_undo(&now), history.has_redo(&now));
+        let history = History { has_undo: history.has_undo(&now), has_redo: history.has_redo(&now) };
         let (presenting, embedded) = (*presenting, *embedded);
         let measures = !sensors.is_empty();
         let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history, measures };
@@ -151,7 +151,7 @@ impl App {
         ui: &mut Ui,
         frame: Frame,
         palette: &Palette,
-        (narrow, extent, history): (bool, TransportExtent, (bool, bool)),
+        (narrow, extent, history): (bool, TransportExtent, History),
     ) {
         // There is nothing to play where the record is missing.
         if extent == TransportExtent::Nothing || self.session.missing_record().is_some() {
@@ -197,7 +197,7 @@ impl App {
             }
         });
         if let Some(reading) = RulerReading::of(ruler, session, visible, palette) {
-            reading::table_ui(ui.ctx(), &reading, requests);
+            ruler_table::table_ui(ui.ctx(), &reading, requests);
         }
     }
 }

@@ -9,7 +9,7 @@ use kalmanscope_core::setting::{
 use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, Scenario};
 
 use super::Edits;
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::number::{Named, REMARK, field_ui, std_field_ui, tell_hertz};
 use super::options::options_ui;
 use super::row::{filter_row_ui, list_ui};
@@ -36,7 +36,7 @@ pub(super) fn filter_section_ui(ui: &mut Ui, edits: &mut Edits<'_>, place: usize
             if open {
                 ui.label(name);
             } else {
-                lit_ui(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
+                highlight_ui(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 kind_ui(ui, filter, place, &others, edits);
@@ -65,7 +65,7 @@ pub(super) fn filter_section_ui(ui: &mut Ui, edits: &mut Edits<'_>, place: usize
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            lit_ui(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others, edits));
+            highlight_ui(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others, edits));
             ui.add_space(6.0);
         });
     if duplicate {
@@ -101,7 +101,7 @@ fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         });
     };
     let [walk, jump, scales] = CHANGES.map(|(row, ..)| filter.address(row.key));
-    lit_ui(ui, &walk, |ui| lit_ui(ui, &jump, |ui| lit_ui(ui, &scales, |ui| list(ui))));
+    highlight_ui(ui, &walk, |ui| highlight_ui(ui, &jump, |ui| highlight_ui(ui, &scales, |ui| list(ui))));
     let row_of = |place: Option<usize>| place.and_then(|at| CHANGES.get(at));
     if chosen != now {
         let none = row_of(now).map(|(row, ..)| (row, (row.get)(&off)));
@@ -245,7 +245,7 @@ fn entry_ui(ui: &mut Ui, filter: &FilterSettings, table: &TableInfo, entry: Entr
     let name = Named { text: &text, key: &key };
     let Some(before) = table.get(filter, entry, &edits.scenario.sensors) else { return };
     let mut number = before;
-    lit_ui(ui, &key, |ui| {
+    highlight_ui(ui, &key, |ui| {
         if table.factor.is_some() {
             std_field_ui(ui, &mut number, table.allowed.least(), scale, name, table.hint);
         } else {

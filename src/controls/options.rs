@@ -9,7 +9,7 @@ use kalmanscope_core::setting::{CHOICES_OF_FILTER, CORRELATION_TIME, Entry, SENS
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Scenario};
 
 use super::Edits;
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::row::{choice_row_ui, filter_row_ui, list_ui};
 use crate::text::significant;
 use crate::widgets::named;
@@ -32,7 +32,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
                 let (name, key) = (format!("{} {}", filter.name, info.name), filter.address(info.key));
-                lit_ui(ui, &key, |ui| choice_row_ui(ui, info, (filter, &key), &name, edits));
+                highlight_ui(ui, &key, |ui| choice_row_ui(ui, info, (filter, &key), &name, edits));
             }
         }
         for info in options() {
@@ -180,7 +180,7 @@ fn times_ui(
     let set = set.map(|(symbol, time)| format!("{symbol} {} s", significant(time, 3)));
     let (name, summary) = (&filter.name, listed(set, "none"));
     let scenario = edits.scenario;
-    lit_ui(ui, &filter.address(table.key), |ui| {
+    highlight_ui(ui, &filter.address(table.key), |ui| {
         list_ui(ui, (label, table.hint), &summary, &format!("{name} {label}"), OUTSIDE, &mut |ui| {
             for &entry in entries {
                 let before = table.get(filter, entry, &scenario.sensors).unwrap_or(0.0);
@@ -218,7 +218,7 @@ fn plucks_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
         [one] => format!("at {} s", significant(one, 4)),
         _ => format!("{} times", times.len()),
     };
-    lit_ui(ui, &address, |ui| {
+    highlight_ui(ui, &address, |ui| {
         list_ui(ui, ("plucked again at", HINT), &summary, &format!("{name} plucks"), OUTSIDE, &mut |ui| {
             // Above the others: a list that grows while it is open keeps its height and scrolls.
             if ui.button("One more").clicked() {

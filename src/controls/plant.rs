@@ -6,7 +6,7 @@ use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, PlantKind, Scenario, Signal};
 
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::number::NumberField;
 use super::row::scenario_row_ui;
 use super::{Edits, PanelRequest};
@@ -19,10 +19,10 @@ use crate::widgets::named;
 const LEAST_POSITIVE: f64 = 0.01;
 
 pub(super) fn plant_ui(ui: &mut Ui, edits: &mut Edits<'_>, asked: &mut Vec<PanelRequest>) {
-    lit_ui(ui, "plant.kind", |ui| kind_ui(ui, edits, asked));
+    highlight_ui(ui, "plant.kind", |ui| kind_ui(ui, edits, asked));
     for channel in edits.scenario.plant.parameters() {
         let key = format!("plant.{}", channel.key());
-        lit_ui(ui, &key, |ui| parameter_ui(ui, channel, &key, edits));
+        highlight_ui(ui, &key, |ui| parameter_ui(ui, channel, &key, edits));
         ui.add_space(4.0);
     }
     augmentation_ui(ui, edits);

@@ -5,7 +5,7 @@ use kalmanscope_core::Hold;
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
 
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::number::{REMARK, limit_ui};
 use super::plant::equation_ui;
 use super::row::{choice_row_ui, scenario_number_ui, scenario_row_ui};
@@ -86,7 +86,7 @@ pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     edits.set_other(DT.key, scenario.dt, dt);
     edits.set_other(DURATION.key, scenario.duration, duration);
     let mut seed = scenario.seed;
-    lit_ui(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
+    highlight_ui(ui, SEED.key, |ui| seed_ui(ui, &mut seed));
     edits.put_other(SEED.key, &scenario.seed, &seed);
 }
 

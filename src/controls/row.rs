@@ -5,7 +5,7 @@ use kalmanscope_core::setting::{Allowed, ChoiceInfo, Edit, SettingInfo};
 use kalmanscope_core::{FilterSettings, Scenario};
 
 use super::Edits;
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::number::{Named, NumberField};
 use crate::text::sentence;
 use crate::widgets::named;
@@ -29,7 +29,7 @@ pub(super) fn filter_row_ui(
         _ => format!("{} {}", filter.name, info.name),
     };
     ui.add_enabled_ui(serves, |ui| {
-        lit_ui(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
+        highlight_ui(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
     });
     edits.set_other(&key, (info.get)(filter), value);
 }
@@ -43,7 +43,7 @@ pub(super) fn scenario_number_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scen
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
     let number = NumberField { least, ..NumberField::of(info, label, name.as_str().into()) };
-    lit_ui(ui, info.key, |ui| number.ui(ui, &mut value));
+    highlight_ui(ui, info.key, |ui| number.ui(ui, &mut value));
     value
 }
 

@@ -5,7 +5,7 @@ use kalmanscope_core::scenario::{Fault, FaultNumber, MAX_SENSORS};
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::Edits;
-use super::lit::lit_ui;
+use super::highlight::highlight_ui;
 use super::number::NumberField;
 use crate::text::sentence;
 use crate::widgets::named;
@@ -63,7 +63,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
         };
         let path = format!("sensors.{}.noise_std", quantity.key());
         let mut std = sensor.noise_std;
-        lit_ui(ui, &path, |ui| number.ui(ui, &mut std));
+        highlight_ui(ui, &path, |ui| number.ui(ui, &mut std));
         edits.set_other(&path, sensor.noise_std, std);
         faults_ui(ui, sensor, edits);
     }
@@ -143,6 +143,6 @@ fn number_ui(ui: &mut Ui, (quantity, fault, info): (Quantity, Fault, &FaultNumbe
         hint: fault.info().description,
     };
     let mut now = value;
-    lit_ui(ui, &path, |ui| number.ui(ui, &mut now));
+    highlight_ui(ui, &path, |ui| number.ui(ui, &mut now));
     edits.set_other(&path, value, if info.allowed.is_whole() { now.round() } else { now });
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::equation::{Equation, EquationSettings, Numbers, ParameterS
 use kalmanscope_core::setting::Change;
 use kalmanscope_core::{PlantKind, Scenario, Signal};
 
-use super::near::{near, no_function};
+use super::similar::{no_function, similar_name};
 use super::{job, typed};
 use crate::request::Request;
 use crate::text::{parse, significant};
@@ -94,7 +94,7 @@ impl Editor {
         printed.wrap.max_width = ui.available_width();
         ui.label(printed);
         let is_entered = self.text_ui(ui);
-        let hint = near(&self.draft.equation).unwrap_or_else(|| HINT.to_owned());
+        let hint = similar_name(&self.draft.equation).unwrap_or_else(|| HINT.to_owned());
         ui.label(RichText::new(hint).small().color(palette.weak));
         let is_in_use = self.taken.as_ref().is_some_and(|taken| taken.equation == self.draft.equation.trim());
         let scroll = ScrollArea::vertical().max_height(height);

@@ -4,7 +4,7 @@ use egui::emath::TSTransform;
 use egui::{Align2, Color32, Context, Rect, Sense, Shape, Ui, Vec2, Window, vec2};
 
 use super::Figure;
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::{Export, FigureFormat, Request};
 use crate::theme::Palette;
 use crate::widgets::primary;
@@ -38,8 +38,7 @@ impl FigureDialog {
             ui.set_width(room.x);
             ui.horizontal_wrapped(|ui| {
                 for format in FigureFormat::ALL {
-                    let size = ui.selectable_value(&mut self.format, format, format.name());
-                    probe::remember(ui.ctx(), format.name(), size.rect);
+                    let size = ui.selectable_value(&mut self.format, format, format.name()).remembered(format.name());
                 }
             });
             let format = self.format;
@@ -52,8 +51,7 @@ impl FigureDialog {
                 figure.paint(ui, rect);
             });
             ui.horizontal(|ui| {
-                let button = ui.add(primary("Save as SVG", &Palette::of(ui.ctx().theme())));
-                probe::remember(ui.ctx(), "Save as SVG", button.rect);
+                let button = ui.add(primary("Save as SVG", &Palette::of(ui.ctx().theme()))).remembered("Save as SVG");
                 is_written = button.clicked();
                 ui.weak(format!("{width:.0} × {height:.0} mm, the views on screen as outlines and text"));
             });

@@ -7,7 +7,7 @@ use kalmanscope_core::import::{Imported, Table, ThreeAxes};
 
 use super::columns::{columns_ui, conditioning_ui, meaning_ui};
 use super::{Draft, Import, ImportStage, Opened};
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::{RawFile, Request};
 use crate::text::{grouped, sentence};
 use crate::theme::{self, Palette};
@@ -104,8 +104,7 @@ fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Op
 }
 
 fn button_ui(ui: &mut Ui, button: Button<'_>, name: &str, enabled: bool) -> bool {
-    let button = named(ui.add_enabled(enabled, button), name);
-    probe::remember(ui.ctx(), name, button.rect);
+    let button = named(ui.add_enabled(enabled, button), name).remembered(name);
     button.clicked()
 }
 

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use super::WorkState;
 use super::choice::{is_same_but_for_names, part_of};
 use super::survey::quoted;
-use crate::team::{CellBatch, Precision, Priority, Relay, Team};
+use crate::team::{CellBatch, Dispatch, Precision, Priority, Team};
 
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 
@@ -77,7 +77,7 @@ pub struct SeedRuns {
     pub filters: Vec<u32>,
     pub statistics: MonteCarlo,
     known: Vec<bool>,
-    work: Option<Relay>,
+    work: Option<Dispatch>,
 }
 
 impl SeedRuns {
@@ -126,7 +126,11 @@ impl SeedRuns {
                 let order = (0..known.len()).filter(|seed| !known[*seed]).collect();
                 let runner = Runner::new(ensemble.clone(), Source::Simulated).map_err(|error| error.to_string())?;
                 let (precision, priority) = (Precision::Double, Priority::Seeds);
-                none.insert(Relay::new(team, CellBatch { runner: Arc::new(runner), order, precision, priority }, ctx))
+                none.insert(Dispatch::new(
+                    team,
+                    CellBatch { runner: Arc::new(runner), order, precision, priority },
+                    ctx,
+                ))
             }
         };
         let rows = work.take();

@@ -13,7 +13,7 @@ use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Runner};
 use super::choice::{MapChoice, is_same_but_for_names, part_of};
 use super::settings;
 use crate::session::is_same;
-use crate::team::{CellBatch, Computer, Precision, Priority, Relay, Team};
+use crate::team::{CellBatch, Computer, Dispatch, Precision, Priority, Team};
 
 pub struct Survey {
     pub ensemble: Ensemble,
@@ -21,7 +21,7 @@ pub struct Survey {
     pub filters: Vec<u32>,
     order: Vec<usize>,
     pub sheet: EnsembleRows,
-    pub(super) work: Option<Relay>,
+    pub(super) work: Option<Dispatch>,
     precision: Precision,
     pub computers: Vec<Computer>,
 }
@@ -161,7 +161,7 @@ impl Survey {
             let runner = Runner::new(self.ensemble.clone(), self.source.clone()).map_err(|error| error.to_string())?;
             let (runner, order) = (Arc::new(runner), self.sheet.missing(&self.order).collect());
             let cells = CellBatch { runner, order, precision: self.precision, priority: Priority::Map };
-            self.work = Some(Relay::new(team, cells, ctx));
+            self.work = Some(Dispatch::new(team, cells, ctx));
         }
         let Some(work) = &mut self.work else { return Ok(false) };
         let rows = work.take();

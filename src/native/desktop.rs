@@ -8,7 +8,7 @@ use egui::{Context, Ui};
 use kalmanscope::App;
 use kalmanscope_core::RunError;
 
-use super::shelf::Folder;
+use super::record_store::Folder;
 use super::state_file::StateFile;
 
 const SOON: Duration = Duration::from_secs(2);

@@ -3,7 +3,7 @@
 mod desktop;
 mod file_dialog;
 mod listen;
-mod shelf;
+mod record_store;
 mod state_file;
 mod team;
 

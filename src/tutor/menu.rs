@@ -6,7 +6,7 @@ use kalmanscope_lessons::Lesson;
 
 use super::Catalogue;
 use crate::menu::{self, Closing};
-use crate::probe;
+use crate::probe::{self, Remembered as _};
 use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::thumbnail;
@@ -33,9 +33,7 @@ const FOOT: f32 = 15.0;
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Start with lesson 1").color(ui.visuals().hyperlink_color);
     ui.add_space(10.0);
-    let link = ui.add(Button::new(text).frame(false).wrap());
-    probe::remember(ui.ctx(), "First lesson", link.rect);
-    if link.clicked() {
+    if ui.add(Button::new(text).frame(false).wrap()).remembered("First lesson").clicked() {
         requests.push(Request::StartLesson(0));
     }
 }

@@ -5,10 +5,11 @@ use kalmanscope_lessons::{Adjustment, Question};
 
 use super::{Catalogue, Tutor};
 use crate::drawer::close_ui;
+use crate::probe::Remembered as _;
 use crate::request::{Answer, Request};
+use crate::theme;
 use crate::theme::Palette;
 use crate::widgets::{named, primary};
-use crate::{probe, theme};
 
 /// The text of the step. It has the keyboard's focus when a step begins, so that Tab goes to its first control.
 pub(crate) fn text_id() -> Id {
@@ -103,8 +104,7 @@ impl Tutor {
         let button = |ui: &mut Ui, name: &str, text: String| {
             let is_next = missing.is_none() && name != "Done";
             let button = if is_next { primary(&text, palette) } else { Button::new(text) };
-            let button = ui.add_enabled(missing.is_none(), button);
-            probe::remember(ui.ctx(), name, button.rect);
+            let button = ui.add_enabled(missing.is_none(), button).remembered(name);
             button.on_disabled_hover_text(missing.as_deref().unwrap_or_default())
         };
         ui.add_space(4.0);
@@ -130,9 +130,8 @@ impl Tutor {
                 requests.extend(self.turn(true));
             }
             if self.open_question().is_some() {
-                let show = ui.button("Show me").on_hover_text("Go on without an answer. Key: N");
-                probe::remember(ui.ctx(), "Show me", show.rect);
-                if show.clicked() {
+                let show = ui.button("Show me").on_hover_text("Continue without an answer. Key: N");
+                if show.remembered("Show me").clicked() {
                     requests.extend(self.turn(true));
                 }
             }
@@ -169,9 +168,7 @@ fn change_ui(ui: &mut Ui, change: &Adjustment, changed: bool, palette: &Palette,
     } else {
         primary(&change.label, palette)
     };
-    let button = ui.add(button.wrap());
-    probe::remember(ui.ctx(), "Change", button.rect);
-    if button.clicked() {
+    if ui.add(button.wrap()).remembered("Change").clicked() {
         requests.push(Request::ChangeLesson);
     }
     ui.add_space(6.0);

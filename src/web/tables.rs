@@ -1,7 +1,7 @@
 //! Writes the tables of the screen into the page, beside the canvas, where screen readers find them.
 
 use kalmanscope::App;
-use kalmanscope::twin::{Twin, TwinPart, TwinTable};
+use kalmanscope::screen_text::{ScreenPart, ScreenTable, ScreenText};
 use wasm_bindgen::JsValue;
 use web_sys::{Document, Element};
 use web_time::{Duration, Instant};
@@ -12,7 +12,7 @@ pub(super) struct Tables {
     document: Document,
     home: Element,
     news: Element,
-    shown: Twin,
+    shown: ScreenText,
     elements: Vec<Element>,
     last: Option<Instant>,
 }
@@ -23,7 +23,7 @@ impl Tables {
             home: document.get_element_by_id("tables")?,
             news: document.get_element_by_id("news")?,
             document: document.clone(),
-            shown: Twin::default(),
+            shown: ScreenText::default(),
             elements: Vec::new(),
             last: None,
         })
@@ -37,37 +37,37 @@ impl Tables {
             return;
         }
         self.last = Some(Instant::now());
-        if let Err(error) = self.show(app.twin()) {
+        if let Err(error) = self.show(app.screen_text()) {
             log::warn!("the tables cannot be written: {error:?}");
         }
     }
 
-    fn show(&mut self, twin: Twin) -> Result<(), JsValue> {
-        let news = twin.news(&self.shown);
+    fn show(&mut self, text: ScreenText) -> Result<(), JsValue> {
+        let news = text.news(&self.shown);
         if !news.is_empty() {
             self.news.set_text_content(Some(&news.join(" ")));
         }
-        if shape(&twin) == shape(&self.shown) {
-            let texts = texts(&self.shown).zip(texts(&twin)).zip(&self.elements);
+        if shape(&text) == shape(&self.shown) {
+            let texts = texts(&self.shown).zip(texts(&text)).zip(&self.elements);
             for ((_, text), element) in texts.filter(|((before, text), _)| before != text) {
                 element.set_text_content(Some(text));
             }
         } else {
             self.elements.clear();
             self.home.set_text_content(None);
-            for part in &twin.parts {
+            for part in &text.parts {
                 self.add_part(part)?;
             }
         }
-        self.shown = twin;
+        self.shown = text;
         Ok(())
     }
 
-    fn add_part(&mut self, part: &TwinPart) -> Result<(), JsValue> {
+    fn add_part(&mut self, part: &ScreenPart) -> Result<(), JsValue> {
         let section = self.add(&self.home.clone(), "section")?;
         self.add_text(&section, "h2", &part.name)?;
         self.add_text(&section, "p", &part.about)?;
-        for TwinTable { caption, columns, rows } in &part.tables {
+        for ScreenTable { caption, columns, rows } in &part.tables {
             let table = self.add(&section, "table")?;
             self.add_text(&table, "caption", caption)?;
             let head = self.add(&self.add(&table, "thead")?, "tr")?;
@@ -103,16 +103,16 @@ impl Tables {
     }
 }
 
-fn shape(twin: &Twin) -> Vec<Vec<(usize, usize)>> {
-    let size = |table: &TwinTable| (table.columns.len(), table.rows.len());
-    twin.parts.iter().map(|part| part.tables.iter().map(size).collect()).collect()
+fn shape(text: &ScreenText) -> Vec<Vec<(usize, usize)>> {
+    let size = |table: &ScreenTable| (table.columns.len(), table.rows.len());
+    text.parts.iter().map(|part| part.tables.iter().map(size).collect()).collect()
 }
 
-fn texts(twin: &Twin) -> impl Iterator<Item = &String> {
-    twin.parts.iter().flat_map(|part| [&part.name, &part.about].into_iter().chain(part.tables.iter().flat_map(cells)))
+fn texts(text: &ScreenText) -> impl Iterator<Item = &String> {
+    text.parts.iter().flat_map(|part| [&part.name, &part.about].into_iter().chain(part.tables.iter().flat_map(cells)))
 }
 
-fn cells(table: &TwinTable) -> impl Iterator<Item = &String> {
-    let TwinTable { caption, columns, rows } = table;
+fn cells(table: &ScreenTable) -> impl Iterator<Item = &String> {
+    let ScreenTable { caption, columns, rows } = table;
     std::iter::once(caption).chain(columns).chain(rows.iter().flatten())
 }

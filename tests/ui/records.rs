@@ -288,7 +288,7 @@ fn a_gap_that_is_over_is_a_mark_on_the_axis_and_no_row() {
     assert!(screen.query_by_label_contains("delivers nothing").is_none());
     assert_eq!(top(&screen), without, "it takes no row");
     let words = "no displacement from 25 to 26 s";
-    let told = screen.state().twin().messages;
+    let told = screen.state().screen_text().messages;
     assert_eq!(told, ["No displacement from 25 to 26 s."], "readers of the tables learn of it");
     // A pointer over the gap tells it.
     assert!(screen.query_by_label(words).is_none());

@@ -112,7 +112,7 @@ fn play(screen: &mut Screen, mode: Mode, dice: &mut Dice) {
         let events = events(size, dice);
         stage("a frame", || screen.frame(size, events));
     }
-    stage("the screen in words", || drop(screen.app.twin()));
+    stage("the screen in words", || drop(screen.app.screen_text()));
 }
 
 fn events(size: Vec2, dice: &mut Dice) -> Vec<Event> {

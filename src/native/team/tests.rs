@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope::session::{Budget, Mode, ModelTime, Session};
-use kalmanscope::team::{CellBatch, Finding, Lost, Precision, Priority, Relay};
+use kalmanscope::team::{CellBatch, Dispatch, Finding, Lost, Precision, Priority};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source};
@@ -132,7 +132,7 @@ fn ensemble(side: usize) -> Ensemble {
 fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (EnsembleRows, HashMap<String, usize>) {
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it can be run");
     let (runner, order, priority) = (Arc::new(runner), ensemble.coarse_to_fine(), Priority::Map);
-    let mut work = Relay::new(team, CellBatch { runner, order, precision, priority }, &Context::default());
+    let mut work = Dispatch::new(team, CellBatch { runner, order, precision, priority }, &Context::default());
     let (mut sheet, mut by, begin) = (EnsembleRows::new(ensemble), HashMap::new(), Instant::now());
     while !sheet.is_complete() {
         for rows in work.take() {

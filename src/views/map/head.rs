@@ -8,7 +8,7 @@ use kalmanscope_diagnosis::Measure;
 use crate::controls::number::field_ui;
 use crate::laboratory::{Laboratory, MOST, MapChoice, Survey, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
-use crate::probe;
+use crate::probe::Remembered as _;
 use crate::request::Request;
 use crate::team::{Computer, Finding, Precision};
 use crate::text::{significant, unit_in};
@@ -185,8 +185,7 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
     if !named.is_empty() {
         let text = format!("computed {}", named.join(", and "));
-        let label = ui.weak(&text);
-        probe::remember(ui.ctx(), &text, label.rect);
+        let label = ui.weak(&text).remembered(&text);
     }
     if let Some(Finding::Lost(reason)) = laboratory.graphics() {
         ui.weak("The graphics processor has failed; maps go on without it.").on_hover_text(reason);

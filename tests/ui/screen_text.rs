@@ -1,7 +1,7 @@
 //! The screen in words and tables: the numbers of the plots, verdicts and news.
 
+use kalmanscope::screen_text::{ScreenPart, ScreenTable, ScreenText};
 use kalmanscope::text::significant;
-use kalmanscope::twin::{Twin, TwinPart, TwinTable};
 use kalmanscope_core::ModelClasses;
 
 use super::records::drop_record;
@@ -17,11 +17,11 @@ fn at_rest() -> Screen {
     screen
 }
 
-fn part<'a>(twin: &'a Twin, name: &str) -> &'a TwinPart {
-    twin.parts.iter().find(|part| part.name == name).unwrap_or_else(|| panic!("there is no {name} in {twin:?}"))
+fn part<'a>(text: &'a ScreenText, name: &str) -> &'a ScreenPart {
+    text.parts.iter().find(|part| part.name == name).unwrap_or_else(|| panic!("there is no {name} in {text:?}"))
 }
 
-fn cell<'a>(table: &'a TwinTable, row: &str, column: &str) -> &'a str {
+fn cell<'a>(table: &'a ScreenTable, row: &str, column: &str) -> &'a str {
     let column = table.columns.iter().position(|name| name == column).expect("the column exists");
     &table.rows.iter().find(|cells| cells[0] == row).expect("the row exists")[column]
 }
@@ -29,8 +29,8 @@ fn cell<'a>(table: &'a TwinTable, row: &str, column: &str) -> &'a str {
 #[test]
 fn a_table_has_the_numbers_of_its_plot() {
     let screen = at_rest();
-    let twin = screen.state().twin();
-    let parameters = part(&twin, "Parameters");
+    let text = screen.state().screen_text();
+    let parameters = part(&text, "Parameters");
     let table = &parameters.tables[0];
     assert_eq!(table.caption, "natural frequency [rad/s]");
     assert_eq!(table.columns, ["Time", "truth", "EKF", "UKF"]);
@@ -46,7 +46,7 @@ fn a_table_has_the_numbers_of_its_plot() {
     }
     let truths = [cell(table, "24 s", "truth"), cell(table, "30 s", "truth")];
     assert_eq!(truths, ["6.000 (0.9549 Hz)", "4.800 (0.7639 Hz)"], "the truth changes");
-    let oscillator = part(&twin, "Oscillator");
+    let oscillator = part(&text, "Oscillator");
     assert!(oscillator.tables.is_empty() && oscillator.about.ends_with("No numbers by time."), "{oscillator:?}");
 }
 
@@ -64,8 +64,8 @@ fn every_view_over_time_has_tables() {
     ] {
         *screen.state_mut().layout_mut() = ViewLayout::column(&[kind]);
         screen.run_steps(20);
-        let twin = screen.state().twin();
-        let part = part(&twin, view(kind).name);
+        let text = screen.state().screen_text();
+        let part = part(&text, view(kind).name);
         let captions: Vec<&str> = part.tables.iter().map(|table| table.caption.as_str()).collect();
         assert!(captions.contains(&caption), "{captions:?}");
         // The first sample has no innovation.
@@ -85,8 +85,8 @@ fn filters_that_learn_their_noise_show_it_under_the_innovations() {
     screen.state_mut().session_mut().set_scenario(learning);
     screen.run_steps(60);
     screen.get_by_label("Plot of the learnt noise of the displacement sensor");
-    let twin = screen.state().twin();
-    let captions = &part(&twin, "Innovations").tables;
+    let text = screen.state().screen_text();
+    let captions = &part(&text, "Innovations").tables;
     let table = captions.iter().find(|table| table.caption == "learnt noise of the displacement sensor [m]");
     let text = cell(table.expect("it is there"), "60 s", "UKF");
     let (std, band) = text.split_once(" ±").expect("it has a band");
@@ -100,8 +100,8 @@ fn filters_that_are_shown_are_model_classes() {
     let mut screen = at_rest();
     *screen.state_mut().layout_mut() = ViewLayout::column(&[ViewKind::Classes]);
     screen.run_steps(20);
-    let twin = screen.state().twin();
-    let table = &part(&twin, "Which model").tables[0];
+    let text = screen.state().screen_text();
+    let table = &part(&text, "Which model").tables[0];
     let evidence = screen.state().session().evidence();
     for (row, k) in [("0 s", 0), ("6 s", 600), ("60 s", 6000)] {
         let classes = ModelClasses::new(evidence.iter().map(|of| of.at(k).unwrap()));
@@ -124,34 +124,34 @@ fn filters_that_are_shown_are_model_classes() {
 #[test]
 fn hidden_filters_and_verdicts_are_hidden_here_too() {
     let mut screen = at_rest();
-    let twin = screen.state().twin();
-    let verdicts = &part(&twin, Twin::VERDICTS).tables[0];
+    let text = screen.state().screen_text();
+    let verdicts = &part(&text, ScreenText::VERDICTS).tables[0];
     assert_eq!(verdicts.rows.len(), 2);
     assert_eq!(cell(verdicts, "EKF", "Verdict"), "recovered");
     assert!(cell(verdicts, "EKF", "Reason").len() > 20);
     click(&mut screen, "Show UKF");
-    let twin = screen.state().twin();
-    assert_eq!(part(&twin, "Parameters").tables[0].columns, ["Time", "truth", "EKF"]);
+    let text = screen.state().screen_text();
+    assert_eq!(part(&text, "Parameters").tables[0].columns, ["Time", "truth", "EKF"]);
     click(&mut screen, "Show verdicts");
-    let twin = screen.state().twin();
-    assert!(twin.parts.iter().all(|part| part.name != Twin::VERDICTS));
+    let text = screen.state().screen_text();
+    assert!(text.parts.iter().all(|part| part.name != ScreenText::VERDICTS));
 }
 
 #[test]
 fn news_are_verdicts_that_change_and_messages_that_are_new() {
     let mut screen = at_rest();
-    let before = screen.state().twin();
+    let before = screen.state().screen_text();
     assert!(before.news(&before).is_empty());
-    assert_eq!(before.news(&Twin::default()).len(), 2, "one verdict for each filter");
+    assert_eq!(before.news(&ScreenText::default()).len(), 2, "one verdict for each filter");
     let mut scenario = scenario(&screen).clone();
     scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.1 * std).collect();
     screen.state_mut().session_mut().set_scenario(scenario.clone());
     screen.run_steps(20);
-    let now = screen.state().twin();
+    let now = screen.state().screen_text();
     assert_eq!(now.news(&before), ["EKF is overconfident."]);
     scenario.dt = -1.0;
     set_scenario(&mut screen, scenario);
-    let news = screen.state().twin().news(&now);
+    let news = screen.state().screen_text().news(&now);
     assert_eq!(news, [screen.state().session().problem().expect("a negative time step is impossible")]);
 }
 
@@ -175,11 +175,11 @@ fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
     for scenario in [swapped, alone] {
         let displacement = scenario.sensors.iter().any(|sensor| sensor.measures == Quantity::DISPLACEMENT);
         set_scenario(&mut screen, scenario);
-        let (twin, session) = (screen.state().twin(), screen.state().session());
+        let (text, session) = (screen.state().screen_text(), screen.state().session());
         let (estimates, k) = (&session.run().estimates()[0], session.index());
         let innovation = estimates.innovation(k)[0];
         let find = |view: &str, caption: &str| {
-            let part = part(&twin, view);
+            let part = part(&text, view);
             part.tables.iter().find(|table| table.caption.starts_with(caption)).cloned()
         };
         let shown = find("Innovations", "innovations of the velocity sensor").expect("a table");

@@ -9,7 +9,7 @@ use crate::inbox::{Done, Inbox};
 /// Limits the size of a file that is kept \[bytes\].
 pub const LARGEST: usize = 64_000_000;
 
-pub trait Shelf {
+pub trait RecordStore {
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done);
 
     fn fetch(&self, ctx: &Context, inbox: &Inbox);
@@ -17,12 +17,12 @@ pub trait Shelf {
     fn forget(&self, done: Done);
 }
 
-pub(crate) struct ShelfFile {
+pub(crate) struct StoredFile {
     pub(crate) name: String,
     pub(crate) bytes: Rc<[u8]>,
 }
 
-impl ShelfFile {
+impl StoredFile {
     pub(crate) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
     }

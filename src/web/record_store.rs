@@ -5,7 +5,7 @@ use std::rc::Rc;
 use egui::Context;
 use js_sys::{Array, JsString, Uint8Array, decode_uri_component, encode_uri_component};
 use kalmanscope::inbox::{Arrival, Done, Inbox};
-use kalmanscope::shelf::Shelf;
+use kalmanscope::record_store::RecordStore;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{Cache, Request, Response};
@@ -20,7 +20,7 @@ const ADDRESS: &str = "/kalmanscope-record?";
 
 pub(super) struct Browser;
 
-impl Shelf for Browser {
+impl RecordStore for Browser {
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done) {
         let address = format!("{ADDRESS}{}", String::from(encode_uri_component(name)));
         spawn_local(async move { done(place(keep(&address, &bytes).await)) });

@@ -15,7 +15,7 @@ use crate::request::ViewKind;
 const PATIENCE: f64 = 10.0;
 
 /// While work is under way, frames come at least this often, and one frame counts for at most this time: that of a page that
-/// was hidden is no standstill \[s\].
+/// was hidden does not count \[s\].
 const BETWEEN: f64 = 1.0;
 
 type LongWork = (&'static str, Option<f64>, fn(&mut App));
@@ -23,22 +23,22 @@ type LongWork = (&'static str, Option<f64>, fn(&mut App));
 const IMPORT: &str = "The import";
 
 #[derive(Default)]
-pub(super) struct Standstill {
+pub(super) struct StalledWorks {
     works: Vec<(&'static str, f64, f64)>,
     /// The time of the last frame \[s\].
     last: f64,
 }
 
-impl Standstill {
+impl StalledWorks {
     pub(super) fn first(&self) -> Option<&'static str> {
         self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(name, ..)| *name)
     }
 }
 
 impl App {
-    pub(super) fn follow_standstill(&mut self, ctx: &Context) {
+    pub(super) fn follow_stalled(&mut self, ctx: &Context) {
         let under_way = self.works();
-        let Standstill { works, last } = &mut self.standstill;
+        let StalledWorks { works, last } = &mut self.stalled;
         let now = ctx.input(|input| input.time);
         let elapsed = (now - *last).clamp(0.0, BETWEEN);
         *last = now;
@@ -51,15 +51,15 @@ impl App {
         if !works.is_empty() {
             ctx.request_repaint_after(Duration::from_secs_f64(BETWEEN));
         }
-        let first = self.standstill.first();
+        let first = self.stalled.first();
         if let Some(import) = &mut self.importing {
             import.is_still = first.is_some_and(|name| name == IMPORT);
         }
-        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
+        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_stalled_work);
         match first.filter(|name| *name != IMPORT) {
             Some(name) if !is_said => {
                 let sentence = format!("{name} has made no progress for {PATIENCE} s. Esc stops it.");
-                self.notice = Some(Notice::of_standstill(sentence));
+                self.notice = Some(Notice::of_stalled_work(sentence));
             }
             None if is_said => self.notice = None,
             _ => {}
@@ -83,11 +83,11 @@ impl App {
         ]
     }
 
-    pub(super) fn stop_standing_still(&mut self) {
-        let Some(first) = self.standstill.first() else { return };
+    pub(super) fn stop_stalled(&mut self) {
+        let Some(first) = self.stalled.first() else { return };
         for (.., stop) in self.works().into_iter().filter(|(name, ..)| *name == first) {
             stop(self);
         }
-        self.standstill.works.clear();
+        self.stalled.works.clear();
     }
 }

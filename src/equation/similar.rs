@@ -22,7 +22,7 @@ pub(super) fn no_function(equation: &str) -> Option<String> {
     Some(format!("“{name}(” is no function: is it {function}?"))
 }
 
-pub(super) fn near(equation: &str) -> Option<String> {
+pub(super) fn similar_name(equation: &str) -> Option<String> {
     let meant = |name: &str| STATES.iter().find(|(other, _)| *other == name);
     let (name, meaning) = names(equation).find_map(|(name, _)| meant(name))?;
     Some(format!("{name} is a parameter here; {meaning}."))

@@ -8,7 +8,7 @@ use super::Session;
 use crate::team::{Priority, RunningTask};
 
 #[derive(Default)]
-pub(super) struct Trying {
+pub(super) struct Trials {
     wanted: Vec<u32>,
     attempts: Vec<Attempt>,
     is_done: bool,
@@ -71,24 +71,24 @@ fn in_places_of(before: &[Remedy], mut found: Vec<Remedy>) -> Vec<Remedy> {
 
 impl Session {
     pub fn want_trials(&mut self, filters: Vec<u32>) {
-        self.trying.wanted = filters;
+        self.trials.wanted = filters;
     }
 
     pub fn attempt(&self, filter: u32) -> Option<&Attempt> {
-        self.trying.attempts.iter().find(|attempt| attempt.filter == filter)
+        self.trials.attempts.iter().find(|attempt| attempt.filter == filter)
     }
 
     pub fn is_trying(&self) -> bool {
-        !self.trying.wanted.is_empty() && !self.trying.is_done
+        !self.trials.wanted.is_empty() && !self.trials.is_done
     }
 
     pub(crate) fn is_trying_here(&self) -> bool {
-        self.is_trying() && !self.trying.attempts.iter().any(Attempt::is_beside)
+        self.is_trying() && !self.trials.attempts.iter().any(Attempt::is_beside)
     }
 
     pub(super) fn try_causes(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        let mut attempts = std::mem::take(&mut self.trying.attempts);
-        let wanted = std::mem::take(&mut self.trying.wanted);
+        let mut attempts = std::mem::take(&mut self.trials.attempts);
+        let wanted = std::mem::take(&mut self.trials.wanted);
         attempts.retain(|attempt| wanted.contains(&attempt.filter) && attempt.of.0 == self.generation);
         // A diagnosis of an earlier setting has other likely causes.
         let is_free = self.job.is_none() && self.complete && !self.owes_diagnoses();
@@ -111,7 +111,7 @@ impl Session {
             }
             is_done &= !attempt.is_under_way();
         }
-        (self.trying.attempts, self.trying.wanted, self.trying.is_done) = (attempts, wanted, is_done);
+        (self.trials.attempts, self.trials.wanted, self.trials.is_done) = (attempts, wanted, is_done);
     }
 
     fn is_judged(&self, place: usize) -> bool {

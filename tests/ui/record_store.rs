@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use kalmanscope::inbox::{Arrival, Done, Inbox};
-use kalmanscope::shelf::Shelf;
+use kalmanscope::record_store::RecordStore;
 
 use super::records::{check_result, dialects, drop_record};
 use super::*;
@@ -24,7 +24,7 @@ impl Drawer {
     }
 }
 
-impl Shelf for Drawer {
+impl RecordStore for Drawer {
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done) {
         *self.0.borrow_mut() = Some((name.to_owned(), bytes.to_vec()));
         self.1.borrow_mut().push(done);

@@ -25,14 +25,14 @@ const APART: f32 = 18.0;
 
 const FILE: &str = "measured-here.csv";
 
-pub(super) struct Swing {
+pub(super) struct Accelerometer {
     device: Rc<dyn SensorDevice<Acceleration>>,
     readings: ReadingQueue<Acceleration>,
     live: LiveFilter,
     health: Health,
 }
 
-impl Swing {
+impl Accelerometer {
     pub(super) fn new(device: Rc<dyn SensorDevice<Acceleration>>) -> Self {
         let (readings, live, health) = (ReadingQueue::default(), LiveFilter::default(), Health::default());
         Self { device, readings, live, health }
@@ -60,7 +60,7 @@ const WORDS: SensorWords = SensorWords {
     ],
 };
 
-impl Instrument for Swing {
+impl Instrument for Accelerometer {
     of_device!();
 
     fn begin(&mut self, ctx: &Context) {

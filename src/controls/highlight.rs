@@ -6,21 +6,22 @@ use egui::{CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
 use kalmanscope_core::Scenario;
 
 #[derive(Clone)]
-struct Lit {
+struct Highlight {
     paths: Vec<String>,
     scenario: Arc<Scenario>,
 }
 
-pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
+pub(super) fn set(ui: &Ui, paths: Vec<String>, scenario: &Arc<Scenario>) {
     if paths.is_empty() {
-        return ui.data_mut(|data| data.remove::<Lit>(id()));
+        return ui.data_mut(|data| data.remove::<Highlight>(id()));
     }
-    let lit = Lit { paths, scenario: Arc::clone(scenario) };
+    let lit = Highlight { paths, scenario: Arc::clone(scenario) };
     ui.data_mut(|data| data.insert_temp(id(), lit));
 }
 
-pub(super) fn lit_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
-    let lit = ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
+pub(super) fn highlight_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
+    let lit =
+        ui.data(|data| data.get_temp::<Highlight>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
     let Some(lit) = lit else { return add_contents(ui) };
     let ground = ui.painter().add(Shape::Noop);
     let shown = ui.scope(add_contents);

@@ -24,26 +24,26 @@ const NONE: &str = "–";
 const UNKNOWN: &str = "not known yet";
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Twin {
-    pub parts: Vec<TwinPart>,
+pub struct ScreenText {
+    pub parts: Vec<ScreenPart>,
     pub messages: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct TwinPart {
+pub struct ScreenPart {
     pub name: String,
     pub about: String,
-    pub tables: Vec<TwinTable>,
+    pub tables: Vec<ScreenTable>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct TwinTable {
+pub struct ScreenTable {
     pub caption: String,
     pub columns: Vec<String>,
     pub rows: Vec<Vec<String>>,
 }
 
-impl Twin {
+impl ScreenText {
     pub const VERDICTS: &str = "Verdicts";
 
     pub fn new(
@@ -63,10 +63,10 @@ impl Twin {
         let views = layout.enlarged().map_or_else(|| layout.in_order(), |view| vec![view]);
         let views = views.into_iter().filter(|_| !is_missing).map(|kind| {
             let view = view(kind);
-            let tables: Vec<TwinTable> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
+            let tables: Vec<ScreenTable> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
             let [about, ..] = view.help;
             let rest = if tables.is_empty() { " No numbers by time." } else { "" };
-            TwinPart { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
+            ScreenPart { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
         });
         let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
         let troubles = troubles(session).into_iter().map(|FilterTrouble { sentence, .. }| sentence);
@@ -95,29 +95,29 @@ impl Twin {
     }
 }
 
-fn story(session: &Session) -> TwinPart {
-    TwinPart { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
+fn story(session: &Session) -> ScreenPart {
+    ScreenPart { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
 }
 
-fn verdicts(context: &ViewContext<'_>) -> TwinPart {
+fn verdicts(context: &ViewContext<'_>) -> ScreenPart {
     let row = |(place, estimates): (usize, &kalmanscope_core::Estimates)| {
         let verdict = context.session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
         let (kind, reason) = verdict.map_or((UNKNOWN, NONE), |verdict| (verdict.kind.name(), verdict.reason.as_str()));
         [estimates.name(), kind, reason].map(str::to_owned).to_vec()
     };
-    let table = TwinTable {
+    let table = ScreenTable {
         caption: "Verdicts on the filters".to_owned(),
         columns: ["Filter", "Verdict", "Reason"].map(str::to_owned).to_vec(),
         rows: context.filters().map(row).collect(),
     };
-    TwinPart {
-        name: Twin::VERDICTS.to_owned(),
+    ScreenPart {
+        name: ScreenText::VERDICTS.to_owned(),
         about: "Whether each filter deserves to be believed, and why.".to_owned(),
         tables: vec![table],
     }
 }
 
-fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> TwinTable {
+fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> ScreenTable {
     let Sheet { title, unit, columns } = sheet;
     let ViewContext { session, axis, .. } = *context;
     let record = session.run().record();
@@ -133,7 +133,7 @@ fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> TwinTable {
     let now = if axis.pointed.is_some() { "At the pointer, " } else { "At playback, " };
     let parts = PARTS.min(last.max(1));
     let tenths = (0..=parts).map(|part| row("", part * last / parts));
-    TwinTable {
+    ScreenTable {
         caption: if unit.is_empty() { title.clone() } else { format!("{title} [{unit}]") },
         columns: std::iter::once("Time".to_owned()).chain(columns.iter().map(|column| column.owner.clone())).collect(),
         rows: std::iter::once(row(now, axis.readout(session))).chain(tenths).collect(),

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use kalmanscope::inbox::{Arrival, Done, Inbox, file_name, read_path};
-use kalmanscope::shelf::Shelf;
+use kalmanscope::record_store::RecordStore;
 use kalmanscope_cli::output;
 
 pub(super) struct Folder(PathBuf);
@@ -28,7 +28,7 @@ impl Folder {
     }
 }
 
-impl Shelf for Folder {
+impl RecordStore for Folder {
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done) {
         // The name alone: a path in it leads nowhere else.
         let path = self.0.join(file_name(Path::new(name)));
@@ -73,15 +73,15 @@ mod tests {
     fn one_file_is_kept_and_comes_back() {
         let above = tempfile::tempdir().expect("a folder can be made");
         let folder = above.path().join("state");
-        let shelf = Folder::of(&folder);
+        let store = Folder::of(&folder);
         let (done, ends) = ends();
-        shelf.keep("../../a.csv", (*b"1,2").into(), Arc::clone(&done));
-        shelf.keep("b.csv", (*b"3,4").into(), Arc::clone(&done));
-        assert_eq!(shelf.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["b.csv"]);
+        store.keep("../../a.csv", (*b"1,2").into(), Arc::clone(&done));
+        store.keep("b.csv", (*b"3,4").into(), Arc::clone(&done));
+        assert_eq!(store.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["b.csv"]);
         assert!(!folder.join("a.csv").exists() && !above.path().join("a.csv").exists());
-        shelf.fetch(&Context::default(), &Inbox::default());
-        shelf.forget(done);
-        assert_eq!(shelf.files().count(), 0);
+        store.fetch(&Context::default(), &Inbox::default());
+        store.forget(done);
+        assert_eq!(store.files().count(), 0);
         let place = folder.join("record").display().to_string();
         assert_eq!(ends.lock().expect("nobody has it").as_slice(), vec![Ok(place); 3]);
     }
@@ -89,12 +89,12 @@ mod tests {
     #[test]
     fn a_file_that_cannot_be_kept_leaves_the_one_before_it_and_says_why() {
         let above = tempfile::tempdir().expect("a folder can be made");
-        let shelf = Folder::of(above.path());
+        let store = Folder::of(above.path());
         let (done, ends) = ends();
-        shelf.keep("a.csv", (*b"1,2").into(), Arc::clone(&done));
+        store.keep("a.csv", (*b"1,2").into(), Arc::clone(&done));
         fs::create_dir(above.path().join("record/b.csv")).expect("a folder can be made");
-        shelf.keep("b.csv", (*b"3,4").into(), done);
-        assert_eq!(shelf.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["a.csv"]);
+        store.keep("b.csv", (*b"3,4").into(), done);
+        assert_eq!(store.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["a.csv"]);
         let ends = ends.lock().expect("nobody has it");
         assert!(matches!(&ends[..], [Ok(_), Err(reason)] if reason.contains("record: ")), "{ends:?}");
     }

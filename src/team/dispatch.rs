@@ -6,7 +6,7 @@ use egui::Context;
 
 use super::{CellBatch, CellRows, Finding, Frames, Handle, Lost, Precision, Team};
 
-pub struct Relay {
+pub struct Dispatch {
     team: Rc<dyn Team>,
     next: By,
     work: Option<Handle<CellRows>>,
@@ -22,7 +22,7 @@ enum By {
     Frames,
 }
 
-impl Relay {
+impl Dispatch {
     /// Cells to be run by a team, and its graphics processor if single precision will do. The context is woken when
     /// rows have come.
     pub fn new(team: &Rc<dyn Team>, cells: CellBatch, ctx: &Context) -> Self {
@@ -149,7 +149,7 @@ mod tests {
         let (ensemble, ctx, order) = (ensemble(), Context::default(), (0..10).collect());
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
         let cells = CellBatch { runner: Arc::clone(&runner), order, precision, priority: Priority::Map };
-        let mut work = Relay::new(team, cells, &ctx);
+        let mut work = Dispatch::new(team, cells, &ctx);
         let (mut sheet, mut by) = (EnsembleRows::new(&ensemble), Vec::new());
         for _ in 0..40 {
             for rows in work.take() {
