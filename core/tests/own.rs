@@ -81,11 +81,11 @@ impl Plant for Impostor {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        PlantKind::SDOF.plant().motion_rate(state, 2.0 * force, rate);
+        PlantKind::SDOF.motion_rate(state, 2.0 * force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        PlantKind::SDOF.plant().motion_jacobian(state, jacobian);
+        PlantKind::SDOF.motion_jacobian(state, jacobian);
     }
 }
 

@@ -24,7 +24,6 @@
 use std::collections::VecDeque;
 
 use kalmanscope_filters::Stop;
-use kalmanscope_filters::engine::model;
 use kalmanscope_filters::filter::{FilterError, Gaussian};
 use kalmanscope_filters::linalg::{Matrix, Vector};
 use kalmanscope_records::Record;
@@ -93,7 +92,7 @@ impl Forward {
 impl Hindsight {
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        let in_units = InUnits::new(&model::StateModel::of(&model).logarithms, model.size(), 0);
+        let in_units = InUnits::new(&model.state.logarithms, model.size(), 0);
         Self { in_units, truncation: Truncation::of(settings, model.channels()) }
     }
 

@@ -1,6 +1,7 @@
 //! Noise that is learnt from the innovations.
 
 use super::{Learnt, Readings, Recursion, Span, Wrapper};
+use crate::engine::dynamics::Dynamics;
 use crate::engine::filter::GaussianFilter;
 use crate::engine::number::Number;
 use crate::engine::update::UpdateResult;
@@ -12,7 +13,10 @@ pub struct Adapting<T>(Learning<T>);
 
 impl<T: Number> Adapting<T> {
     /// Where Q is learnt, it becomes a whole matrix.
-    pub fn of(adaptation: Adaptation, filter: &mut GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of<P: Dynamics>(
+        adaptation: Adaptation,
+        filter: &mut GaussianFilter<T, P>,
+    ) -> Option<Box<dyn Wrapper<T, P>>> {
         if adaptation.process_noise {
             filter.fill_process_noise();
         }
@@ -21,13 +25,13 @@ impl<T: Number> Adapting<T> {
     }
 }
 
-impl<T: Number> Wrapper<T> for Adapting<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Adapting<T> {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
         self.0.sample += 1;
         inner.predict(span);
     }
 
-    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let result = inner.update(readings);
         if self.0.learns_now() {
             let GaussianFilter { noise, update, design, .. } = inner.filter();

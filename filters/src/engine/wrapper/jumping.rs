@@ -1,6 +1,7 @@
 //! A belief that widens once where the innovations grow at once.
 
 use super::{Learnt, Readings, Recursion, Span, Wrapper};
+use crate::engine::dynamics::Dynamics;
 use crate::engine::filter::GaussianFilter;
 use crate::engine::number::{Mask, Number};
 use crate::engine::update::UpdateResult;
@@ -14,7 +15,7 @@ pub struct Jumping<T> {
 }
 
 impl<T: Number> Jumping<T> {
-    pub fn of(is_on: bool, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of<P: Dynamics>(is_on: bool, filter: &GaussianFilter<T, P>) -> Option<Box<dyn Wrapper<T, P>>> {
         let n = filter.belief.size();
         let variances = |lane: usize| (0..n).map(|i| filter.belief.cov[i * n + i].lane(lane)).collect();
         let jumps = || (0..T::LANES).map(|lane| Jump::new(variances(lane))).collect();
@@ -22,8 +23,8 @@ impl<T: Number> Jumping<T> {
     }
 }
 
-impl<T: Number> Wrapper<T> for Jumping<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Jumping<T> {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
         let Self { jumps, narrow } = self;
         let GaussianFilter { noise, design, .. } = inner.filter();
         let mut has_widened = false;
@@ -46,7 +47,7 @@ impl<T: Number> Wrapper<T> for Jumping<T> {
         }
     }
 
-    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let result = inner.update(readings);
         let has_measured = T::of(0.0).lt(result.measured);
         for (lane, jump) in self.jumps.iter_mut().enumerate().filter(|(lane, _)| has_measured.lane(*lane)) {
