@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::dual;
 use super::dynamics::Dynamics;
 use super::list::{List, Node, Operation};
 use super::model::{Reading, StateModel, read};
@@ -189,35 +190,10 @@ impl Builder {
     }
 
     fn slope(&mut self, function: Function, a: Node, node: Node) -> Node {
-        let one = self.constant(1.0);
-        match function {
-            Function::Sin => self.call(Function::Cos, a),
-            Function::Cos => {
-                let sin = self.call(Function::Sin, a);
-                self.negative(sin)
-            }
-            Function::Tan => {
-                let square = self.multiply(node, node);
-                self.add(one, square)
-            }
-            Function::Exp => node,
-            Function::Log => self.divide(one, a),
-            Function::Sqrt => {
-                let half = self.constant(0.5);
-                self.divide(half, node)
-            }
-            Function::Abs => self.call(Function::Sign, a),
-            Function::Sign => self.constant(0.0),
-            Function::Tanh => {
-                let square = self.multiply(node, node);
-                self.subtract(one, square)
-            }
-            Function::Power(exponent) => {
-                let exponent = f64::from_bits(exponent);
-                let (factor, lower) = (self.constant(exponent), self.power(a, exponent - 1.0));
-                self.multiply(factor, lower)
-            }
-        }
+        let builder = RefCell::new(std::mem::take(self));
+        let slope = dual::slope(function, Noted::Node(&builder, a), Noted::Node(&builder, node)).node(&builder);
+        *self = builder.into_inner();
+        slope
     }
 
     /// The number with zero in place of some inputs, one bit each.
@@ -353,7 +329,15 @@ impl Real for Noted<'_> {
     fn call(self, function: Function) -> Self {
         match self {
             Self::Constant(a) => Self::Constant(function.of(a)),
-            Self::Node(list, a) => Self::Node(list, list.borrow_mut().call(function, a)),
+            Self::Node(list, a) => {
+                let mut builder = list.borrow_mut();
+                let node = match function {
+                    // Small whole powers are products.
+                    Function::Power(exponent) => builder.power(a, f64::from_bits(exponent)),
+                    _ => builder.call(function, a),
+                };
+                Self::Node(list, node)
+            }
         }
     }
 }

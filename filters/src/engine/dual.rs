@@ -121,7 +121,8 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     }
 }
 
-fn slope<T: Real>(function: Function, x: T, value: T) -> T {
+/// The derivative of a function at x, where it has this value.
+pub(super) fn slope<T: Real>(function: Function, x: T, value: T) -> T {
     let one = T::of(1.0);
     match function {
         Function::Sin => x.call(Function::Cos),
