@@ -248,13 +248,9 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
         }
     }
 
+    /// Gives a lane that has stopped numbers that never overflow. Lanes hold no root.
     pub fn park(&mut self, lane: usize) {
         self.belief.park(lane);
-        if const { may_have_root::<T, Baseline>() }
-            && let Some(root) = &mut self.root
-        {
-            root.park(lane);
-        }
     }
 
     pub fn square(&mut self) {

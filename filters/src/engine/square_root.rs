@@ -176,13 +176,6 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    pub(super) fn park(&mut self, lane: usize) {
-        let n = self.size;
-        for (at, entry) in self.rows.iter_mut().enumerate() {
-            entry.set_lane(lane, if at % (n + 1) == 0 { 1.0 } else { 0.0 });
-        }
-    }
-
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn read<L: Level, C: Count>(
