@@ -41,6 +41,7 @@ pub mod number;
 #[cfg(target_arch = "wasm32")]
 pub mod pair;
 pub mod passage;
+pub mod robust;
 pub mod runge_kutta;
 pub(crate) mod sigma_points;
 mod square_root;

@@ -8,14 +8,10 @@
 //! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`] with its prediction and its update, and
 //! [`Filter`], in `recursion.rs`, has the part that these share. The registry below lists the kinds.
 
-pub(crate) mod adaptation;
 mod belief;
-pub(crate) mod jump;
 pub mod kalman;
-pub(crate) mod learning;
 mod linear;
 mod recursion;
-pub mod robust;
 mod sampled;
 mod system;
 
@@ -23,15 +19,15 @@ use crate::engine::design::{Method, Rule};
 use crate::registry::{keyed, registry};
 
 pub use crate::engine::design::{Course, Propagation};
+pub use crate::engine::robust::{self, Robust};
+pub use crate::engine::wrapper::Adaptation;
 pub use crate::filter_error::FilterError;
 pub use crate::linalg::{Matrix, Vector};
 pub use crate::random::Normal;
-pub use adaptation::Adaptation;
 pub use belief::{Belief, Correction, Gaussian, Noise, Observation, White};
 pub use kalman::Expected;
 pub use linear::{KalmanFilter, MeasurementModel, Shape, SystemError};
 pub use recursion::Filter;
-pub use robust::Robust;
 pub use sampled::{Ensemble, Particles};
 pub use system::{States, Step, System};
 

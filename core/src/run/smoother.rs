@@ -16,7 +16,7 @@
 //! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
 //!
 //! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
-//! jump ([`kalmanscope_filters::filter::jump`]) adds to P⁻.
+//! jump adds to P⁻.
 //!
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.

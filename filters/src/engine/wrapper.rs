@@ -6,8 +6,10 @@ mod jumping;
 mod restarting;
 mod weighing;
 
-pub use adapting::Adapting;
+pub(crate) use adapting::Learning;
+pub use adapting::{Adaptation, Adapting};
 pub use considering::Considering;
+pub(crate) use jumping::Jump;
 pub use jumping::Jumping;
 pub use restarting::Restarting;
 pub use weighing::Weighing;

@@ -1,13 +1,12 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
-use super::jump::Jump;
-use super::learning::Learning;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, States, Step, System, White};
 use crate::Hold;
 use crate::engine::columns::factor;
 use crate::engine::dynamics::Dynamics;
 use crate::engine::model::{Reading, StateModel};
 use crate::engine::weights::Innovations;
+use crate::engine::wrapper::{Jump, Learning};
 use crate::gaussian_likelihood::part_of;
 use crate::lists::mapped;
 

@@ -6,9 +6,9 @@ use crate::engine::columns::{factor, square};
 use crate::engine::dynamics::Dynamics;
 use crate::engine::filter::GaussianFilter;
 use crate::engine::number::{Mask, Number};
+use crate::engine::robust::Robust;
 use crate::engine::update::{Update, UpdateResult};
 use crate::engine::weights::Weights;
-use crate::filter::robust::Robust;
 
 /// A filter that weighs its readings. A lane whose weights have settled keeps its measurements and R while others iterate, and so the
 /// same update.
