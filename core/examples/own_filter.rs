@@ -93,7 +93,7 @@ pub(crate) fn step_by_hand() -> Result<f64, FilterError> {
         filter.predict([0.0, 0.0])?;
         filter.update(0.0, &[if k == 100 { 1.0 } else { 0.0 }], &mut correction)?;
     }
-    Ok(filter.belief().gaussian().mean[0])
+    Ok(filter.belief.gaussian().mean[0])
 }
 
 /// The natural frequency \[rad/s\] that the filter identifies in the default scenario, where the true one is 4.8:

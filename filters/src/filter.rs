@@ -26,7 +26,7 @@ pub use crate::linalg::{Matrix, Vector};
 pub use crate::random::Normal;
 pub use belief::{Belief, Correction, Gaussian, Noise, Observation, White};
 pub use kalman::Expected;
-pub use linear::{KalmanFilter, MeasurementModel, Shape, SystemError};
+pub use linear::{KalmanFilter, MeasurementModel, SystemError};
 pub use recursion::Filter;
 pub use sampled::{Ensemble, Particles};
 pub use system::{States, Step, System};

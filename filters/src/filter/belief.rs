@@ -267,7 +267,7 @@ pub struct Correction {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
     pub determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter of a scenario: there it
     /// follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.

@@ -16,13 +16,16 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     system: Box<dyn System>,
     dt: f64,
     hold: Hold,
-    noise: Noise,
+    /// The noise that the filter assumes by now.
+    pub noise: Noise,
     observation: Observation,
     learning: Learning<f64>,
     jump: Option<Jump>,
     substeps: usize,
-    white: Option<White>,
-    belief: Box<B>,
+    /// The white force, if the filter has one.
+    pub white: Option<White>,
+    /// The belief after the last predict or update.
+    pub belief: Box<B>,
 }
 
 impl<B: Belief + ?Sized> Filter<B> {
@@ -42,41 +45,14 @@ impl<B: Belief + ?Sized> Filter<B> {
         Self { system, belief, dt, hold, noise, observation, learning, jump, substeps, white }
     }
 
-    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
-    /// noise is added in the last.
+    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the noise is added in
+    /// the last. With a white force, whose row and column of Q are set to zero: each sample draws it again. If it `jumps`, it widens P
+    /// once where its innovations grow at once; the belief must be the initial one.
     #[must_use]
-    pub fn with_substeps(self, substeps: usize) -> Self {
-        Self { substeps: substeps.max(1), ..self }
-    }
-
-    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
-    #[must_use]
-    pub fn with_jump(self) -> Self {
-        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
-        Self { jump: Some(Jump::new(initial)), ..self }
-    }
-
-    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
-    #[must_use]
-    pub fn with_white_force(mut self, white: Option<White>) -> Self {
-        self.white = white;
+    pub fn with_options(mut self, substeps: usize, white: Option<White>, jumps: bool) -> Self {
         white.into_iter().for_each(|white| white.leave_out(&mut self.noise.process));
-        self
-    }
-
-    /// The white force, if the filter has one.
-    pub fn white_force(&self) -> Option<White> {
-        self.white
-    }
-
-    /// The belief after the last predict or update.
-    pub fn belief(&self) -> &B {
-        &self.belief
-    }
-
-    /// The noise that the filter assumes by now.
-    pub fn noise(&self) -> &Noise {
-        &self.noise
+        let jump = jumps.then(|| Jump::new(self.belief.gaussian().cov.diagonal().as_slice().to_vec()));
+        Self { substeps: substeps.max(1), white, jump, ..self }
     }
 
     /// The variance of each R, where the filter learns R; zero elsewhere.
