@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 root = Path(__file__).parent.parent
-FLOORS = {"signal": 0, "scenario": 1, "setting": 1, "axis": 2, "run": 3, "statistics": 4, "internals": 5}
+FLOORS = {"equation": 0, "plant": 1, "signal": 2, "scenario": 3, "setting": 3, "axis": 4, "run": 5, "statistics": 6, "internals": 7}
 PATH = r"(?:crate|self|super)(?:::\w+)+"
 
 

@@ -66,8 +66,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
-    let imported =
-        Builder::new(&table, &mapping, kind, Hold::First).and_then(|builder| builder.of_plant(plant).finish());
+    let imported = Builder::new(&table, &mapping, kind, Hold::First)
+        .and_then(|builder| builder.with_truth_of(plant.channels()).finish());
     drop(progress);
     // Without a sensor, the reasons say what is to be chosen.
     if matches!(imported, Ok(_) | Err(ImportError::NoSensor)) {

@@ -218,7 +218,7 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
         said.into_iter().flatten().collect()
     };
     let imported = Builder::new(table, &mapping, scenario.input, scenario.hold);
-    let imported = imported.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
+    let imported = imported.and_then(|builder| builder.with_truth_of(scenario.plant.kind.channels()).finish());
     let mut imported = imported.map_err(|error| InputError::bad(path, &error))?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);

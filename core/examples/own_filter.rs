@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use kalmanscope_core::filter::kalman::{self, Expected};
 use kalmanscope_core::filter::{
     Adaptation, Algorithm, Belief, Correction, Filter, FilterError, FilterInfo, Gaussian, Noise, Observation,
-    Propagation, Step,
+    Propagation, Step, System,
 };
 use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario};
@@ -23,9 +23,9 @@ pub(crate) struct Doubting {
 const CREDIBLE: f64 = 3.0;
 
 impl Belief for Doubting {
-    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
+    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
         let Self { belief } = self;
-        let (mean, transition) = Propagation::LocalLinearisation.step(model, &belief.mean, step);
+        let (mean, transition) = system.step(Propagation::LocalLinearisation, &belief.mean, step);
         belief.cov = &transition * &belief.cov * transition.transpose();
         belief.mean = mean;
         noise.spread(&mut belief.cov);
@@ -34,13 +34,13 @@ impl Belief for Doubting {
 
     fn condition(
         &mut self,
-        model: &Model,
+        system: &mut dyn System,
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
         let Self { belief } = self;
         let at = belief.mean.as_slice();
-        let (mean, jacobian) = (observation.read(model, at), observation.jacobian(model, at));
+        let (mean, jacobian) = (observation.read(system, at).column(0).into(), observation.jacobian(system, at));
         let mut expected = Expected::linear(belief, mean, jacobian, observation);
         // An outlier is treated as a measurement with more noise.
         let innovation = observation.innovation(&expected.mean);
@@ -86,14 +86,14 @@ pub(crate) fn step_by_hand() -> Result<f64, FilterError> {
     let initial = Gaussian::independent(Vector::from_column_slice(&[0.0, 0.0, 6.0, 0.05]), &std);
     let noise = Noise { process: Matrix::identity(4, 4) * 1e-10, sensors: vec![1e-4], fading: 1.0 };
     let (model, belief) = (Model::new(PlantKind::SDOF), Box::new(Doubting { belief: initial }));
-    let sensors = [Quantity::DISPLACEMENT];
-    let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &sensors, Adaptation::default());
+    let readings = vec![model.reading(Quantity::DISPLACEMENT)];
+    let mut filter = Filter::new(model.state, belief, 0.01, Hold::Zero, noise, readings, Adaptation::default());
     let mut correction = Correction::nothing(4, 1);
     for k in 1..=100 {
         filter.predict([0.0, 0.0])?;
         filter.update(0.0, &[if k == 100 { 1.0 } else { 0.0 }], &mut correction)?;
     }
-    Ok(filter.belief().gaussian().mean[0])
+    Ok(filter.belief.gaussian().mean[0])
 }
 
 /// The natural frequency \[rad/s\] that the filter identifies in the default scenario, where the true one is 4.8:

@@ -64,6 +64,9 @@
 //! | [`suggest`] | start values of filters from a record's data |
 
 mod axis;
+pub mod document;
+pub mod equation;
+pub mod plant;
 mod run;
 pub mod scenario;
 pub mod setting;
@@ -73,16 +76,18 @@ mod statistics;
 #[doc(hidden)]
 pub mod internals;
 
-pub use kalmanscope_filters::{channel, equation, filter, plant};
-pub use kalmanscope_records::{document, free_decay, import, record};
+pub use kalmanscope_filters::{channel, filter};
+pub use kalmanscope_records::{free_decay, import, record};
 pub use statistics::{diagnostics, free_run, frequency_response, score, suggest};
 
 pub use axis::{Axis, AxisError, Spacing};
 pub use kalmanscope_filters::{
     Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, Hold, InputKind, KalmanFilter, MeasurementModel,
-    Model, PlantKind, Propagation, Quantity, Robust, Stop, SystemError, Term,
+    Propagation, Quantity, Robust, Stop, SystemError, Term,
 };
 pub use kalmanscope_records::{Length, Record, RecordError, Task};
+pub use plant::PlantKind;
+pub use plant::model::Model;
 pub use run::estimates::Estimates;
 pub use run::events::{EventError, EventFilter, EventSetupError};
 pub use run::pass::{OnlineFilter, Pass};

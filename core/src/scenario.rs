@@ -16,16 +16,15 @@ mod values;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use kalmanscope_filters::catalogue::{KnownPlants, channel_of};
+use kalmanscope_filters::catalogue::KnownChannels;
 use kalmanscope_filters::filter::FilterKind;
 use kalmanscope_filters::lists::mapped;
-use kalmanscope_filters::model::{Hold, InputKind};
-use kalmanscope_filters::{Channel, PlantKind, Quantity};
+use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 use kalmanscope_records::document::is_default;
 use kalmanscope_records::mapping::Mapping;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::Force;
+use crate::{Force, PlantKind};
 
 pub use document::ScenarioError;
 pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};
@@ -190,17 +189,18 @@ impl Scenario {
 
     /// The channel with a key: one of the truth's plant, of a filter's, or of [`Channel::all`].
     pub fn channel(&self, key: &str) -> Option<Channel> {
-        channel_of(self.plants(), key).or_else(|| Channel::from_key(key))
+        self.channels_of_plants().find(|channel| channel.key() == key).or_else(|| Channel::from_key(key))
     }
 
     /// Reads something in which keys can be those of this scenario's channels.
     pub fn knowing<T>(&self, read: impl FnOnce() -> T) -> T {
-        let _known = KnownPlants::new(self.plants().cloned().collect());
+        let _known = KnownChannels::new(self.channels_of_plants());
         read()
     }
 
-    fn plants(&self) -> impl Iterator<Item = &PlantKind> {
-        std::iter::once(&self.plant.kind).chain(self.filters.iter().filter_map(|filter| filter.plant.as_ref()))
+    fn channels_of_plants(&self) -> impl DoubleEndedIterator<Item = Channel> {
+        let of_filters = self.filters.iter().filter_map(|filter| filter.plant.as_ref());
+        std::iter::once(&self.plant.kind).chain(of_filters).flat_map(PlantKind::channels).copied()
     }
 
     /// The quantity of each sensor.

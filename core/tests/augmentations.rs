@@ -144,8 +144,11 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
             let rest = [scale * begin, scale * slope];
             &exp * Vector::from_iterator(motion + 2, motion_before.iter().copied().chain(rest))
         };
-        let (mean, transition) =
-            Propagation::LocalLinearisation.step(&model, &state, Step { forces: [begin, end], hold: Hold::First, dt });
+        let (mean, transition) = Propagation::LocalLinearisation.step(
+            &model.state,
+            &state,
+            Step { forces: [begin, end], hold: Hold::First, dt },
+        );
         let expected = after(&state.as_slice()[..motion], 1.3);
         let by_gain = after(&vec![0.0; motion], 1.0);
         for i in 0..motion {
@@ -169,13 +172,13 @@ fn transitions_are_derivatives_of_steps() {
             .collect();
         let (state, _) = model.to_state(&values);
         let step = Step { forces: [3.0, -2.0], hold: Hold::First, dt: 0.01 };
-        let (_, transition) = Propagation::RungeKutta.step(&model, &state, step);
+        let (_, transition) = Propagation::RungeKutta.step(&model.state, &state, step);
         for j in 0..model.size() {
             let h = 1e-5 * state[j].abs().max(0.01);
             let [mut high, mut low] = [state.clone(), state.clone()];
             high[j] += h;
             low[j] -= h;
-            let [high, low] = [high, low].map(|state| Propagation::RungeKutta.step(&model, &state, step).0);
+            let [high, low] = [high, low].map(|state| Propagation::RungeKutta.step(&model.state, &state, step).0);
             let difference = (high - low) / (2.0 * h);
             let error = (&difference - transition.column(j)).amax() / transition.column(j).amax();
             assert!(error < 1e-7, "{plant:?}, {:?}: {error}", model.channels()[j]);

@@ -56,11 +56,11 @@ fn rates_and_derivatives_of_built_in_plants_are_the_same_when_typed() {
             places.iter().enumerate().for_each(|(i, &place)| own[place] = state[i]);
             let force = random();
             let (mut expected, mut rate) = (vec![0.0; motion], vec![0.0; motion]);
-            built_in.plant().motion_rate(&state, force, &mut expected);
-            typed.plant().motion_rate(&own, force, &mut rate);
+            built_in.motion_rate(&state, force, &mut expected);
+            typed.motion_rate(&own, force, &mut rate);
             let (mut a, mut b) = (vec![0.0; motion * n], vec![0.0; motion * n]);
-            built_in.plant().motion_jacobian(&state, &mut a);
-            typed.plant().motion_jacobian(&own, &mut b);
+            built_in.motion_jacobian(&state, &mut a);
+            typed.motion_jacobian(&own, &mut b);
             for i in 0..motion {
                 let close = |x: f64, y: f64| (x - y).abs() <= 1e-12 * (1.0 + x.abs());
                 assert!(close(expected[i], rate[places[i]]), "{text}: rate {i}: {expected:?} {rate:?}");
@@ -137,7 +137,7 @@ fn products_with_a_mass_are_solved_for_the_acceleration() {
     let keys: Vec<&str> = kind.channels().iter().map(|channel| channel.key()).collect();
     assert_eq!(keys, ["displacement", "velocity", "m", "c", "k"]);
     let mut rate = [0.0; 2];
-    kind.plant().motion_rate(&[0.5, -1.0, 2.0, 3.0, 8.0], 0.25, &mut rate);
+    kind.motion_rate(&[0.5, -1.0, 2.0, 3.0, 8.0], 0.25, &mut rate);
     assert_eq!(rate, [-1.0, 0.25 - (-3.0 + 8.0 * 0.5) / 2.0]);
 }
 
@@ -148,12 +148,12 @@ fn derivatives_of_all_functions_are_their_differences() {
     let kind = plant(text);
     let rate = |state: &[f64]| {
         let mut rate = [0.0; 2];
-        kind.plant().motion_rate(state, 0.0, &mut rate);
+        kind.motion_rate(state, 0.0, &mut rate);
         rate[1]
     };
     for state in [[0.4, -0.7, 1.3], [-1.1, 0.2, 0.5], [2.3, 1.9, -0.8]] {
         let mut jacobian = [0.0; 6];
-        kind.plant().motion_jacobian(&state, &mut jacobian);
+        kind.motion_jacobian(&state, &mut jacobian);
         for j in 0..3 {
             let at = |by: f64| {
                 let mut moved = state;
@@ -185,8 +185,8 @@ fn no_text_is_too_much() {
             Ok(kind) => {
                 plants += 1;
                 let (n, motion) = (kind.channels().len(), kind.motion());
-                kind.plant().motion_rate(&vec![0.3; n], 1.0, &mut vec![0.0; motion]);
-                kind.plant().motion_jacobian(&vec![0.3; n], &mut vec![0.0; motion * n]);
+                kind.motion_rate(&vec![0.3; n], 1.0, &mut vec![0.0; motion]);
+                kind.motion_jacobian(&vec![0.3; n], &mut vec![0.0; motion * n]);
             }
             Err(error) => assert!(!error.what.is_empty() && error.to_string().chars().count() < 400, "{text}: {error}"),
         }

@@ -1,6 +1,6 @@
 //! A Kalman filter of matrices of one's own, against the equations of a textbook.
 
-use kalmanscope_core::filter::{Gaussian, Matrix, Shape, Vector};
+use kalmanscope_core::filter::{Gaussian, Matrix, Vector};
 use kalmanscope_core::{FilterError, KalmanFilter, MeasurementModel, SystemError};
 
 fn some(rows: usize, columns: usize, seed: f64) -> Matrix {
@@ -48,10 +48,10 @@ fn a_step_is_that_of_the_textbook() {
             p = &a * p * a.transpose() + &q;
             let z = readings(k);
             filter.predict(u.as_slice()).expect("it is finite");
-            close(&vector(filter.mean()), &vector(&x), "prediction");
+            close(&vector(filter.belief.mean), &vector(&x), "prediction");
             filter.update(&z).expect("S is positive definite");
-            close(&filter.prior().cov, &p, "P⁻");
-            close(&vector(&filter.prior().mean), &vector(&x), "x⁻");
+            close(&filter.prior.cov, &p, "P⁻");
+            close(&vector(&filter.prior.mean), &vector(&x), "x⁻");
             let there: Vec<usize> = (0..3).filter(|&i| !z[i].is_nan()).collect();
             let some_h = h.select_rows(&there);
             let some_r = r.select_rows(&there).select_columns(&there);
@@ -61,23 +61,26 @@ fn a_step_is_that_of_the_textbook() {
             let gain = &p * some_h.transpose() * &inverse;
             x += &gain * &e;
             p = (Matrix::identity(3, 3) - &gain * &some_h) * &p;
-            close(&vector(filter.mean()), &vector(&x), "mean");
-            close(filter.cov(), &p, "covariance");
+            close(&vector(filter.belief.mean), &vector(&x), "mean");
+            close(filter.belief.cov, &p, "covariance");
             for (i, &sensor) in there.iter().enumerate() {
-                assert!((filter.innovation()[sensor] - e[i]).abs() < 1e-12);
-                assert!((filter.gain().column(sensor) - gain.column(i)).amax() < 1e-12);
+                assert!((filter.correction.innovation[sensor] - e[i]).abs() < 1e-12);
+                assert!((filter.correction.gain.column(sensor) - gain.column(i)).amax() < 1e-12);
                 for (j, &other) in there.iter().enumerate() {
-                    assert!((filter.innovation_cov()[(sensor, other)] - s[(i, j)]).abs() < 1e-12);
+                    assert!((filter.correction.innovation_cov[(sensor, other)] - s[(i, j)]).abs() < 1e-12);
                 }
             }
             for missing in (0..3).filter(|i| !there.contains(i)) {
-                assert!(filter.innovation()[missing].is_nan() && filter.gain().column(missing).amax() == 0.0);
+                assert!(
+                    filter.correction.innovation[missing].is_nan()
+                        && filter.correction.gain.column(missing).amax() == 0.0
+                );
             }
             let nis = e.dot(&(&inverse * &e));
-            assert!((filter.nis() - nis).abs() < 1e-11 * nis.max(1.0));
+            assert!((filter.correction.nis - nis).abs() < 1e-11 * nis.max(1.0));
             let ln_2_pi = libm::log(std::f64::consts::TAU);
             let likelihood = -0.5 * (nis + libm::log(s.determinant()) + there.len() as f64 * ln_2_pi);
-            assert!((filter.log_likelihood() - likelihood).abs() < 1e-11 * likelihood.abs().max(1.0));
+            assert!((filter.correction.log_likelihood - likelihood).abs() < 1e-11 * likelihood.abs().max(1.0));
         }
     }
 }
@@ -86,11 +89,15 @@ fn a_step_is_that_of_the_textbook() {
 fn an_update_without_a_reading_changes_nothing() {
     let mut filter = filter(true);
     filter.step(&[0.1, 0.2], &[0.3, 0.4, f64::NAN]).expect("it goes on");
-    let (mean, cov) = (filter.mean().clone(), filter.cov().clone());
+    let (mean, cov) = (filter.belief.mean.clone(), filter.belief.cov.clone());
     filter.update(&[f64::NAN; 3]).expect("it goes on");
-    assert_eq!((filter.mean(), filter.cov()), (&mean, &cov));
-    assert!(filter.nis().is_nan() && filter.log_likelihood().is_nan() && filter.gain().amax() == 0.0);
-    assert!(filter.innovation().iter().chain(filter.innovation_cov()).all(|x| x.is_nan()));
+    assert_eq!((filter.belief.mean, filter.belief.cov), (&mean, &cov));
+    assert!(
+        filter.correction.nis.is_nan()
+            && filter.correction.log_likelihood.is_nan()
+            && filter.correction.gain.amax() == 0.0
+    );
+    assert!(filter.correction.innovation.iter().chain(filter.correction.innovation_cov).all(|x| x.is_nan()));
 }
 
 #[test]
@@ -115,9 +122,9 @@ fn a_function_that_is_linear_is_the_matrix() {
         for filter in [&mut linear, &mut exact, &mut differences] {
             filter.step(&[0.5, -0.5], &readings(k)).expect("it goes on");
         }
-        assert!((linear.mean() - exact.mean()).amax() < 1e-13);
-        assert!((linear.mean() - differences.mean()).amax() < 1e-8, "{k}");
-        assert!((linear.cov() - differences.cov()).amax() < 1e-8, "{k}");
+        assert!((linear.belief.mean - exact.belief.mean).amax() < 1e-13);
+        assert!((linear.belief.mean - differences.belief.mean).amax() < 1e-8, "{k}");
+        assert!((linear.belief.cov - differences.belief.cov).amax() < 1e-8, "{k}");
     }
 }
 
@@ -133,7 +140,7 @@ fn differences_are_the_derivative_for_states_of_any_size() {
         filter.update(&[0.5]).expect("it goes on");
         let slope = frequency * libm::cos(frequency * at);
         let expected = std * std * slope / (1.0 + std * std * slope * slope);
-        let gain = filter.gain()[(0, 0)];
+        let gain = filter.correction.gain[(0, 0)];
         assert!((gain - expected).abs() <= 1e-5 * expected.abs(), "{at} ± {std}: {gain} {expected}");
     }
 }
@@ -164,7 +171,7 @@ fn a_matrix_of_another_shape_is_refused_with_both_shapes() {
     let [a, b, _, q, _] = system(true);
     let error = KalmanFilter::new(a, b, function, q, Matrix::zeros(2, 3), initial()).err();
     let why = "a row and a column for each sensor";
-    assert_eq!(error, Some(SystemError::Shape { matrix: "R", found: Shape(2, 3), needed: Shape(2, 2), why }));
+    assert_eq!(error, Some(SystemError::Shape { matrix: "R", found: (2, 3), needed: (2, 2), why }));
 }
 
 #[test]
@@ -190,7 +197,7 @@ fn numbers_that_are_not_finite_and_matrices_that_are_no_covariances_are_refused(
 fn a_step_that_is_refused_leaves_the_filter_as_it_was() {
     let mut filter = filter(false);
     filter.step(&[0.1, 0.2], &readings(1)).expect("it goes on");
-    let before = (filter.mean().clone(), filter.cov().clone());
+    let before = (filter.belief.mean.clone(), filter.belief.cov.clone());
     let message = |error: Result<(), SystemError>| error.expect_err("it is refused").to_string();
     let said = "the input has 1 numbers, but must have 2: a number for each column of B";
     assert_eq!(message(filter.predict(&[1.0])), said);
@@ -199,15 +206,15 @@ fn a_step_that_is_refused_leaves_the_filter_as_it_was() {
     assert_eq!(message(filter.update(&[1.0])), said);
     assert_eq!(filter.update(&[0.0, f64::INFINITY, 0.0]), Err(FilterError::InfiniteMeasurement.into()));
     assert_eq!(filter.update(&[1e200, 0.0, 0.0]), Err(FilterError::ImpossibleMeasurement.into()));
-    assert_eq!((filter.mean(), filter.cov()), (&before.0, &before.1));
-    assert!(filter.nis().is_nan() && filter.log_likelihood().is_nan());
+    assert_eq!((filter.belief.mean, filter.belief.cov), (&before.0, &before.1));
+    assert!(filter.correction.nis.is_nan() && filter.correction.log_likelihood.is_nan());
     filter.update(&readings(2)).expect("it goes on");
 
     let [_, b, h, q, r] = system(true);
     let mut unstable =
         KalmanFilter::new(Matrix::identity(3, 3) * 1e200, b, h, q, r, initial()).expect("the system is one");
     assert_eq!(unstable.predict(&[0.0, 0.0]), Err(FilterError::NotFinite.into()));
-    assert_eq!(unstable.mean(), &initial().mean);
+    assert_eq!(unstable.belief.mean, &initial().mean);
 }
 
 #[test]
@@ -224,7 +231,7 @@ fn what_a_function_writes_is_checked() {
         of(MeasurementModel::function(|_, _| ()).with_jacobian(|_, jacobian| *jacobian = Matrix::zeros(3, 4)));
     let message = wide.update(&[0.0; 3]).expect_err("it is refused").to_string();
     assert!(message.starts_with("the Jacobian is 3 × 4, but must be 3 × 3"), "{message}");
-    assert_eq!(wide.mean(), &initial().mean);
+    assert_eq!(wide.belief.mean, &initial().mean);
 }
 
 #[test]
@@ -232,5 +239,5 @@ fn a_filter_can_be_sent_to_another_thread() {
     fn is_send<T: Send>(value: T) -> T {
         value
     }
-    assert_eq!(is_send(filter(true)).mean(), &initial().mean);
+    assert_eq!(is_send(filter(true)).belief.mean, &initial().mean);
 }

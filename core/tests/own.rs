@@ -41,10 +41,10 @@ fn a_system_of_ones_own_is_tracked_by_linear_sensors_and_by_others() {
     for filter in [&own_system::by_coordinates().expect("the filter goes on"), &radar, &differences] {
         let errors = own_system::errors(filter);
         assert!(errors.iter().all(|error| error.abs() < 3.0), "{errors:?}");
-        assert!(filter.cov()[(2, 2)].sqrt() < 0.2, "{}", filter.cov());
-        assert!(filter.nis() < 15.0 && filter.log_likelihood().is_finite());
+        assert!(filter.belief.cov[(2, 2)].sqrt() < 0.2, "{}", filter.belief.cov);
+        assert!(filter.correction.nis < 15.0 && filter.correction.log_likelihood.is_finite());
     }
-    let apart = (radar.mean() - differences.mean()).amax();
+    let apart = (radar.belief.mean - differences.belief.mean).amax();
     assert!(apart > 0.0 && apart < 1e-4, "{apart}");
 }
 
@@ -81,11 +81,11 @@ impl Plant for Impostor {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        PlantKind::SDOF.plant().motion_rate(state, 2.0 * force, rate);
+        PlantKind::SDOF.motion_rate(state, 2.0 * force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        PlantKind::SDOF.plant().motion_jacobian(state, jacobian);
+        PlantKind::SDOF.motion_jacobian(state, jacobian);
     }
 }
 

@@ -9,7 +9,7 @@ mod tests;
 use std::fmt;
 use std::str::FromStr;
 
-use kalmanscope_core::internals::KnownPlants;
+use kalmanscope_core::internals::KnownChannels;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, Quantity, Record, Scenario, Task};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -257,7 +257,7 @@ impl FromStr for Measure {
 fn read(text: &str) -> Option<Measure> {
     let mut parts = text.split('.');
     let kind = MeasureKind::from_word(parts.next()?)?;
-    let channel = if kind.needs_channel() { Some(KnownPlants::channel(parts.next()?)?) } else { None };
+    let channel = if kind.needs_channel() { Some(KnownChannels::channel(parts.next()?)?) } else { None };
     let sensor = match parts.next() {
         Some(key) => Some(Quantity::from_key(key)?),
         None => None,

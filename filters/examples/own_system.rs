@@ -78,14 +78,14 @@ pub(crate) fn by_radar(with_jacobian: bool) -> Result<KalmanFilter, SystemError>
 /// Errors of the estimate after a minute, in standard deviations.
 pub(crate) fn errors(filter: &KalmanFilter) -> Vec<f64> {
     let truth = truth(60);
-    (0..4).map(|i| (filter.mean()[i] - truth[i]) / filter.cov()[(i, i)].sqrt()).collect()
+    (0..4).map(|i| (filter.belief.mean[i] - truth[i]) / filter.belief.cov[(i, i)].sqrt()).collect()
 }
 
 fn main() -> Result<(), SystemError> {
     for (name, filter) in [("coordinates", by_coordinates()?), ("radar", by_radar(false)?)] {
-        let (mean, std) = (filter.mean(), filter.cov().diagonal().map(f64::sqrt));
+        let (mean, std) = (filter.belief.mean, filter.belief.cov.diagonal().map(f64::sqrt));
         println!("by {name}: vx = {:.2} ± {:.2} m/s, vy = {:.2} ± {:.2} m/s", mean[2], std[2], mean[3], std[3]);
-        println!("  NIS {:.2}, log likelihood {:.2}", filter.nis(), filter.log_likelihood());
+        println!("  NIS {:.2}, log likelihood {:.2}", filter.correction.nis, filter.correction.log_likelihood);
         println!("  errors in standard deviations: {:.1?}", errors(&filter));
     }
     Ok(())

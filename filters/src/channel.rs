@@ -1,6 +1,7 @@
 //! The quantities that a filter estimates, as data.
 
 pub mod augment;
+mod of_plants;
 
 use std::cmp::Ordering;
 
@@ -75,7 +76,7 @@ pub struct ChannelInfo {
 
 /// One component of a plant's augmented state: a motion, a parameter, or a property of the input or of a sensor.
 ///
-/// Each plant declares its own channels in its file; channels that several plants share are declared here.
+/// Records know channels as columns, so that those of plants stand here, below plants and records.
 #[derive(Clone, Copy)]
 pub struct Channel {
     info: &'static ChannelInfo,
@@ -103,7 +104,7 @@ macro_rules! numbered {
 pub(crate) use {by_mass, numbered, symbols_by_mass};
 
 impl ChannelInfo {
-    pub(crate) const fn parameter(
+    const fn parameter(
         [keys, names, symbols]: [&'static [&'static str]; 3],
         unit: &'static str,
         sign: Sign,
@@ -112,7 +113,7 @@ impl ChannelInfo {
         Self { keys, names, symbols, unit, role: Role::Parameter(sign), rate: None, mirrored: false, usual }
     }
 
-    pub(crate) const fn motion(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
+    const fn motion(words: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> Self {
         Self { role: Role::Motion, ..Self::parameter(words, unit, Sign::Any, usual) }
     }
 

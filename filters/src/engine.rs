@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! number, lanes, dual      the numbers that equations are written for
-//! plants, model            how a state moves, and what sensors read
+//! dynamics, model          how a state moves, and what sensors read
 //! design, filter           predict and update
 //!   linearised             the prediction of KF and EKF        (exponential, coupled)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
@@ -27,7 +27,8 @@ pub mod builder;
 pub mod columns;
 mod coupled;
 pub mod design;
-pub(crate) mod dual;
+pub mod dual;
+pub mod dynamics;
 mod expected;
 pub mod exponential;
 pub mod filter;
@@ -40,7 +41,7 @@ pub mod number;
 #[cfg(target_arch = "wasm32")]
 pub mod pair;
 pub mod passage;
-pub(crate) mod plants;
+pub mod robust;
 pub mod runge_kutta;
 pub(crate) mod sigma_points;
 mod square_root;

@@ -8,34 +8,28 @@
 //! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`] with its prediction and its update, and
 //! [`Filter`], in `recursion.rs`, has the part that these share. The registry below lists the kinds.
 
-pub(crate) mod adaptation;
 mod belief;
-pub(crate) mod jump;
 pub mod kalman;
-pub(crate) mod learning;
 mod linear;
 mod recursion;
-pub mod robust;
 mod sampled;
+mod system;
 
-use crate::Model;
 use crate::engine::design::{Method, Rule};
-use crate::engine::level::Baseline;
-use crate::engine::linearised::Linearised;
-use crate::engine::model;
 use crate::registry::{keyed, registry};
 
 pub use crate::engine::design::{Course, Propagation};
+pub use crate::engine::robust::{self, Robust};
+pub use crate::engine::wrapper::Adaptation;
 pub use crate::filter_error::FilterError;
 pub use crate::linalg::{Matrix, Vector};
 pub use crate::random::Normal;
-pub use adaptation::Adaptation;
-pub use belief::{Belief, Correction, Gaussian, Noise, Observation, Step, White};
+pub use belief::{Belief, Correction, Gaussian, Noise, Observation, White};
 pub use kalman::Expected;
-pub use linear::{KalmanFilter, MeasurementModel, Shape, SystemError};
+pub use linear::{KalmanFilter, MeasurementModel, SystemError};
 pub use recursion::Filter;
-pub use robust::Robust;
 pub use sampled::{Ensemble, Particles};
+pub use system::{States, Step, System};
 
 registry! {
     FilterKind by FilterKind,
@@ -203,19 +197,6 @@ impl PartialEq for FilterKind {
 impl Eq for FilterKind {}
 
 keyed!(FilterKind, also read);
-
-impl Propagation {
-    /// The state after a step and its transition matrix Φ, n × n. The rows of Φ below those that move are an identity's.
-    pub fn step(self, model: &Model, state: &Vector, step: Step) -> (Vector, Matrix) {
-        let engine = model::StateModel::of(model);
-        let mut linearised = Linearised::new(&engine);
-        let (mut mean, mut transition) = (state.clone(), Matrix::identity(state.len(), state.len()));
-        linearised.step(Baseline, self, &engine, mean.as_mut_slice(), &step.of_engine());
-        let moving = engine.moving();
-        transition.rows_mut(0, moving).copy_from_slice(&linearised.rows);
-        (mean, transition)
-    }
-}
 
 /// A Jacobian counts as n evaluations, one a column, as by differences.
 fn evaluations(settings: &MethodSettings, n: usize) -> usize {

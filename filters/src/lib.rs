@@ -7,7 +7,6 @@ pub mod catalogue;
 pub mod channel;
 #[doc(hidden)]
 pub mod engine;
-pub mod equation;
 pub mod filter;
 #[doc(hidden)]
 pub mod filter_error;
@@ -16,16 +15,15 @@ pub mod fourier;
 #[doc(hidden)]
 pub mod gaussian_likelihood;
 #[doc(hidden)]
+pub mod input;
+#[doc(hidden)]
 pub mod least_squares;
 #[doc(hidden)]
 pub mod linalg;
 #[doc(hidden)]
 pub mod lists;
 #[doc(hidden)]
-pub mod model;
-#[doc(hidden)]
 pub mod noise_scale;
-pub mod plant;
 #[doc(hidden)]
 pub mod quantity;
 #[doc(hidden)]
@@ -36,10 +34,12 @@ pub mod registry;
 pub mod truncated_normal;
 
 pub use channel::Channel;
+pub use engine::dynamics::{Dynamics, MotionEquation};
+pub use engine::model::{Reading, StateModel};
+pub use engine::number::{Function, Real};
 pub use filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
 };
 pub use filter_error::Stop;
-pub use model::{Hold, InputKind, Model};
-pub use plant::PlantKind;
+pub use input::{Hold, InputKind};
 pub use quantity::{Aspect, AspectInfo, Quantity, Term};

@@ -51,7 +51,9 @@ pub fn source_in(scenario: &Scenario, bytes: &[u8]) -> Result<Source, LessonErro
     let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
     let table = read(bytes, mapping.dialect);
     let built = table.and_then(|table| {
-        Builder::new(&table, mapping, scenario.input, scenario.hold)?.of_plant(&scenario.plant.kind).finish()
+        Builder::new(&table, mapping, scenario.input, scenario.hold)?
+            .with_truth_of(scenario.plant.kind.channels())
+            .finish()
     });
     let reason = |error: kalmanscope_core::import::ImportError| error.to_string();
     let imported = built.map_err(|error| LessonError::Record { file: mapping.file.clone(), reason: reason(error) })?;

@@ -5,16 +5,12 @@
 
 use std::fmt;
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize as _, Serialize};
 pub use serde_json::{Value as Document, json};
 use serde_path_to_error::Segment;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-use kalmanscope_filters::PlantKind;
-use kalmanscope_filters::catalogue::KnownPlants;
-use kalmanscope_filters::equation::EquationSettings;
 
 /// The value as a document. Numbers that are not finite become null.
 ///
@@ -24,33 +20,12 @@ pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Document, DocumentError> {
     Ok(serde_json::to_value(value)?)
 }
 
-/// Reads a value of a type. Keys of channels are those of [`kalmanscope_filters::Channel::all`] and of the equations anywhere in the document.
+/// Reads a value of a type. Keys of channels are those of [`kalmanscope_filters::Channel::all`].
 ///
 /// # Errors
 /// [`DocumentError`] with the path of the key and the reason.
 pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError> {
-    let mut plants = Vec::new();
-    equations(document, &mut plants);
-    let _known = KnownPlants::new(plants);
     Ok(serde_path_to_error::deserialize(document)?)
-}
-
-/// Parameters of these plants have keys wherever they stand. A text that is no equation is reported where it is read.
-fn equations(document: &Document, plants: &mut Vec<PlantKind>) {
-    match document {
-        Document::Object(entries) => {
-            if let Some(equation) = entries.get("equation") {
-                let alone =
-                    json!({ "equation": equation, "parameters": entries.get("parameters").unwrap_or(&json!({})) });
-                let plant =
-                    EquationSettings::deserialize(&alone).ok().and_then(|one| PlantKind::of_equation(&one).ok());
-                plants.extend(plant);
-            }
-            entries.values().for_each(|value| equations(value, plants));
-        }
-        Document::Array(values) => values.iter().for_each(|value| equations(value, plants)),
-        _ => {}
-    }
 }
 
 /// The document in a text of JSON.
@@ -59,14 +34,6 @@ fn equations(document: &Document, plants: &mut Vec<PlantKind>) {
 /// [`DocumentError`] where the text is not JSON.
 pub fn from_json(text: &str) -> Result<Document, DocumentError> {
     Ok(serde_json::from_str(text)?)
-}
-
-/// Reads a value from a text of JSON.
-///
-/// # Errors
-/// [`DocumentError`] where the text is not JSON, or not a value of this type.
-pub fn read_json<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
-    read(&from_json(text)?)
 }
 
 /// The text of a value as JSON, in one line.
@@ -96,15 +63,6 @@ pub fn from_toml(text: &str) -> Result<Document, DocumentError> {
         Some(error) => Err(error.in_toml(text)),
         None => Ok(document),
     }
-}
-
-/// Reads a value from a text of TOML.
-///
-/// # Errors
-/// As [`from_toml`], and [`DocumentError`] where it is not a value of this type: with the line, the path of the key and the
-/// reason.
-pub fn read_toml<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
-    read(&from_toml(text)?).map_err(|error| error.in_toml(text))
 }
 
 /// The text of a value as TOML. Tables come after other values, so that each has a header.

@@ -1,7 +1,7 @@
 //! The true oscillator, and its parameters over time.
 
 use egui::{Button, ComboBox, TextStyle, Ui};
-use kalmanscope_core::channel::{Role, Sign, augment};
+use kalmanscope_core::channel::{Role, Sign};
 use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{Channel, PlantKind, Scenario, Signal};
@@ -90,7 +90,7 @@ fn augmentation_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     let combo = ComboBox::from_id_salt("augmentation").selected_text("Add gain, offset, bias …").show_ui(ui, |ui| {
         // A white force of the truth is its disturbance.
         let is_offered = |channel: &Channel| !has.contains(channel) && *channel != Channel::WHITE_FORCE;
-        for channel in augment::of(&plant.kind).filter(is_offered) {
+        for channel in plant.kind.augmentations().filter(is_offered) {
             ui.selectable_value(&mut chosen, Some(channel), format!("{} {}", channel.symbol(), channel.name()));
         }
     });

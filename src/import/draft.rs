@@ -114,7 +114,8 @@ impl Draft {
         let Self { file, mapping, input, hold, plant, outcome, making, is_unfolded, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
-        let begin = || Ok(Builder::new(SharedFile(Arc::clone(file)), mapping, *input, *hold)?.of_plant(plant));
+        let begin =
+            || Ok(Builder::new(SharedFile(Arc::clone(file)), mapping, *input, *hold)?.with_truth_of(plant.channels()));
         let begun = under_way.unwrap_or_else(begin);
         let built = begun.and_then(|mut builder| {
             if builder.advance(while_time)? {

@@ -146,7 +146,7 @@ impl Library {
 
 fn built(file: &RecordFile, mapping: &Mapping, scenario: &Scenario) -> Result<Imported, String> {
     let builder = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
-    let built = builder.and_then(|builder| builder.of_plant(&scenario.plant.kind).finish());
+    let built = builder.and_then(|builder| builder.with_truth_of(scenario.plant.kind.channels()).finish());
     built.map_err(|error| format!("“{}”: {error}", file.name))
 }
 

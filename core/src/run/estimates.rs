@@ -3,7 +3,7 @@
 mod growth;
 
 use kalmanscope_filters::gaussian_likelihood;
-use kalmanscope_filters::{Channel, FilterKind, Model, PlantKind, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::hash::Hash;
 use kalmanscope_records::record::Delays;
@@ -11,7 +11,7 @@ use kalmanscope_records::record::Delays;
 use crate::run::remarks::{Monitor, Remark, Trouble};
 use crate::run::sink::{Sample, readings};
 use crate::scenario::SMOOTHED;
-use crate::{FilterColor, FilterSettings};
+use crate::{FilterColor, FilterSettings, Model, PlantKind};
 use growth::History;
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.

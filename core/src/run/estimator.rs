@@ -6,15 +6,14 @@ pub(crate) mod setup;
 pub(crate) mod update;
 
 use kalmanscope_filters::filter::Gaussian;
-use kalmanscope_filters::model::{Hold, InputKind, Model};
 use kalmanscope_filters::truncated_normal::truncated;
-use kalmanscope_filters::{Channel, FilterError, PlantKind, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterError, Hold, InputKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 
 use crate::run::passage::Passages;
 use crate::run::sink::{Sample, Sink};
-use crate::{FilterSettings, Scenario};
+use crate::{FilterSettings, Model, PlantKind, Scenario};
 
 pub(crate) trait Estimator: Send {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;

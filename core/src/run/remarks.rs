@@ -3,11 +3,11 @@
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::noise_scale;
 use kalmanscope_filters::quantity::MAX_SENSORS;
-use kalmanscope_filters::{Channel, PlantKind, Quantity};
+use kalmanscope_filters::{Channel, Quantity};
 use thiserror::Error;
 
 use crate::run::sink::{AssumedNoise, Sample};
-use crate::{FilterSettings, Values};
+use crate::{FilterSettings, PlantKind, Values};
 
 /// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]

@@ -6,14 +6,13 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use kalmanscope_filters::lists::mapped;
-use kalmanscope_filters::model::{Hold, Model, Reading};
 use kalmanscope_filters::random::{Normal, Purpose};
-use kalmanscope_filters::{Channel, Quantity};
+use kalmanscope_filters::{Channel, Hold, Quantity, Reading};
 use kalmanscope_records::Record;
 use thiserror::Error;
 
 use crate::scenario::fault::{Act, FaultStage, Moment};
-use crate::{Force, Scenario, Signal};
+use crate::{Force, Model, Scenario, Signal};
 use response::{HALVED, Response};
 
 /// The reason why a truth cannot continue.

@@ -16,7 +16,7 @@
 //! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
 //!
 //! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
-//! jump ([`kalmanscope_filters::filter::jump`]) adds to P⁻.
+//! jump adds to P⁻.
 //!
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
@@ -24,7 +24,6 @@
 use std::collections::VecDeque;
 
 use kalmanscope_filters::Stop;
-use kalmanscope_filters::engine::model;
 use kalmanscope_filters::filter::{FilterError, Gaussian};
 use kalmanscope_filters::linalg::{Matrix, Vector};
 use kalmanscope_records::Record;
@@ -93,7 +92,7 @@ impl Forward {
 impl Hindsight {
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
-        let in_units = InUnits::new(&model::StateModel::of(&model).logarithms, model.size(), 0);
+        let in_units = InUnits::new(&model.state.logarithms, model.size(), 0);
         Self { in_units, truncation: Truncation::of(settings, model.channels()) }
     }
 

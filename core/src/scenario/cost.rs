@@ -1,13 +1,12 @@
 //! The steps that filters take from sample to sample, and estimates of computing time.
 
-use kalmanscope_filters::PlantKind;
+use kalmanscope_filters::InputKind;
 use kalmanscope_filters::filter::Propagation;
 use kalmanscope_filters::linalg::Matrix;
 use kalmanscope_filters::lists::numbers;
-use kalmanscope_filters::model::{InputKind, Model};
 
 use super::{FilterSettings, Plant};
-use crate::Scenario;
+use crate::{Model, PlantKind, Scenario};
 
 /// Limits the time between two checks of the clock; a browser is two to three times slower than this \[ns\].
 const CHUNK: f64 = 1e6;

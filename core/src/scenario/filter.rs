@@ -1,8 +1,7 @@
 //! The settings of a filter, each with its row where it is a number or a yes or no, and its colour.
 
 use kalmanscope_filters::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
-use kalmanscope_filters::model::{InputKind, Model};
-use kalmanscope_filters::{Channel, PlantKind};
+use kalmanscope_filters::{Channel, InputKind};
 use kalmanscope_records::document::{is_default, is_one};
 use kalmanscope_records::record::Delays;
 use serde::de::{Error as _, IntoDeserializer as _};
@@ -10,6 +9,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Bounds, Values, values};
 use crate::setting::info::{Allowed, Field, SettingInfo, row, settings};
+
+use crate::{Model, PlantKind};
 
 /// Limits the samples by which the plant can feel the input after or before it is recorded.
 pub(crate) const MAX_DELAY: i64 = 100;

@@ -2,11 +2,12 @@
 
 use std::sync::LazyLock;
 
-use kalmanscope_filters::channel::augment;
+use kalmanscope_filters::Channel;
 use kalmanscope_filters::filter::FilterKind;
-use kalmanscope_filters::{Channel, PlantKind};
 
 use super::{Between, FilterSettings, Values};
+
+use crate::PlantKind;
 
 /// An option that excludes others, or that others exclude.
 pub struct FilterOption {
@@ -130,7 +131,7 @@ impl FilterSettings {
         }
         let before = (self.augment.len(), self.consider.len(), self.bounds.clone());
         let plant = self.plant.as_ref().unwrap_or(truth);
-        self.augment.retain(|channel| augment::of(plant).any(|own| own == *channel));
+        self.augment.retain(|channel| plant.augmentations().any(|own| own == *channel));
         let has: Vec<Channel> = self.considerable(truth).collect();
         self.consider.retain(|channel| has.contains(channel));
         self.bounds.retain(|channel| has.contains(&channel));

@@ -2,17 +2,16 @@
 
 use std::fmt;
 
-use kalmanscope_filters::catalogue::{KnownPlants, expected_channels};
-use kalmanscope_filters::equation::{Equation, EquationSettings};
-use kalmanscope_filters::model::{InputKind, Model};
-use kalmanscope_filters::{Channel, PlantKind};
+use crate::equation::{Equation, EquationSettings};
+use kalmanscope_filters::catalogue::{KnownChannels, expected_channels};
+use kalmanscope_filters::{Channel, InputKind};
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::Scenario;
-use crate::Signal;
 use crate::signal::Step;
+use crate::{Model, PlantKind, Signal};
 
 /// The plant to identify. It has the parameters of [`PlantKind::parameters`], and the augmentations
 /// ([`kalmanscope_filters::channel::augment`]) that have a signal.
@@ -198,7 +197,7 @@ impl<'de> Deserialize<'de> for Plant {
                         "disturbance_std" => plant.disturbance_std = map.next_value()?,
                         other => {
                             let signal = map.next_value::<Signal>()?;
-                            KnownPlants::channel(other).into_iter().for_each(|channel| plant.set(channel, signal));
+                            KnownChannels::channel(other).into_iter().for_each(|channel| plant.set(channel, signal));
                         }
                     }
                 }
@@ -225,7 +224,7 @@ const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "distu
 impl<'de> Deserialize<'de> for PlantKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        if OWN_KEYS.contains(&key.as_str()) || KnownPlants::channel(&key).is_some_and(Channel::is_parameter) {
+        if OWN_KEYS.contains(&key.as_str()) || KnownChannels::channel(&key).is_some_and(Channel::is_parameter) {
             return Ok(Self(key));
         }
         let (own, channels) = (OWN_KEYS.join("`, `"), expected_channels(Channel::is_parameter));

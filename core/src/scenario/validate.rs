@@ -4,14 +4,14 @@ use std::fmt::{Arguments, Display};
 
 use kalmanscope_filters::channel::{Role, Sign};
 use kalmanscope_filters::quantity::MAX_SENSORS;
-use kalmanscope_filters::{Channel, InputKind, PlantKind};
+use kalmanscope_filters::{Channel, InputKind};
 use kalmanscope_records::document::{self, Document};
 use kalmanscope_records::record::Delays;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
-use crate::Signal;
 use crate::scenario::cost::largest_ensemble;
 use crate::setting::{Allowed, SettingInfo, TABLES, of_filter, of_scenario};
+use crate::{PlantKind, Signal};
 
 /// Limits the samples of one record: more than a day at 1 kHz, and tens of gigabytes per filter in a run that keeps them all.
 pub(super) const MAX_SAMPLES: usize = 100_000_000;

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
 use kalmanscope_filters::Channel;
-use kalmanscope_filters::catalogue::{KnownPlants, all_and, expected_channels};
+use kalmanscope_filters::catalogue::{KnownChannels, all_and, expected_channels};
 use kalmanscope_filters::channel::Usual;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
@@ -162,7 +162,7 @@ impl<'de> Deserialize<'de> for ChannelKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
         let unknown = || format!("unknown field `{key}`, expected {}", expected_channels(|_| true));
-        KnownPlants::channel(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
+        KnownChannels::channel(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Changes of a scenario, and what was before them.
 
 use kalmanscope_filters::lists::sort_items;
-use kalmanscope_filters::plant::PlantKind;
 use kalmanscope_filters::quantity::Quantity;
 use kalmanscope_records::document::{self, Document};
 
@@ -10,6 +9,8 @@ use super::{
 };
 use crate::scenario::address::{of_filter as address_of, split_id};
 use crate::scenario::{FilterSettings, Scenario, ScenarioError, Sensor};
+
+use crate::PlantKind;
 
 /// Changes of a scenario, in the order in which they are made: settings with their new values, and filters and sensors that come or go.
 /// It is made where a user or a program says what to change, and applies to any scenario that has these settings.

@@ -138,7 +138,8 @@ fn rounded(value: &Value) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_filters::{Channel, Hold, PlantKind};
+    use crate::PlantKind;
+    use kalmanscope_filters::{Channel, Hold};
 
     #[test]
     fn edits_are_turned_by_their_keys() {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use kalmanscope_filters::PlantKind;
+use crate::PlantKind;
 
 /// A number, or a yes or no, of a `T`: a scenario or the settings of a filter.
 #[non_exhaustive]

@@ -1,6 +1,5 @@
 //! Edits in words, as a button says them.
 
-use kalmanscope_filters::plant::PlantKind;
 use kalmanscope_filters::quantity::Quantity;
 use toml::Value;
 
@@ -8,6 +7,8 @@ use super::{
     CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Edit, SENSOR_DELAY, SENSOR_STD, TableInfo, name, of_filter, of_scenario,
 };
 use crate::scenario::{FilterSettings, Scenario, Sensor};
+
+use crate::PlantKind;
 
 /// A σ that is at least this many times the present one leaves its sensor out.
 const LEFT_OUT: f64 = 500.0;

@@ -1,14 +1,14 @@
 //! The Cramér-Rao bound: the smallest standard deviations that any filter can reach.
 
 use kalmanscope_filters::engine::level::Baseline;
-use kalmanscope_filters::engine::wrapper::{Span, Wrapped};
+use kalmanscope_filters::engine::wrapper::Span;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Channel, FilterKind, Quantity};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::FilterContext;
-use crate::run::estimator::setup::{Setup, filter};
+use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::waste::Piecewise;
 use crate::scenario::Fault;
 use crate::{FilterSettings, Scenario, Sensor};
@@ -33,7 +33,7 @@ pub struct CramerRao {
     settings: FilterSettings,
     channels: Vec<Channel>,
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
-    recursion: Option<(Wrapped<f64>, Vec<Quantity>)>,
+    recursion: Option<(PlantFilter<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
     forgotten: usize,
     stopped: bool,

@@ -4,11 +4,10 @@ mod running;
 
 use std::ops::Range;
 
-use kalmanscope_filters::model::{Model, Reading};
-use kalmanscope_filters::{Channel, Quantity};
+use kalmanscope_filters::{Channel, Quantity, Reading};
 use kalmanscope_records::Record;
 
-use crate::{Estimates, FilterSettings, Scenario};
+use crate::{Estimates, FilterSettings, Model, Scenario};
 
 pub use running::Running;
 

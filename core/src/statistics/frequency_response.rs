@@ -10,12 +10,12 @@
 
 use std::f64::consts::TAU;
 
+use kalmanscope_filters::Channel;
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
 use kalmanscope_filters::lists::mapped;
-use kalmanscope_filters::{Channel, Model, PlantKind};
 use kalmanscope_records::Record;
 
-use crate::Estimates;
+use crate::{Estimates, Model, PlantKind};
 
 const DRAWS: usize = 96;
 /// The number of estimates of the band that are averaged: a single one is ragged where the belief is wide.

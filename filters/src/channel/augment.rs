@@ -15,7 +15,7 @@
 //! white force).
 
 use crate::channel::{ChannelInfo, Usual};
-use crate::{Channel, PlantKind, Quantity};
+use crate::{Channel, Quantity};
 
 static INPUT_GAIN: ChannelInfo = ChannelInfo::augmentation(
     [&["input_gain"], &["input gain"], &["g"]],
@@ -59,11 +59,6 @@ pub const OF_INPUT: [Channel; 4] =
 /// Every augmentation: those of the input, then the bias and the gain of each sensor.
 pub fn all() -> impl Iterator<Item = Channel> {
     of_all(Quantity::all().iter().copied())
-}
-
-/// The augmentations that a plant can have: those of the input and of its measurable quantities.
-pub fn of(plant: &PlantKind) -> impl Iterator<Item = Channel> {
-    of_all(plant.quantities())
 }
 
 /// The augmentations of the input, then the biases of sensors for these quantities, then their gains.

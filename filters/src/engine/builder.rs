@@ -4,16 +4,16 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::dual;
+use super::dynamics::Dynamics;
 use super::list::{List, Node, Operation};
-use super::model::{StateModel, read};
+use super::model::{Reading, StateModel, read};
 use super::number::{Function, Real, operators};
-use super::plants::{RateFunction as _, with_equation};
-use crate::model::Reading;
 
 /// Limits the operations of a list, and so the time and the memory that an equation can take.
 const LENGTH: usize = 4000;
 
-pub(crate) const LARGEST_PRODUCT: f64 = 8.0;
+pub const LARGEST_PRODUCT: f64 = 8.0;
 
 /// A list in the making.
 #[derive(Clone, Debug, Default)]
@@ -190,35 +190,10 @@ impl Builder {
     }
 
     fn slope(&mut self, function: Function, a: Node, node: Node) -> Node {
-        let one = self.constant(1.0);
-        match function {
-            Function::Sin => self.call(Function::Cos, a),
-            Function::Cos => {
-                let sin = self.call(Function::Sin, a);
-                self.negative(sin)
-            }
-            Function::Tan => {
-                let square = self.multiply(node, node);
-                self.add(one, square)
-            }
-            Function::Exp => node,
-            Function::Log => self.divide(one, a),
-            Function::Sqrt => {
-                let half = self.constant(0.5);
-                self.divide(half, node)
-            }
-            Function::Abs => self.call(Function::Sign, a),
-            Function::Sign => self.constant(0.0),
-            Function::Tanh => {
-                let square = self.multiply(node, node);
-                self.subtract(one, square)
-            }
-            Function::Power(exponent) => {
-                let exponent = f64::from_bits(exponent);
-                let (factor, lower) = (self.constant(exponent), self.power(a, exponent - 1.0));
-                self.multiply(factor, lower)
-            }
-        }
+        let builder = RefCell::new(std::mem::take(self));
+        let slope = dual::slope(function, Noted::Node(&builder, a), Noted::Node(&builder, node)).node(&builder);
+        *self = builder.into_inner();
+        slope
     }
 
     /// The number with zero in place of some inputs, one bit each.
@@ -275,7 +250,7 @@ pub struct Notes {
 impl Notes {
     /// The notes of a model. There are none for logarithms, for a plant that takes plain numbers only, and for more operations than
     /// a list can hold.
-    pub fn of(model: &StateModel, readings: &[Reading]) -> Option<Self> {
+    pub fn of(model: &StateModel<impl Dynamics>, readings: &[Reading]) -> Option<Self> {
         if !model.logarithms.is_empty() {
             return None;
         }
@@ -285,7 +260,9 @@ impl Notes {
         let force = input(model.size);
         let mut rate = vec![Noted::of(0.0); model.moving()];
         let acting = model.acting(&state, force);
-        with_equation!(&model.plant, equation => equation.rate(&state, acting, &mut rate), _ => return None);
+        if !model.plant.note(&state, acting, &mut rate) {
+            return None;
+        }
         model.decay(&state, &mut rate);
         let read = |reading| read(model, reading, &state, &rate, force);
         let readings: Vec<Noted<'_>> = readings.iter().map(read).collect();
@@ -352,37 +329,14 @@ impl Real for Noted<'_> {
     fn call(self, function: Function) -> Self {
         match self {
             Self::Constant(a) => Self::Constant(function.of(a)),
-            Self::Node(list, a) => Self::Node(list, list.borrow_mut().call(function, a)),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::channel::augment;
-    use crate::{Channel, PlantKind, Quantity};
-
-    #[test]
-    fn notes_give_the_rates_and_readings_of_the_model() {
-        for kind in PlantKind::ALL.into_iter().filter(|kind| kind.channels().len() <= 16) {
-            let quantities: Vec<Quantity> = kind.quantities().collect();
-            let augmentations = augment::OF_INPUT.into_iter().chain([Channel::UNKNOWN_FORCE, quantities[0].bias()]);
-            let book = crate::Model::new(kind.clone()).augmented(augmentations).decaying(0.01);
-            let readings: Vec<Reading> = quantities.iter().filter_map(|&quantity| book.reading(quantity)).collect();
-            let model = StateModel::of(&book);
-            let Notes { builder, rates, readings: noted, .. } = Notes::of(&model, &readings).expect("a built-in plant");
-            let outputs: Vec<(usize, Node)> = rates.iter().chain(&noted).copied().enumerate().collect();
-            let list = builder.list(model.size + 1, &outputs).expect("a short list");
-            let state: Vec<f64> = (0..model.size).map(|i| libm::sin((7 * i + 3) as f64) * 2.0).collect();
-            let (mut out, mut rate) = (vec![0.0; outputs.len()], vec![0.0; model.moving()]);
-            list.run(&state, 0.7, |place, value| out[place] = value);
-            let mut plain = vec![0.0; model.size];
-            model.rate(crate::engine::level::Baseline, &state, 0.7, &mut plain, &mut rate);
-            let read = readings.iter().map(|reading| read(&model, reading, &state, &rate, 0.7));
-            let known: Vec<f64> = rate.iter().copied().chain(read).collect();
-            for (found, known) in out.iter().zip(&known) {
-                assert!((found - known).abs() <= 1e-12 * known.abs().max(1.0), "{kind:?}: {found} and {known}");
+            Self::Node(list, a) => {
+                let mut builder = list.borrow_mut();
+                let node = match function {
+                    // Small whole powers are products.
+                    Function::Power(exponent) => builder.power(a, f64::from_bits(exponent)),
+                    _ => builder.call(function, a),
+                };
+                Self::Node(list, node)
             }
         }
     }

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::model::StateModel;
-use crate::model::Reading;
+use super::model::{Reading, StateModel};
 
 /// The motion of a linearising filter's mean, and the transition matrix of its covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,9 +96,9 @@ pub enum Method {
 
 /// The part of a setup that is the same for all runs of a batch.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Design {
+pub struct Design<P> {
     /// The model of the state.
-    pub model: StateModel,
+    pub model: StateModel<P>,
     /// The way of prediction.
     pub method: Method,
     /// Time between samples \[s\].

@@ -6,20 +6,20 @@ use super::number::{Function, Number, Real, operators, unrolled};
 
 /// A number and its K derivatives; `on` marks those that may differ from zero, so that inlined operations leave out the others.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Dual<T, const K: usize> {
-    pub(crate) value: T,
+pub struct Dual<T, const K: usize> {
+    pub value: T,
     part: [T; K],
     on: [bool; K],
 }
 
 impl<T: Number, const K: usize> Dual<T, K> {
     #[inline(always)]
-    pub(crate) fn constant(value: T) -> Self {
+    pub fn constant(value: T) -> Self {
         Self { value, part: [value; K], on: [false; K] }
     }
 
     #[inline(always)]
-    pub(crate) fn variable(value: T, k: usize) -> Self {
+    pub fn variable(value: T, k: usize) -> Self {
         let mut dual = Self::constant(value);
         if k < K {
             (dual.part[k], dual.on[k]) = (T::of(1.0), true);
@@ -28,7 +28,7 @@ impl<T: Number, const K: usize> Dual<T, K> {
     }
 
     #[inline(always)]
-    pub(crate) fn derivative(&self, k: usize) -> T {
+    pub fn derivative(&self, k: usize) -> T {
         if self.on[k] { self.part[k] } else { T::of(0.0) }
     }
 
@@ -121,7 +121,8 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     }
 }
 
-fn slope<T: Real>(function: Function, x: T, value: T) -> T {
+/// The derivative of a function at x, where it has this value.
+pub(super) fn slope<T: Real>(function: Function, x: T, value: T) -> T {
     let one = T::of(1.0);
     match function {
         Function::Sin => x.call(Function::Cos),

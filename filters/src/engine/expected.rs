@@ -3,10 +3,10 @@
 use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, entry, lower_root};
 use super::design::{Design, Method, Rule};
+use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart};
-use super::model::{Derivatives, StateModel, gradient, read};
+use super::model::{Derivatives, Reading, StateModel, gradient, read};
 use super::number::{Mask, Number};
-use crate::model::Reading;
 
 #[derive(Clone, Debug)]
 pub(super) struct ExpectedReadings<T> {
@@ -32,7 +32,7 @@ pub(super) struct ExpectedReadings<T> {
 }
 
 impl<T: Number> ExpectedReadings<T> {
-    pub(super) fn new(model: &StateModel, readings: &[Reading]) -> Self {
+    pub(super) fn new(model: &StateModel<impl Dynamics>, readings: &[Reading]) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         let places: Vec<usize> = readings.iter().filter_map(|reading| reading.component).collect();
         let (n, sensors) = (model.size, readings.len());
@@ -65,7 +65,7 @@ impl<T: Number> ExpectedReadings<T> {
         &mut self,
         level: L,
         count: C,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
@@ -113,7 +113,7 @@ impl<T: Number> ExpectedReadings<T> {
     pub(super) fn take_at<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
@@ -148,7 +148,7 @@ impl<T: Number> ExpectedReadings<T> {
         &mut self,
         level: L,
         count: C,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
@@ -193,7 +193,7 @@ impl<T: Number> ExpectedReadings<T> {
         &mut self,
         level: L,
         rule: Rule,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
@@ -304,7 +304,7 @@ fn copy_column<T: Copy>(a: &[T], n: usize, j: usize, out: &mut [T]) {
 #[expect(clippy::too_many_arguments, reason = "slices of one memory, which cannot be borrowed together")]
 fn read_all<T: Number, L: Level>(
     level: L,
-    design: &Design,
+    design: &Design<impl Dynamics>,
     active: &[usize],
     state: &[T],
     force: T,

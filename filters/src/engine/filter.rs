@@ -3,6 +3,7 @@
 use super::belief::{FilterNoise, GaussianBelief, NoiseShare};
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
+use super::dynamics::Dynamics;
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
 use super::model::Interval;
@@ -16,8 +17,8 @@ use crate::filter_error::of_root;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
 /// takes that level; the rest is in the program once.
-pub struct GaussianFilter<T: Number> {
-    pub design: Design,
+pub struct GaussianFilter<T: Number, P> {
+    pub design: Design<P>,
     pub noise: FilterNoise<T>,
     of_share: NoiseShare<T>,
     /// The variance of the white force.
@@ -31,8 +32,8 @@ pub struct GaussianFilter<T: Number> {
     pub(super) checks: Checks<T::Mask>,
 }
 
-impl<T: Number> GaussianFilter<T> {
-    pub fn new(design: Design, belief: GaussianBelief<T>, noise: FilterNoise<T>, white: T) -> Self {
+impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
+    pub fn new(design: Design<P>, belief: GaussianBelief<T>, noise: FilterNoise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
             Method::SquareRoot(rule) if const { may_have_root::<T, Baseline>() } => {
@@ -247,13 +248,9 @@ impl<T: Number> GaussianFilter<T> {
         }
     }
 
+    /// Gives a lane that has stopped numbers that never overflow. Lanes hold no root.
     pub fn park(&mut self, lane: usize) {
         self.belief.park(lane);
-        if const { may_have_root::<T, Baseline>() }
-            && let Some(root) = &mut self.root
-        {
-            root.park(lane);
-        }
     }
 
     pub fn square(&mut self) {

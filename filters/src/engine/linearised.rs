@@ -4,6 +4,7 @@ use super::belief::GaussianBelief;
 use super::columns::{add_times, apply, combine, congruence, multiply, product};
 use super::coupled::Coupled;
 use super::design::Propagation;
+use super::dynamics::Dynamics;
 use super::exponential::{Exponential, Impulse};
 use super::level::{Level, apart};
 use super::model::{Derivatives, Interval, StateModel};
@@ -26,7 +27,7 @@ pub(crate) struct Linearised<T> {
 }
 
 impl<T: Number> Linearised<T> {
-    pub(crate) fn new(model: &StateModel) -> Self {
+    pub(crate) fn new(model: &StateModel<impl Dynamics>) -> Self {
         let (moving, zero) = (model.moving(), T::of(0.0));
         let coupled = model.coupling().map(|[masses, reach]| Coupled::new(masses, reach));
         Self {
@@ -48,7 +49,7 @@ impl<T: Number> Linearised<T> {
         &mut self,
         level: L,
         propagation: Propagation,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
         step: &Interval<T>,
     ) {
@@ -66,7 +67,7 @@ impl<T: Number> Linearised<T> {
         &mut self,
         level: L,
         propagation: Propagation,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         mean: &mut [T],
         step: &Interval<T>,
     ) {
@@ -94,7 +95,7 @@ impl<T: Number> Linearised<T> {
     /// entire function `dt φ₁(A dt)`, which a singular A does not trouble; Van Loan (1978), Computing integrals involving
     /// the matrix exponential.
     #[inline(always)]
-    fn linearise<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
         self.derivatives.take(level, model, mean, step.forces[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
             apart!(level, self.swing(level, model, mean, step));
@@ -112,7 +113,7 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn swing<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn swing<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
         let n = level.size(model.size);
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, .. } = self;
         let (rate, columns, rows, mean) = (&rate[..2], &columns[..2 * n], &mut rows[..2 * n], &mut mean[..n]);
@@ -135,7 +136,13 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn swing_together<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn swing_together<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        mean: &mut [T],
+        step: &Interval<T>,
+    ) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
         let (n, m) = (level.size(model.size), level.moving(model.moving()) / 2);
@@ -188,7 +195,7 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn flow<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn flow<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (rate, columns, rows) = (&rate[..moving], &columns[..moving * n], &mut rows[..moving * n]);
@@ -209,7 +216,7 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn push<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T]) {
+    fn push<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T]) {
         let moving = level.moving(model.moving());
         let gain = if let Some(place) = model.gain { mean[place] } else { T::of(1.0) };
         add_times(&mut mean[..moving], gain, &self.effect);
@@ -220,7 +227,7 @@ impl<T: Number> Linearised<T> {
 
     /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
     #[inline(always)]
-    fn euler<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn euler<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
         apart!(level, {
             let Self { derivatives, rows, .. } = self;
             let (moving, dt) = (model.moving(), T::of(step.dt));
@@ -237,7 +244,13 @@ impl<T: Number> Linearised<T> {
     /// kₛ = g(y + aₛ dt kₛ₋₁),  Kₛ = Aₛ (I + aₛ dt Kₛ₋₁),  y⁻ = y + dt Σ bₛ kₛ,  Φ = I + dt Σ bₛ Kₛ
     /// ```
     #[inline(always)]
-    fn runge_kutta<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], step: &Interval<T>) {
+    fn runge_kutta<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        mean: &mut [T],
+        step: &Interval<T>,
+    ) {
         let moving = level.moving(model.moving());
         let [begin_force, middle_force, end_force] = step.thrice();
         self.begun.copy_from_slice(mean);
@@ -253,7 +266,14 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn pass<L: Level>(&mut self, level: L, model: &StateModel, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
+    fn pass<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        mean: &mut [T],
+        [after, counts]: [f64; 2],
+        force: T,
+    ) {
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         std::mem::swap(&mut self.half, &mut self.before);
         let Self { derivatives, rows, half: slope, begun, stage, before, .. } = self;

@@ -1,11 +1,9 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
-use super::level::{Level, apart};
+use super::dynamics::{Dynamics, EquationWork, RateFunction, Slopes, fits};
+use super::level::{Baseline, Level, apart};
 use super::number::{Function, Number, Real};
-use super::plants::{EnginePlant, RateFunction, Slopes, fits, with_equation};
-use crate::Channel;
-use crate::lists::places;
-use crate::model::{Reading, Scale};
+use crate::linalg::Matrix;
 
 /// The n-component state of a plant and its surroundings, and how it moves.
 ///
@@ -16,9 +14,9 @@ use crate::model::{Reading, Scale};
 /// with the recorded force over mass f, its gain g, an offset o, an unknown force u and a white force w. In place of a parameter
 /// θ the state may have `ln θ`. All that does not move is constant over a step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StateModel {
+pub struct StateModel<P> {
     /// The plant.
-    pub plant: EnginePlant,
+    pub plant: P,
     /// n, the number of components.
     pub size: usize,
     /// η, the rate at which the parameters decay \[1/s\].
@@ -37,24 +35,12 @@ pub struct StateModel {
     pub by_force: Vec<f64>,
 }
 
-impl StateModel {
-    /// The engine's form of a model.
-    pub fn of(book: &crate::Model) -> Self {
-        let plant = EnginePlant::of(book.plant());
-        let place = |channel| book.place(channel);
-        let mut by_force = plant.by_force();
-        by_force.resize(book.moving(), 0.0);
-        Self {
-            plant,
-            size: book.size(),
-            eta: book.eta(),
-            logarithms: places(book.size(), &|place| book.is_logarithm(place)),
-            gain: place(Channel::INPUT_GAIN),
-            offset: place(Channel::INPUT_OFFSET),
-            unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),
-            forgotten: book.forgotten().to_vec(),
-            by_force,
-        }
+impl<P: Dynamics> StateModel<P> {
+    /// The model of a plant that nothing surrounds.
+    pub fn new(plant: P) -> Self {
+        let ([size, _], by_force) = (plant.sizes(), plant.by_force());
+        let (logarithms, unrecorded, forgotten) = (Vec::new(), Vec::new(), Vec::new());
+        Self { plant, size, eta: 0.0, logarithms, gain: None, offset: None, unrecorded, forgotten, by_force }
     }
 
     /// The number of components that a step moves, which come first: those of the motion, and with a decay the parameters.
@@ -69,7 +55,7 @@ impl StateModel {
         self.plant.is_oscillator() && self.moving() == 2
     }
 
-    pub(crate) fn coupling(&self) -> Option<[usize; 2]> {
+    pub(super) fn coupling(&self) -> Option<[usize; 2]> {
         self.plant.coupling().filter(|[masses, _]| self.moving() == 2 * masses)
     }
 
@@ -99,11 +85,7 @@ impl StateModel {
     /// The rates of the components that move under this recorded force. `plain` is memory for n numbers.
     #[inline(always)]
     pub fn rate<T: Number, L: Level>(&self, level: L, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
-        with_equation!(&self.plant, equation => {
-            if fits::<T, L>(level, equation) {
-                self.rate_by(equation, state, force, plain, rate);
-            }
-        });
+        self.plant.with_equation(RateWork { model: self, level, state, force, plain, rate });
     }
 
     #[cfg_attr(target_arch = "wasm32", inline(never))]
@@ -122,8 +104,9 @@ impl StateModel {
         self.decay(own, rate);
     }
 
+    /// A state with parameters in place of their logarithms. `plain` is memory for n numbers where there are some.
     #[inline(always)]
-    pub(super) fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
+    pub fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
         if self.logarithms.is_empty() {
             return state;
         }
@@ -139,16 +122,55 @@ impl StateModel {
         }
     }
 
+    /// The rates at which parameters decay.
     #[inline(always)]
-    pub(super) fn decay<T: Real>(&self, plain: &[T], rate: &mut [T]) {
+    pub fn decay<T: Real>(&self, plain: &[T], rate: &mut [T]) {
         if self.eta == 0.0 {
             return;
         }
-        for place in self.plant.motion()..self.moving() {
+        for place in self.plant.sizes()[1]..self.moving() {
             rate[place] = plain[place] * -self.eta;
         }
         for &place in &self.logarithms {
             rate[place] = T::of(-self.eta);
+        }
+    }
+
+    /// `A = ∂g/∂y`, n × n, under this recorded force over mass \[m/s²\].
+    pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
+        let mut derivatives = Derivatives::new(self);
+        derivatives.take(Baseline, self, state, force);
+        let rows = Matrix::from_column_slice(self.moving(), self.size, &derivatives.columns);
+        rows.resize_vertically(self.size, 0.0)
+    }
+
+    /// `H = ∂h/∂y` of some sensors in a state, m × n.
+    pub fn gradients(&self, readings: &[&Reading], state: &[f64], force: f64) -> Matrix {
+        let mut derivatives = Derivatives::new(self);
+        derivatives.take(Baseline, self, state, force);
+        let mut transposed = Matrix::zeros(self.size, readings.len());
+        for (reading, row) in readings.iter().zip(transposed.as_mut_slice().chunks_exact_mut(self.size)) {
+            gradient(self, reading, state, &derivatives, force, row);
+        }
+        transposed.transpose()
+    }
+}
+
+struct RateWork<'a, T, L, P> {
+    model: &'a StateModel<P>,
+    level: L,
+    state: &'a [T],
+    force: T,
+    plain: &'a mut [T],
+    rate: &'a mut [T],
+}
+
+impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RateWork<'_, T, L, P> {
+    #[inline(always)]
+    fn with(self, equation: impl RateFunction<T>) {
+        let Self { model, level, state, force, plain, rate } = self;
+        if fits(level, equation) {
+            model.rate_by(equation, state, force, plain, rate);
         }
     }
 }
@@ -163,19 +185,19 @@ pub(crate) struct Derivatives<T> {
 }
 
 impl<T: Number> Derivatives<T> {
-    pub(crate) fn new(model: &StateModel) -> Self {
+    pub(crate) fn new(model: &StateModel<impl Dynamics>) -> Self {
         let (zero, moving) = (T::of(0.0), model.moving());
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
     /// A function apart: it is long, and called from many places.
     #[inline(always)]
-    pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) {
+    pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, state: &[T], force: T) {
         apart!(level, self.take_inside(level, model, state, force));
     }
 
     #[inline(always)]
-    fn take_inside<L: Level>(&mut self, level: L, model: &StateModel, state: &[T], force: T) {
+    fn take_inside<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, state: &[T], force: T) {
         let Self { rate, columns, plain } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
@@ -184,7 +206,7 @@ impl<T: Number> Derivatives<T> {
         model.plant.linearise(level, own, model.acting(state, force), out);
         model.decay(own, rate);
         if model.eta != 0.0 {
-            for place in model.plant.motion()..moving {
+            for place in model.plant.sizes()[1]..moving {
                 columns[place * moving + place] = T::of(-model.eta);
             }
         }
@@ -210,9 +232,51 @@ impl<T: Number> Derivatives<T> {
     }
 }
 
+/// The reading of a sensor, in places of a model's state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Components by their places, and their factors.
+    pub components: Vec<(usize, f64)>,
+    /// Components by their places whose rates it reads, and their factors.
+    pub rates: Vec<(usize, f64)>,
+    /// The factor of the ground's acceleration.
+    pub ground: f64,
+    /// The component, if the reading is one component with the factor 1 and nothing else.
+    pub component: Option<usize>,
+    /// The gain of the sensor, which multiplies components, rates and ground.
+    pub gain: Option<Scale>,
+}
+
+/// The places of a sensor's gain and bias.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// The gain.
+    pub gain: usize,
+    /// The bias, which is not multiplied. Without a gain it is one of the components.
+    pub bias: Option<usize>,
+}
+
+impl Reading {
+    /// A sensor that reads one component.
+    pub fn component(place: usize) -> Self {
+        Self { components: vec![(place, 1.0)], rates: Vec::new(), ground: 0.0, component: Some(place), gain: None }
+    }
+
+    /// Whether it reads a rate.
+    pub fn is_of_rates(&self) -> bool {
+        !self.rates.is_empty()
+    }
+
+    /// Whether it is linear in the state for every plant.
+    #[inline]
+    pub fn is_of_components(&self) -> bool {
+        self.rates.is_empty() && self.ground == 0.0 && self.gain.is_none()
+    }
+}
+
 /// `h(y, f)` at this rate of the state, in the unit of the sensor's quantity.
 #[inline(always)]
-pub(crate) fn read<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+pub fn read<T: Real>(model: &StateModel<impl Dynamics>, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     if let Some(place) = reading.component {
         return state[place];
     }
@@ -225,7 +289,7 @@ pub(crate) fn read<T: Real>(model: &StateModel, reading: &Reading, state: &[T], 
 }
 
 #[inline(always)]
-fn read_exact<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+fn read_exact<T: Real>(model: &StateModel<impl Dynamics>, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);
     for &(place, factor) in &reading.components {
         sum = sum + state[place] * factor;
@@ -243,7 +307,7 @@ fn read_exact<T: Real>(model: &StateModel, reading: &Reading, state: &[T], rate:
 /// `∂h/∂y`, n numbers, of a sensor that reads more than components.
 #[inline(always)]
 pub(crate) fn gradient<T: Number>(
-    model: &StateModel,
+    model: &StateModel<impl Dynamics>,
     reading: &Reading,
     state: &[T],
     derivatives: &Derivatives<T>,

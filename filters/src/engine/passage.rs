@@ -3,6 +3,7 @@
 use super::belief::GaussianBelief;
 use super::columns::{divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
+use super::dynamics::Dynamics;
 use super::level::Level;
 use super::linearised::Linearised;
 use super::model::Interval;
@@ -65,7 +66,7 @@ impl<T: Number> Passage<T> {
     pub(super) fn regress<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         points: &mut SigmaPoints<T>,
         belief: &GaussianBelief<T>,
         step: &Interval<T>,

@@ -3,6 +3,7 @@
 use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
+use super::dynamics::Dynamics;
 use super::level::{Level, apart, each};
 use super::model::{Interval, StateModel};
 use super::number::{Number, Real};
@@ -24,7 +25,7 @@ pub(crate) struct SigmaPoints<T: Number> {
 }
 
 impl<T: Number> SigmaPoints<T> {
-    pub(crate) fn new(model: &StateModel) -> Self {
+    pub(crate) fn new(model: &StateModel<impl Dynamics>) -> Self {
         let (n, moving) = (model.size, model.moving());
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
@@ -55,7 +56,7 @@ impl<T: Number> SigmaPoints<T> {
         &mut self,
         level: L,
         rule: Rule,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
         step: &Interval<T>,
     ) -> Rooted<T::Mask> {
@@ -69,7 +70,7 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel, step: &Interval<T>) {
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Interval<T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
             apart!(level, of_centre.advance(level, model, centre, step));
@@ -88,7 +89,7 @@ impl<T: Number> SigmaPoints<T> {
     pub(super) fn rate<L: Level>(
         &mut self,
         level: L,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         pack: usize,
         force: T::Pack,
     ) -> (&[T::Pack], &[T::Pack]) {
@@ -99,7 +100,12 @@ impl<T: Number> SigmaPoints<T> {
 
     /// The centre, and the rates of its moving components under this recorded force, where it is [apart](Self::is_apart).
     #[inline(always)]
-    pub(super) fn rate_of_centre<L: Level>(&mut self, level: L, model: &StateModel, force: T) -> (&[T], &[T]) {
+    pub(super) fn rate_of_centre<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        force: T,
+    ) -> (&[T], &[T]) {
         let Self { centre, of_centre, .. } = self;
         (centre, of_centre.rate(level, model, centre, force))
     }
@@ -125,7 +131,7 @@ impl<T: Number> SigmaPoints<T> {
         &mut self,
         level: L,
         rule: Rule,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         belief: &GaussianBelief<T>,
     ) -> Rooted<T::Mask> {
         let n = level.size(model.size);
@@ -174,7 +180,7 @@ impl<T: Number> SigmaPoints<T> {
 
     /// Takes the odd and even parts of the moving components; with these, `Σ` needs no weights.
     #[inline(always)]
-    fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel) {
+    fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel<impl Dynamics>) {
         let Self { root, even, points, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let half = 0.5 / rule.spread.sqrt();
@@ -190,7 +196,13 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &StateModel, belief: &mut GaussianBelief<T>) {
+    fn sum<L: Level>(
+        &mut self,
+        level: L,
+        rule: Rule,
+        model: &StateModel<impl Dynamics>,
+        belief: &mut GaussianBelief<T>,
+    ) {
         let Self { root: odd, even, points, shift, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (mean, cov) = (&mut belief.mean[..n], &mut belief.cov[..n * n]);

@@ -19,11 +19,11 @@
 use super::belief::GaussianBelief;
 use super::columns::{Rooted, lower_root, take_times};
 use super::design::{Design, Rule};
+use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart, each};
-use super::model::{Interval, StateModel, read};
+use super::model::{Interval, Reading, StateModel, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
-use crate::model::Reading;
 
 #[derive(Clone, Debug)]
 pub(super) struct SquareRoot<T: Number> {
@@ -54,7 +54,7 @@ pub(super) const fn may_have_root<T: Number, L: Level>() -> bool {
 }
 
 impl<T: Number> SquareRoot<T> {
-    pub(super) fn new(model: &StateModel, rule: Rule, sensors: usize) -> Self {
+    pub(super) fn new(model: &StateModel<impl Dynamics>, rule: Rule, sensors: usize) -> Self {
         let (n, moving, zero) = (model.size, model.moving(), T::of(0.0));
         Self {
             rule,
@@ -90,7 +90,7 @@ impl<T: Number> SquareRoot<T> {
     pub(super) fn advance<L: Level>(
         &mut self,
         level: L,
-        model: &StateModel,
+        model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
         step: &Interval<T>,
     ) {
@@ -176,20 +176,13 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    pub(super) fn park(&mut self, lane: usize) {
-        let n = self.size;
-        for (at, entry) in self.rows.iter_mut().enumerate() {
-            entry.set_lane(lane, if at % (n + 1) == 0 { 1.0 } else { 0.0 });
-        }
-    }
-
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn read<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,
@@ -237,7 +230,7 @@ impl<T: Number> SquareRoot<T> {
     fn read_points<L: Level>(
         &mut self,
         level: L,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
         force: T,

@@ -7,6 +7,7 @@ use descent::Descent;
 use super::belief::GaussianBelief;
 use super::columns::{Rooted, add_times, divide, factor, lower_root, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
+use super::dynamics::Dynamics;
 use super::expected::{ExpectedReadings, select_column, times_cov};
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
 use super::number::{Mask, Number};
@@ -29,8 +30,8 @@ pub struct UpdateResult<T: Number> {
 }
 
 /// The belief that an update conditions, with the root of its covariance if it has one, and whether the step holds.
-pub(super) struct Target<'a, T: Number> {
-    pub(super) design: &'a Design,
+pub(super) struct Target<'a, T: Number, P> {
+    pub(super) design: &'a Design<P>,
     pub(super) belief: &'a mut GaussianBelief<T>,
     pub(super) root: Option<&'a mut SquareRoot<T>>,
     pub(super) checks: &'a mut Checks<T::Mask>,
@@ -66,7 +67,7 @@ pub struct Update<T> {
 }
 
 impl<T: Number> Update<T> {
-    pub(super) fn new(Design { model, readings, method, .. }: &Design) -> Self {
+    pub(super) fn new(Design { model, readings, method, .. }: &Design<impl Dynamics>) -> Self {
         let (n, sensors) = (model.size, readings.len());
         let zeros = |count: usize| vec![T::of(0.0); count];
         let iterates = matches!(method, Method::Linearised(_, 2..));
@@ -89,7 +90,7 @@ impl<T: Number> Update<T> {
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
-        target: &mut Target<'_, T>,
+        target: &mut Target<'_, T, impl Dynamics>,
         observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         if self.descent.is_none() && self.passage.is_none() {
@@ -102,7 +103,7 @@ impl<T: Number> Update<T> {
     fn condition_once<L: Level>(
         &mut self,
         level: L,
-        target: &mut Target<'_, T>,
+        target: &mut Target<'_, T, impl Dynamics>,
         observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         let active = &mut self.active;
@@ -128,7 +129,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         count: C,
-        target: &mut Target<'_, T>,
+        target: &mut Target<'_, T, impl Dynamics>,
         observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         if const { may_have_root::<T, L>() }
@@ -152,7 +153,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         count: C,
-        target: &mut Target<'_, T>,
+        target: &mut Target<'_, T, impl Dynamics>,
         root: &mut SquareRoot<T>,
         observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
@@ -220,7 +221,7 @@ impl<T: Number> Update<T> {
         &mut self,
         level: L,
         count: C,
-        design: &Design,
+        design: &Design<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
         measured: T,
         checks: &mut Checks<T::Mask>,
@@ -276,7 +277,13 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
     #[inline(always)]
-    fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut GaussianBelief<T>) {
+    fn joseph<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design<impl Dynamics>,
+        belief: &mut GaussianBelief<T>,
+    ) {
         let Self { active, expected, variances, gain, excess, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
         let (cov, gain, excess) = (&mut belief.cov[..n * n], &gain[..m * n], &mut excess[..m * n]);
@@ -325,7 +332,7 @@ impl<T: Number> Update<T> {
     }
 
     /// H, m × n, written over `out`; false if there is none.
-    pub(super) fn jacobian_into(&self, design: &Design, out: &mut [T]) -> bool {
+    pub(super) fn jacobian_into(&self, design: &Design<impl Dynamics>, out: &mut [T]) -> bool {
         if self.expected.is_linear {
             let m = self.active.len();
             for (row, &sensor) in self.active.iter().enumerate() {
@@ -381,7 +388,7 @@ fn result<T: Number, L: Level>(
 }
 
 #[inline(always)]
-fn without_readings<T: Number, L: Level>(level: L, target: &mut Target<'_, T>) -> UpdateResult<T> {
+fn without_readings<T: Number, L: Level>(level: L, target: &mut Target<'_, T, impl Dynamics>) -> UpdateResult<T> {
     let Target { belief, root, checks, .. } = target;
     if const { may_have_root::<T, L>() }
         && let Some(root) = root

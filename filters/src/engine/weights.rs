@@ -2,7 +2,7 @@
 
 use super::columns::divide;
 use super::number::{Mask, Number};
-use crate::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
+use crate::engine::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovations<'a, T> {

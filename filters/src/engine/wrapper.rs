@@ -6,14 +6,17 @@ mod jumping;
 mod restarting;
 mod weighing;
 
-pub use adapting::Adapting;
+pub(crate) use adapting::Learning;
+pub use adapting::{Adaptation, Adapting};
 pub use considering::Considering;
+pub(crate) use jumping::Jump;
 pub use jumping::Jumping;
 pub use restarting::Restarting;
 pub use weighing::Weighing;
 
 use std::ops::{Deref, DerefMut};
 
+use super::dynamics::Dynamics;
 use super::filter::GaussianFilter;
 use super::level::{Level, apart};
 use super::number::Number;
@@ -42,22 +45,22 @@ pub struct Readings<'a, T> {
 }
 
 /// A filter in whatever options: predict, update, and the belief.
-pub trait Recursion<T: Number> {
+pub trait Recursion<T: Number, P: Dynamics> {
     fn predict(&mut self, span: Span<T>);
 
     fn update(&mut self, readings: Readings<'_, T>) -> UpdateResult<T>;
 
     /// The filter within all options, with its belief, its noise and its last update.
-    fn filter(&mut self) -> &mut GaussianFilter<T>;
+    fn filter(&mut self) -> &mut GaussianFilter<T, P>;
 }
 
 /// An option: a filter around another.
-pub trait Wrapper<T: Number>: Send {
-    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+pub trait Wrapper<T: Number, P: Dynamics>: Send {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
         inner.predict(span);
     }
 
-    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         inner.update(readings)
     }
 
@@ -82,27 +85,30 @@ pub struct Learnt<'a, T> {
 }
 
 /// A filter in its options, from the inside out.
-pub struct Wrapped<T: Number> {
-    filter: GaussianFilter<T>,
-    wrappers: Vec<Box<dyn Wrapper<T>>>,
+pub struct Wrapped<T: Number, P> {
+    filter: GaussianFilter<T, P>,
+    wrappers: Vec<Box<dyn Wrapper<T, P>>>,
 }
 
-impl<T: Number> Deref for Wrapped<T> {
-    type Target = GaussianFilter<T>;
+impl<T: Number, P> Deref for Wrapped<T, P> {
+    type Target = GaussianFilter<T, P>;
 
-    fn deref(&self) -> &GaussianFilter<T> {
+    fn deref(&self) -> &GaussianFilter<T, P> {
         &self.filter
     }
 }
 
-impl<T: Number> DerefMut for Wrapped<T> {
-    fn deref_mut(&mut self) -> &mut GaussianFilter<T> {
+impl<T: Number, P> DerefMut for Wrapped<T, P> {
+    fn deref_mut(&mut self) -> &mut GaussianFilter<T, P> {
         &mut self.filter
     }
 }
 
-impl<T: Number> Wrapped<T> {
-    pub fn new(filter: GaussianFilter<T>, wrappers: impl IntoIterator<Item = Option<Box<dyn Wrapper<T>>>>) -> Self {
+impl<T: Number, P: Dynamics> Wrapped<T, P> {
+    pub fn new(
+        filter: GaussianFilter<T, P>,
+        wrappers: impl IntoIterator<Item = Option<Box<dyn Wrapper<T, P>>>>,
+    ) -> Self {
         Self { filter, wrappers: wrappers.into_iter().flatten().collect() }
     }
 
@@ -129,7 +135,7 @@ impl<T: Number> Wrapped<T> {
     }
 
     #[inline(never)]
-    fn in_options<L: Level, R>(&mut self, level: L, work: impl FnOnce(&mut dyn Recursion<T>) -> R) -> R {
+    fn in_options<L: Level, R>(&mut self, level: L, work: impl FnOnce(&mut dyn Recursion<T, P>) -> R) -> R {
         let Self { filter, wrappers } = self;
         work(&mut Inside { wrappers, plain: &mut AtLevel(level, filter) })
     }
@@ -155,9 +161,9 @@ impl<T: Number> Wrapped<T> {
     }
 }
 
-struct AtLevel<'a, L, T: Number>(L, &'a mut GaussianFilter<T>);
+struct AtLevel<'a, L, T: Number, P>(L, &'a mut GaussianFilter<T, P>);
 
-impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
+impl<L: Level, T: Number, P: Dynamics> Recursion<T, P> for AtLevel<'_, L, T, P> {
     fn predict(&mut self, Span { share, forces, .. }: Span<T>) {
         let Self(level, filter) = self;
         apart!(level, filter.predict(*level, share, forces));
@@ -168,17 +174,17 @@ impl<L: Level, T: Number> Recursion<T> for AtLevel<'_, L, T> {
         apart!(level, filter.update(*level, force, measured, variances))
     }
 
-    fn filter(&mut self) -> &mut GaussianFilter<T> {
+    fn filter(&mut self) -> &mut GaussianFilter<T, P> {
         self.1
     }
 }
 
-struct Inside<'a, T> {
-    wrappers: &'a mut [Box<dyn Wrapper<T>>],
-    plain: &'a mut dyn Recursion<T>,
+struct Inside<'a, T, P> {
+    wrappers: &'a mut [Box<dyn Wrapper<T, P>>],
+    plain: &'a mut dyn Recursion<T, P>,
 }
 
-impl<T: Number> Recursion<T> for Inside<'_, T> {
+impl<T: Number, P: Dynamics> Recursion<T, P> for Inside<'_, T, P> {
     fn predict(&mut self, span: Span<T>) {
         let Self { wrappers, plain } = self;
         match wrappers.split_last_mut() {
@@ -195,7 +201,7 @@ impl<T: Number> Recursion<T> for Inside<'_, T> {
         }
     }
 
-    fn filter(&mut self) -> &mut GaussianFilter<T> {
+    fn filter(&mut self) -> &mut GaussianFilter<T, P> {
         self.plain.filter()
     }
 }

@@ -2,12 +2,10 @@
 
 use std::borrow::Cow;
 
-use super::{Course, FilterError};
-use crate::engine::runge_kutta::States;
-use crate::engine::{self, model};
+use super::{Course, FilterError, Step, System};
+use crate::engine::belief::GaussianBelief;
+use crate::engine::model::Reading;
 use crate::linalg::{Ldl, Matrix, Vector, symmetric};
-use crate::model::{Hold, Model, Moving, Reading};
-use crate::{Channel, Quantity};
 
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.
 pub trait Belief: Send {
@@ -15,7 +13,7 @@ pub trait Belief: Send {
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
-    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
+    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError>;
 
     /// Conditions the belief on one measurement or more, and writes the update to `correction`.
     ///
@@ -23,7 +21,7 @@ pub trait Belief: Send {
     /// Any [`FilterError`].
     fn condition(
         &mut self,
-        model: &Model,
+        system: &mut dyn System,
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
@@ -61,7 +59,7 @@ impl Gaussian {
     }
 
     /// The engine's mean and covariance.
-    pub fn of(belief: &engine::belief::GaussianBelief<f64>) -> Self {
+    pub fn of(belief: &GaussianBelief<f64>) -> Self {
         let n = belief.mean.len();
         let cov = symmetric(Matrix::from_column_slice(n, n, &belief.cov));
         Self { mean: Vector::from_column_slice(&belief.mean), cov }
@@ -138,31 +136,8 @@ impl Noise {
     }
 }
 
-/// A step from one sample to the next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
-    pub forces: [f64; 2],
-    /// The course of the force between samples.
-    pub hold: Hold,
-    /// The time that it takes \[s\].
-    pub dt: f64,
-}
-
-impl Step {
-    pub(super) fn part(&self, i: usize, parts: usize) -> Self {
-        let model::Interval { forces, dt, .. } = self.of_engine().part(i, parts);
-        Self { forces, dt, ..*self }
-    }
-
-    pub(super) fn of_engine(self) -> model::Interval<f64> {
-        let Self { forces, hold, dt } = self;
-        model::Interval { forces, has_slope: hold == Hold::First, dt }
-    }
-}
-
 /// A force over mass that is not recorded and is independent from sample to sample: wind, traffic, ground noise. It is
-/// the component w of the state ([`Channel::WHITE_FORCE`]), so that a sensor that feels it, such as an accelerometer,
+/// the component w of the state w of the model, so that a sensor that feels it, such as an accelerometer,
 /// reads the same force that moves the plant.
 ///
 /// ```text
@@ -191,37 +166,6 @@ pub struct White {
 }
 
 impl White {
-    /// The white force of a filter with this model, whose standard deviation is `std` \[m/s²\], and these sensors, if it has one.
-    pub fn of(model: &Model, std: f64, hold: Hold, sensors: &[Quantity]) -> Option<Self> {
-        let place = model.place(Channel::WHITE_FORCE)?;
-        let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());
-        let course = match hold {
-            Hold::Zero => Course::Held,
-            Hold::First if sensors.iter().any(feels) => Course::Centred,
-            Hold::First => Course::Continuous,
-        };
-        Some(Self { place, variance: std * std, course })
-    }
-
-    /// Adds the effect of the force's deviation from its mean over a sample, which enters through the plant's input.
-    pub fn add_rest(self, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
-        if self.course != Course::Continuous {
-            return;
-        }
-        let by_force = model.by_force(state);
-        let moved = |place: usize| {
-            let velocity = model.channels()[place].rate()?;
-            Some((place, by_force[model.place(velocity)?]))
-        };
-        let moved: Vec<(usize, f64)> = (0..model.motion()).filter_map(moved).collect();
-        let variance = self.variance * dt * dt * dt * dt / 12.0;
-        for &(i, a) in &moved {
-            for &(j, b) in &moved {
-                process[(i, j)] += variance * a * b;
-            }
-        }
-    }
-
     /// Sets the row and the column of w in Q to zero, since the prediction does not move w.
     pub fn leave_out(self, process: &mut Matrix) {
         process.row_mut(self.place).fill(0.0);
@@ -279,37 +223,20 @@ impl Observation {
         self.sensors.is_empty()
     }
 
-    fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
-        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref())
+    fn readings(&self) -> Vec<&Reading> {
+        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref()).collect()
     }
 
-    /// `h(y, f)`, the m numbers that the sensors would read in a state.
-    pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
-        let has_rates = self.readings().any(Reading::is_of_rates);
-        let rate = if has_rates { model.rate(state, self.force) } else { Vector::zeros(0) };
-        let readings = self.readings().map(|reading| model.read_moving(reading, state, rate.as_slice(), self.force));
-        Vector::from_iterator(self.len(), readings)
-    }
-
-    /// The readings in several states, m rows with a column for each state.
-    pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
-        let mut values = Matrix::zeros(self.len(), states.ncols());
-        engine.read(states.as_slice(), self.force, &self.readings(), values.as_mut_slice());
+    /// `h(y, f)`, the m numbers that the sensors would read in each of some states of n numbers, one column for each.
+    pub fn read(&self, system: &mut dyn System, states: &[f64]) -> Matrix {
+        let mut values = Matrix::zeros(self.len(), states.len() / system.size());
+        system.read(states, self.force, &self.readings(), values.as_mut_slice());
         values
     }
 
     /// `H = ∂h/∂y`, m × n, in a state.
-    pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
-        let (mut rate, mut rates) = (Vector::zeros(0), Matrix::zeros(0, 0));
-        if self.readings().any(Reading::is_of_rates) {
-            (rate, rates) = (model.rate(state, self.force), model.jacobian(state, self.force));
-        }
-        let at = Moving { state, rate: rate.as_slice(), jacobian: &rates };
-        let mut jacobian = Matrix::zeros(self.len(), model.size());
-        for (row, reading) in self.readings().enumerate() {
-            model.read_gradient_into(reading, at, self.force, |place, part| jacobian[(row, place)] += part);
-        }
-        jacobian
+    pub fn jacobian(&self, system: &dyn System, state: &[f64]) -> Matrix {
+        system.jacobian(state, self.force, &self.readings())
     }
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
@@ -340,7 +267,7 @@ pub struct Correction {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
     pub determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter of a scenario: there it
     /// follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.

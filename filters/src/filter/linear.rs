@@ -1,7 +1,5 @@
 //! The Kalman filter of a linear system that the user defines.
 
-use std::fmt;
-
 use thiserror::Error;
 
 use super::kalman::{self, Expected};
@@ -18,31 +16,7 @@ use crate::lists::places;
 /// ```
 ///
 /// A is n × n, B n × p, H m × n, Q n × n, R m × m: in any units, and with correlated sensors if R says so. With a
-/// function h this is an extended Kalman filter ([`MeasurementModel`]).
-///
-/// ```
-/// use kalmanscope_filters::KalmanFilter;
-/// use kalmanscope_filters::filter::Gaussian;
-/// use kalmanscope_filters::filter::{Matrix, Vector};
-/// # fn main() -> Result<(), kalmanscope_filters::SystemError> {
-/// // A cart on a rail: position and velocity, pushed by a known acceleration; a ruler reads the position.
-/// let dt = 0.1;
-/// let a = Matrix::from_row_slice(2, 2, &[1.0, dt, 0.0, 1.0]);
-/// let b = Matrix::from_row_slice(2, 1, &[0.5 * dt * dt, dt]);
-/// let h = Matrix::from_row_slice(1, 2, &[1.0, 0.0]);
-/// let (q, r) = (&b * b.transpose() * 0.01, Matrix::repeat(1, 1, 0.04));
-/// let initial = Gaussian::independent(Vector::zeros(2), &Vector::repeat(2, 1.0));
-/// let mut filter = KalmanFilter::new(a, b, h, q, r, initial)?;
-/// for k in 1..=50 {
-///     let time = dt * f64::from(k);
-///     let ruler = if k % 10 == 0 { f64::NAN } else { 0.5 * time * time };
-///     filter.step(&[1.0], &[ruler])?;
-/// }
-/// assert!((filter.mean()[1] - 5.0).abs() < 0.01 && filter.cov()[(1, 1)].sqrt() < 0.1);
-/// assert!(filter.log_likelihood().is_nan(), "the last reading was missing");
-/// # Ok(())
-/// # }
-/// ```
+/// function h this is an extended Kalman filter ([`MeasurementModel`]). The crate's page has examples.
 ///
 /// Source: Kalman (1960), A new approach to linear filtering and prediction problems; Gelb, ed. (1974), *Applied Optimal
 /// Estimation*, section 6.1 (a function h).
@@ -52,9 +26,13 @@ pub struct KalmanFilter {
     model: MeasurementModel,
     noise: Noise,
     sensor_noise: Matrix,
-    belief: Gaussian,
-    prior: Gaussian,
-    update: Correction,
+    /// Mean and covariance P of the state after the last prediction or update.
+    pub belief: Gaussian,
+    /// The belief before the last update. Since the last prediction, if no update has followed it, this is the prediction.
+    pub prior: Gaussian,
+    /// The last update: `e = z - H x⁻`, `S = H P⁻ Hᵀ + R`, `K = P⁻ Hᵀ S⁻¹`, NIS and the log likelihood of the readings,
+    /// `-(NIS + ln det S + m ln 2π) / 2`.
+    pub correction: Correction,
 }
 
 impl KalmanFilter {
@@ -91,7 +69,7 @@ impl KalmanFilter {
         let belief = Gaussian { mean, cov };
         Ok(Self {
             prior: belief.clone(),
-            update: Correction::nothing(n, m),
+            correction: Correction::nothing(n, m),
             transition: a,
             input: b,
             model,
@@ -135,7 +113,7 @@ impl KalmanFilter {
     pub fn update(&mut self, measured: &[f64]) -> Result<(), SystemError> {
         let (n, m) = (self.belief.size(), self.sensor_noise.nrows());
         self.prior.copy_from(&self.belief);
-        self.update = Correction::nothing(n, m);
+        self.correction = Correction::nothing(n, m);
         if measured.len() != m {
             let why = "a number for each sensor, NaN where it has no reading";
             return Err(SystemError::Length { what: "the sample", found: measured.len(), needed: m, why });
@@ -143,13 +121,13 @@ impl KalmanFilter {
         let update = self.condition(measured);
         if update.is_err() {
             self.belief.copy_from(&self.prior);
-            self.update = Correction::nothing(n, m);
+            self.correction = Correction::nothing(n, m);
         }
         update
     }
 
     fn condition(&mut self, measured: &[f64]) -> Result<(), SystemError> {
-        let Self { model, sensor_noise, belief, update, .. } = self;
+        let Self { model, sensor_noise, belief, correction, .. } = self;
         let sensors = places(measured.len(), &|sensor| !measured[sensor].is_nan());
         if sensors.iter().any(|&sensor| measured[sensor].is_infinite()) {
             return Err(FilterError::InfiniteMeasurement.into());
@@ -166,55 +144,10 @@ impl KalmanFilter {
             Expected::with_noise(belief, readings.select_rows(&sensors), jacobian.select_rows(&sensors), &noise);
         let innovation = Vector::from_fn(sensors.len(), |row, _| measured[sensors[row]] - expected.mean[row]);
         let (factor, gain) = kalman::update(belief, &expected, &innovation, &noise)?;
-        update.report(&sensors, &innovation, &expected.cov, &factor, &gain);
+        correction.report(&sensors, &innovation, &expected.cov, &factor, &gain);
         let (ln_determinant, count) = (factor.ln_determinant(), sensors.len() as u32);
-        update.log_likelihood = gaussian_likelihood::log_likelihood(update.nis, ln_determinant, count);
-        if update.nis.is_finite() { Ok(()) } else { Err(FilterError::ImpossibleMeasurement.into()) }
-    }
-
-    /// The mean of the state after the last prediction or update, n numbers.
-    pub fn mean(&self) -> &Vector {
-        &self.belief.mean
-    }
-
-    /// The covariance P of the state after the last prediction or update, n × n.
-    pub fn cov(&self) -> &Matrix {
-        &self.belief.cov
-    }
-
-    /// The belief before the last update. Since the last prediction, if no update has followed it, this is the
-    /// prediction.
-    pub fn prior(&self) -> &Gaussian {
-        &self.prior
-    }
-
-    /// `e = z - H x⁻` of the last update, m numbers; NaN for a sensor without a reading.
-    pub fn innovation(&self) -> &Vector {
-        &self.update.innovation
-    }
-
-    /// `S = H P⁻ Hᵀ + R` of the last update, the covariance of e, m × m; NaN in rows and columns of sensors without a reading.
-    pub fn innovation_cov(&self) -> &Matrix {
-        &self.update.innovation_cov
-    }
-
-    /// `K = P⁻ Hᵀ S⁻¹` of the last update, n × m; zero in columns of sensors without a reading.
-    pub fn gain(&self) -> &Matrix {
-        &self.update.gain
-    }
-
-    /// The normalised innovation squared `eᵀ S⁻¹ e` of the last update; NaN where nothing was measured.
-    pub fn nis(&self) -> f64 {
-        self.update.nis
-    }
-
-    /// The log likelihood of the readings of the last update; NaN where nothing was measured.
-    ///
-    /// ```text
-    /// -(NIS + ln det S + m ln 2π) / 2,  m the number of readings
-    /// ```
-    pub fn log_likelihood(&self) -> f64 {
-        self.update.log_likelihood
+        correction.log_likelihood = gaussian_likelihood::log_likelihood(correction.nis, ln_determinant, count);
+        if correction.nis.is_finite() { Ok(()) } else { Err(FilterError::ImpossibleMeasurement.into()) }
     }
 }
 
@@ -320,14 +253,14 @@ pub enum SystemError {
     #[error("the initial mean is empty, but a state must have a component")]
     NoState,
     /// The shape of a matrix does not fit the state and the sensors.
-    #[error("{matrix} is {found}, but must be {needed}: {why}")]
+    #[error("{matrix} is {} × {}, but must be {} × {}: {why}", .found.0, .found.1, .needed.0, .needed.1)]
     Shape {
         /// The matrix: A, B, H, Q, R or P, or the Jacobian of a measurement function.
         matrix: &'static str,
-        /// Its shape.
-        found: Shape,
-        /// The shape that it must have.
-        needed: Shape,
+        /// Its rows and columns.
+        found: (usize, usize),
+        /// Those that it must have.
+        needed: (usize, usize),
         /// The reason.
         why: &'static str,
     },
@@ -375,25 +308,14 @@ pub enum SystemError {
     Filter(#[from] FilterError),
 }
 
-/// Rows and columns of a matrix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape(pub usize, pub usize);
-
-impl fmt::Display for Shape {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} × {}", self.0, self.1)
-    }
-}
-
 fn check(name: &'static str, matrix: &Matrix, needed: (usize, usize), why: &'static str) -> Result<(), SystemError> {
-    let (rows, columns) = matrix.shape();
-    if (rows, columns) != needed {
-        let (found, needed) = (Shape(rows, columns), Shape(needed.0, needed.1));
+    let found = matrix.shape();
+    if found != needed {
         return Err(SystemError::Shape { matrix: name, found, needed, why });
     }
     match matrix.iter().position(|value| !value.is_finite()) {
         Some(place) => {
-            let (row, column) = (place % rows, place / rows);
+            let (row, column) = (place % found.0, place / found.0);
             let value = matrix[(row, column)];
             Err(SystemError::NotFinite { place: format!("{name}[{row}, {column}]"), value })
         }

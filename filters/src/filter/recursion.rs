@@ -1,107 +1,58 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
-use super::jump::Jump;
-use super::learning::Learning;
-use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
+use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, States, Step, System, White};
+use crate::Hold;
 use crate::engine::columns::factor;
+use crate::engine::dynamics::Dynamics;
+use crate::engine::model::{Reading, StateModel};
 use crate::engine::weights::Innovations;
+use crate::engine::wrapper::{Jump, Learning};
 use crate::gaussian_likelihood::part_of;
 use crate::lists::mapped;
-use crate::model::{Hold, Model};
-use crate::quantity::Quantity;
 
 /// A recursive estimator of the n-component state of a model whose belief is a random sample, or your own, at k = 0 and after.
-///
-/// ```
-/// use kalmanscope_filters::filter::{Adaptation, Correction, Ensemble, Filter, Gaussian, Noise, Normal};
-/// use kalmanscope_filters::filter::{Matrix, Vector};
-/// use kalmanscope_filters::{Hold, Model, PlantKind, Quantity};
-/// # fn main() -> Result<(), kalmanscope_filters::FilterError> {
-/// let model = Model::new(PlantKind::SDOF);
-/// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
-/// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
-/// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
-/// let belief = Box::new(Ensemble::new(initial, 100, Normal::from_seed(1))?);
-/// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
-/// let mut correction = Correction::nothing(4, 1);
-/// filter.predict([1.0, 1.0])?;
-/// filter.update(1.0, &[0.002], &mut correction)?;
-/// assert!(correction.nis < 1.0);
-/// # Ok(())
-/// # }
-/// ```
+/// The crate's page has an example.
 pub struct Filter<B: Belief + ?Sized = dyn Belief> {
-    model: Model,
+    system: Box<dyn System>,
     dt: f64,
     hold: Hold,
-    noise: Noise,
+    /// The noise that the filter assumes by now.
+    pub noise: Noise,
     observation: Observation,
     learning: Learning<f64>,
     jump: Option<Jump>,
     substeps: usize,
-    white: Option<White>,
-    belief: Box<B>,
+    /// The white force, if the filter has one.
+    pub white: Option<White>,
+    /// The belief after the last predict or update.
+    pub belief: Box<B>,
 }
 
 impl<B: Belief + ?Sized> Filter<B> {
-    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor for a quantity that the model does not
-    /// have.
+    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor without a reading.
     pub fn new(
-        model: Model,
+        model: StateModel<impl Dynamics>,
         belief: Box<B>,
         dt: f64,
         hold: Hold,
         noise: Noise,
-        sensors: &[Quantity],
+        readings: Vec<Option<Reading>>,
         adaptation: Adaptation,
     ) -> Self {
-        let readings = mapped(sensors, &|&quantity| model.reading(quantity));
-        let learning = Learning::new(adaptation, model.size(), &noise.sensors, dt);
+        let learning = Learning::new(adaptation, model.size, &noise.sensors, dt);
         let (observation, substeps) = (Observation::of(readings), 1);
-        let (jump, white) = (None, None);
-        Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }
+        let (system, jump, white) = (Box::new(States::new(model)), None, None);
+        Self { system, belief, dt, hold, noise, observation, learning, jump, substeps, white }
     }
 
-    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
-    /// noise is added in the last.
+    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the noise is added in
+    /// the last. With a white force, whose row and column of Q are set to zero: each sample draws it again. If it `jumps`, it widens P
+    /// once where its innovations grow at once; the belief must be the initial one.
     #[must_use]
-    pub fn with_substeps(self, substeps: usize) -> Self {
-        Self { substeps: substeps.max(1), ..self }
-    }
-
-    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
-    #[must_use]
-    pub fn with_jump(self) -> Self {
-        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
-        Self { jump: Some(Jump::new(initial)), ..self }
-    }
-
-    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
-    #[must_use]
-    pub fn with_white_force(mut self, white: Option<White>) -> Self {
-        self.white = white;
+    pub fn with_options(mut self, substeps: usize, white: Option<White>, jumps: bool) -> Self {
         white.into_iter().for_each(|white| white.leave_out(&mut self.noise.process));
-        self
-    }
-
-    /// The white force, if the filter has one.
-    pub fn white_force(&self) -> Option<White> {
-        self.white
-    }
-
-    /// The belief after the last predict or update.
-    pub fn belief(&self) -> &B {
-        &self.belief
-    }
-
-    /// The model.
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
-    /// The noise that the filter assumes by now.
-    pub fn noise(&self) -> &Noise {
-        &self.noise
+        let jump = jumps.then(|| Jump::new(self.belief.gaussian().cov.diagonal().as_slice().to_vec()));
+        Self { substeps: substeps.max(1), white, jump, ..self }
     }
 
     /// The variance of each R, where the filter learns R; zero elsewhere.
@@ -134,7 +85,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, jump, substeps, belief, white, .. } = self;
+        let Self { system, noise, jump, substeps, belief, white, .. } = self;
         let mut wide = None;
         if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
             let Noise { process, .. } = wide.insert(noise.clone());
@@ -144,12 +95,12 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         let noise = wide.as_ref().unwrap_or(noise);
         let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
-        let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
-        for &(place, time) in model.forgotten() {
+        let silent = Noise { process: Matrix::zeros(system.size(), system.size()), sensors: Vec::new(), fading: 1.0 };
+        for &(place, time) in system.forgotten() {
             belief.renew(place, libm::exp(-whole.dt / time), 0.0)?;
         }
         for i in 0..steps {
-            belief.predict(model, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
+            belief.predict(&mut **system, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
             if let Some(white) = white.filter(|_| i + 1 == renewed) {
                 belief.renew(white.place, 0.0, white.variance)?;
             }
@@ -166,14 +117,14 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, learning, jump, belief, white, .. } = self;
-        *correction = Correction::nothing(model.size(), noise.sensors.len());
+        let Self { system, noise, observation, learning, jump, belief, white, .. } = self;
+        *correction = Correction::nothing(system.size(), noise.sensors.len());
         learning.sample += 1;
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }
-        belief.condition(model, observation, correction)?;
+        belief.condition(&mut **system, observation, correction)?;
         correction.check(&observation.sensors)?;
         if learning.learns_now() {
             learn(learning, (observation, measured), correction, noise, *white);

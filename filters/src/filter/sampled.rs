@@ -3,10 +3,8 @@
 use std::borrow::Cow;
 
 use super::{
-    Algorithm, Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman,
+    Algorithm, Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, System, kalman,
 };
-use crate::Model;
-use crate::engine::runge_kutta::States;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain
@@ -25,7 +23,6 @@ pub struct Ensemble {
     /// Each a column.
     members: Matrix,
     normal: Normal,
-    engine: Option<Box<States>>,
     /// The belief that the ensemble was drawn from, until it first moves.
     origin: Option<Gaussian>,
 }
@@ -42,7 +39,7 @@ impl Ensemble {
         let mut members = Matrix::from_fn(belief.size(), size.max(2), |i, _| belief.mean[i]);
         let draws = centred_draws(belief.size(), members.ncols(), &mut normal);
         members.gemm(1.0, &lower_root(&belief.cov)?, &draws, 1.0);
-        Ok(Self { members, normal, engine: None, origin: Some(belief) })
+        Ok(Self { members, normal, origin: Some(belief) })
     }
 
     fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
@@ -57,16 +54,20 @@ impl Ensemble {
 }
 
 impl Belief for Ensemble {
-    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
-        let Self { members, engine, origin, .. } = self;
-        *origin = None;
-        States::of(engine, model).advance(members.as_mut_slice(), &step.of_engine());
+    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
+        self.origin = None;
+        system.advance(self.members.as_mut_slice(), step);
         self.spread(noise)
     }
 
-    fn condition(&mut self, model: &Model, observation: &Observation, out: &mut Correction) -> Result<(), FilterError> {
-        let Self { members, normal, engine, .. } = self;
-        let readings = observation.read_all(States::of(engine, model), members);
+    fn condition(
+        &mut self,
+        system: &mut dyn System,
+        observation: &Observation,
+        out: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let Self { members, normal, .. } = self;
+        let readings = observation.read(system, members.as_slice());
         let (count, others) = (members.ncols() as f64, (members.ncols() - 1) as f64);
         let gain = report(members, &readings, [&|_| 1.0 / count, &|_| 1.0 / others], observation, out)?;
         let draws = centred_draws(observation.readings.len().max(DRAWN_SENSORS), members.ncols(), normal);
@@ -197,7 +198,6 @@ pub struct Particles {
     particles: Matrix,
     weights: Vec<f64>,
     normal: Normal,
-    engine: Option<Box<States>>,
     origin: Option<Gaussian>,
 }
 
@@ -210,7 +210,7 @@ impl Particles {
         let size = size.max(2);
         let mut particles = Matrix::from_fn(belief.size(), size, |i, _| belief.mean[i]);
         add_draws(&mut particles, &lower_root(&belief.cov)?, &mut normal);
-        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, engine: None, origin: Some(belief) })
+        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, origin: Some(belief) })
     }
 
     fn mean(&self) -> Vector {
@@ -296,15 +296,15 @@ impl Particles {
 }
 
 impl Belief for Particles {
-    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
+    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
         self.origin = None;
-        let Self { particles, weights, engine, .. } = self;
+        let Self { particles, weights, .. } = self;
         let mut moved = particles.clone();
-        States::of(engine, model).advance(moved.as_mut_slice(), &step.of_engine());
+        system.advance(moved.as_mut_slice(), step);
         // A diverged particle explains no measurement and loses its weight.
         let mut lost = false;
-        let places = particles.as_mut_slice().chunks_exact_mut(model.size());
-        for ((next, place), weight) in moved.as_slice().chunks_exact(model.size()).zip(places).zip(weights) {
+        let places = particles.as_mut_slice().chunks_exact_mut(system.size());
+        for ((next, place), weight) in moved.as_slice().chunks_exact(system.size()).zip(places).zip(weights) {
             if next.iter().map(|x| x * x).sum::<f64>().is_finite() {
                 place.copy_from_slice(next);
             } else {
@@ -317,8 +317,13 @@ impl Belief for Particles {
         self.spread(noise)
     }
 
-    fn condition(&mut self, model: &Model, observation: &Observation, out: &mut Correction) -> Result<(), FilterError> {
-        let readings = observation.read_all(States::of(&mut self.engine, model), &self.particles);
+    fn condition(
+        &mut self,
+        system: &mut dyn System,
+        observation: &Observation,
+        out: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let readings = observation.read(system, self.particles.as_slice());
         if observation.variances.contains(&0.0) {
             // With a variance of zero, no particle has a finite likelihood.
             return Err(FilterError::SingularInnovation);

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 
 use kalmanscope_filters::catalogue::all_and;
 use kalmanscope_filters::lists::mapped;
-use kalmanscope_filters::{Channel, Hold, InputKind, PlantKind, Quantity};
+use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 
 use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, mean, shift};
 use super::guess::no_time;
@@ -39,7 +39,7 @@ pub struct Builder<'a> {
     own: Option<OwnTimes>,
     is_kept: bool,
     remarks: Vec<String>,
-    plant: PlantKind,
+    true_channels: Vec<Channel>,
 }
 
 impl<'a> Builder<'a> {
@@ -105,14 +105,15 @@ impl<'a> Builder<'a> {
             timing.start += 0.5 * timing.dt;
         }
         remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
-        let (mapping, sensors, plant) = (mapping.clone(), Vec::new(), PlantKind::default());
-        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, is_kept, remarks, plant })
+        let (mapping, sensors, true_channels) = (mapping.clone(), Vec::new(), Vec::new());
+        let (table, input) = (source, None);
+        Ok(Self { table, mapping, kind, hold, timing, input, sensors, own, is_kept, remarks, true_channels })
     }
 
-    /// With the truth of this plant's channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
+    /// With the truth of these channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
     #[must_use]
-    pub fn of_plant(self, plant: &PlantKind) -> Self {
-        Self { plant: plant.clone(), ..self }
+    pub fn with_truth_of(self, channels: &[Channel]) -> Self {
+        Self { true_channels: channels.to_vec(), ..self }
     }
 
     /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
@@ -267,7 +268,7 @@ impl<'a> Builder<'a> {
             self.conditioning().cut(&mut values);
             Some((*channel, values))
         };
-        all_and(self.plant.channels().iter().copied()).iter().filter_map(of).collect()
+        all_and(self.true_channels.iter().copied()).iter().filter_map(of).collect()
     }
 }
 

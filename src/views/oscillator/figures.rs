@@ -1,9 +1,7 @@
 //! Pictures of plants that are no masses: a pendulum and a circuit.
 
 use egui::{Align2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
-use kalmanscope_core::equation::Equation;
-use kalmanscope_core::plant::Plant as _;
-use kalmanscope_core::{Estimates, Scenario};
+use kalmanscope_core::{Estimates, PlantKind, Scenario};
 
 use super::parts::MassBelief;
 use super::scene::Scene;
@@ -30,7 +28,7 @@ impl PlantFigure {
             _ if masses > 1 => Self::Masses,
             "rad" => Self::Pendulum,
             "V" | "A" | "C" => Self::Circuit,
-            "m" if own.is_some_and(turns) => Self::Pendulum,
+            "m" if own.is_some() && turns(&scenario.plant.kind) => Self::Pendulum,
             "m" => Self::Masses,
             _ => Self::Nothing,
         }
@@ -50,12 +48,12 @@ impl PlantFigure {
 }
 
 /// Whether the motion is the same after a whole turn of the state, but not after a part of one.
-fn turns(own: &Equation) -> bool {
-    let size = own.info().channels.len();
+fn turns(plant: &PlantKind) -> bool {
+    let size = plant.channels().len();
     let rate = |x: f64| {
         let (mut state, mut rate) = (vec![1.0; size], vec![0.0; size]);
         state[0] = x;
-        own.motion_rate(&state, 0.0, &mut rate);
+        plant.motion_rate(&state, 0.0, &mut rate);
         rate[1]
     };
     (rate(0.3 + std::f64::consts::TAU) - rate(0.3)).abs() < 1e-9 && (rate(1.3) - rate(0.3)).abs() > 1e-9

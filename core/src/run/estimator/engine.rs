@@ -6,14 +6,14 @@ use kalmanscope_filters::engine::columns::mirror;
 use kalmanscope_filters::engine::design::Method;
 use kalmanscope_filters::engine::level::{Baseline, Known, Level};
 use kalmanscope_filters::engine::update::UpdateResult;
-use kalmanscope_filters::engine::wrapper::{Span, Wrapped};
+use kalmanscope_filters::engine::wrapper::Span;
 use kalmanscope_filters::filter::Gaussian;
 use kalmanscope_filters::gaussian_likelihood::LogSum;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_records::record::Parts;
 
 use crate::FilterSettings;
-use crate::run::estimator::setup::{Setup, filter};
+use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
 use crate::run::estimator::{Estimator, State};
 use crate::run::sink::{AssumedNoise, Sample, Sink};
@@ -24,7 +24,7 @@ struct AtLevel<L> {
 }
 
 struct FollowedEngine {
-    filter: Wrapped<f64>,
+    filter: PlantFilter<f64>,
     places: Vec<usize>,
     measured: Vec<f64>,
     prior: GaussianBelief<f64>,
@@ -36,19 +36,19 @@ struct FollowedEngine {
 }
 
 trait EngineSteps {
-    fn predict(&self, filter: &mut Wrapped<f64>, span: Span<f64>);
+    fn predict(&self, filter: &mut PlantFilter<f64>, span: Span<f64>);
 
-    fn update(&self, filter: &mut Wrapped<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
+    fn update(&self, filter: &mut PlantFilter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
 }
 
 impl<L: Level> EngineSteps for L {
     #[inline(always)]
-    fn predict(&self, filter: &mut Wrapped<f64>, span: Span<f64>) {
+    fn predict(&self, filter: &mut PlantFilter<f64>, span: Span<f64>) {
         filter.predict(*self, span);
     }
 
     #[inline(always)]
-    fn update(&self, filter: &mut Wrapped<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
+    fn update(&self, filter: &mut PlantFilter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
         let result = filter.update(*self, force, measured);
         if result.holds {
             filter.complete(*self);
@@ -292,7 +292,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
 }
 
 #[inline(always)]
-fn pass(filter: &mut Wrapped<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+fn pass(filter: &mut PlantFilter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     if let Some(passage) = filter.passage()
         && let Some(passages) = sink.passages()
     {
@@ -306,7 +306,7 @@ fn pass(filter: &mut Wrapped<f64>, sink: &mut dyn Sink) -> Result<(), FilterErro
 #[inline(always)]
 fn condition(
     level: &(impl EngineSteps + ?Sized),
-    filter: &mut Wrapped<f64>,
+    filter: &mut PlantFilter<f64>,
     places: &[usize],
     own: &mut [f64],
     force: f64,
@@ -337,7 +337,7 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
 }
 
 impl LearntNoise {
-    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &Wrapped<f64>, places: &[usize]) -> Sample<'a> {
+    fn extend<'a>(&'a mut self, sample: Sample<'a>, filter: &PlantFilter<f64>, places: &[usize]) -> Sample<'a> {
         let (learnt, Self { process, sensors, uncertainty, weights }) = (filter.learnt(), self);
         let noise = learnt.uncertainty.map(|learnt| {
             process.clear();

@@ -1,17 +1,18 @@
 //! A filter whose belief is a random sample, or your own, reporting its samples.
 
-use kalmanscope_filters::Model;
 use kalmanscope_filters::filter::{Begin, Correction, Filter, FilterError, Gaussian, Noise};
 use kalmanscope_filters::linalg::{Matrix, Vector};
+use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::random::{Normal, Purpose};
 use kalmanscope_records::record::Parts;
 
 use super::setup::Beginning;
 use super::{Estimator, Failed, FilterContext};
-use crate::FilterSettings;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
+use crate::{FilterSettings, Model};
 
 struct FollowedBelief {
+    model: Model,
     filter: Filter,
     correction: Correction,
 }
@@ -26,20 +27,20 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
         Err(error) => return Box::new(Failed(error)),
     };
     let (n, steps) = (model.size(), context.steps(settings));
-    let filter = Filter::new(model, belief, context.dt, context.hold, noise, &context.sensors, settings.adaptation);
-    let filter = filter.with_substeps(steps).with_white_force(white);
-    let filter = if settings.jump { filter.with_jump() } else { filter };
-    Box::new(FollowedBelief { filter, correction: Correction::nothing(n, context.sensors.len()) })
+    let (state, readings) = (model.state.clone(), mapped(&context.sensors, &|sensor| model.reading(*sensor)));
+    let filter = Filter::new(state, belief, context.dt, context.hold, noise, readings, settings.adaptation);
+    let filter = filter.with_options(steps, white, settings.jump);
+    Box::new(FollowedBelief { model, filter, correction: Correction::nothing(n, context.sensors.len()) })
 }
 
 impl Estimator for FollowedBelief {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction } = self;
-        let belief = filter.belief().gaussian();
+        let Self { model, filter, correction } = self;
+        let belief = filter.belief.gaussian();
         // An update checks that a belief is finite; nothing has checked the initial one.
-        if !filter.noise().is_finite()
+        if !filter.noise.is_finite()
             || !belief.is_finite()
-            || report(filter, correction, sink.wants_prior().then_some(&belief), sink).is_err()
+            || report((model, filter), correction, sink.wants_prior().then_some(&belief), sink).is_err()
         {
             return Err(FilterError::TooLarge);
         }
@@ -47,11 +48,11 @@ impl Estimator for FollowedBelief {
     }
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction } = self;
+        let Self { model, filter, correction } = self;
         filter.predict([before, force])?;
-        let prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
+        let prior = sink.wants_prior().then(|| filter.belief.gaussian().into_owned());
         filter.update(force, measured, correction)?;
-        report(filter, correction, prior.as_ref(), sink)
+        report((model, filter), correction, prior.as_ref(), sink)
     }
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -69,22 +70,21 @@ impl Estimator for FollowedBelief {
 }
 
 fn report(
-    filter: &Filter,
+    (model, filter): (&Model, &Filter),
     correction: &Correction,
     prior: Option<&Gaussian>,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
-    let model = filter.model();
-    let (belief, unit) = in_units(model, &filter.belief().gaussian());
+    let (belief, unit) = in_units(model, &filter.belief.gaussian());
     let prior = prior.map(|prior| in_units(model, prior).0);
     let mut gain = correction.gain.clone();
     gain.column_iter_mut().for_each(|mut column| column.component_mul_assign(&unit));
     if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
         return Err(FilterError::NotFinite);
     }
-    let Noise { process, sensors, .. } = filter.noise();
+    let Noise { process, sensors, .. } = &filter.noise;
     let mut process = process.diagonal();
-    filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
+    filter.white.into_iter().for_each(|white| process[white.place] = white.variance);
     let noise = filter.is_adaptive().then(|| AssumedNoise {
         process: process.as_slice(),
         sensors,

@@ -1,20 +1,24 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
+use kalmanscope_filters::engine::belief;
 use kalmanscope_filters::engine::design::{Course, Design};
 use kalmanscope_filters::engine::filter::GaussianFilter;
 use kalmanscope_filters::engine::number::Number;
 use kalmanscope_filters::engine::wrapper::{Adapting, Considering, Jumping, Restarting, Weighing, Wrapped};
-use kalmanscope_filters::engine::{belief, model};
 use kalmanscope_filters::filter::{Algorithm, Gaussian, Noise, White};
 use kalmanscope_filters::linalg::{Matrix, Vector};
 use kalmanscope_filters::lists::{mapped, numbers, places, sort_numbers};
-use kalmanscope_filters::{Channel, FilterKind, Hold, Model};
+use kalmanscope_filters::{Channel, FilterKind, Hold, Quantity};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Delays;
 
+use crate::plant::dynamics::EnginePlant;
 use crate::run::estimator::FilterContext;
 use crate::run::run_error::sensor_places;
-use crate::{FilterSettings, RunError, Scenario, Values};
+use crate::{FilterSettings, Model, RunError, Scenario, Values};
+
+/// A filter of the engine over a plant, in its options.
+pub(crate) type PlantFilter<T> = Wrapped<T, EnginePlant>;
 
 /// Limits the components of filters side by side: beyond ten masses, eight lanes of a matrix leave the caches.
 pub(crate) const MOST: usize = 32;
@@ -23,7 +27,7 @@ pub(crate) const MOST: usize = 32;
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The part that is the same for all runs of a batch.
-    pub design: Design,
+    pub design: Design<EnginePlant>,
     /// The components of the state.
     pub channels: Vec<Channel>,
     /// The initial mean.
@@ -100,7 +104,7 @@ impl Setup {
         if !(initial.is_finite() && noise.is_finite()) {
             return None;
         }
-        let (model, method) = (model::StateModel::of(&book), method(&settings.method(&context.plant), book.size()));
+        let (model, method) = (book.state.clone(), method(&settings.method(&context.plant), book.size()));
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
             Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor], late.of(sensor)))
@@ -138,7 +142,7 @@ impl Setup {
 }
 
 impl Setup {
-    fn in_options<T: Number>(&self, mut filter: GaussianFilter<T>) -> Wrapped<T> {
+    fn in_options<T: Number>(&self, mut filter: GaussianFilter<T, EnginePlant>) -> PlantFilter<T> {
         let Self { settings, channels, start, .. } = self;
         let mut plucks = mapped(&settings.plucks, &|time| time - start);
         sort_numbers(&mut plucks);
@@ -166,7 +170,7 @@ fn is_finite(record: &Record, columns: &[usize]) -> bool {
         && columns.iter().all(|&column| none(record.measured(column), f64::is_infinite))
 }
 
-pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Wrapped<T> {
+pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> PlantFilter<T> {
     let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
         (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
     };
@@ -203,9 +207,9 @@ impl Beginning {
             Gaussian::independent(mean.clone(), &spread(&model, settings, &settings.initial_std).component_mul(&unit));
         let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
         let mut process = Matrix::from_diagonal(&process.component_mul(&process));
-        let white = White::of(&model, settings.process_std[Channel::WHITE_FORCE], context.hold, &context.sensors);
+        let white = white_force(&model, settings.process_std[Channel::WHITE_FORCE], context.hold, &context.sensors);
         if let Some(white) = white {
-            white.add_rest(&model, mean.as_slice(), context.dt, &mut process);
+            add_rest(white, &model, mean.as_slice(), context.dt, &mut process);
             white.leave_out(&mut process);
         }
         let sensors = mapped(&settings.sensor_std, &|std| std * std);
@@ -216,4 +220,35 @@ impl Beginning {
 fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
     let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
     Vector::from_iterator(model.size(), model.channels().iter().map(of))
+}
+
+/// The white force of a filter with this model, whose standard deviation is `std` \[m/s²\], and these sensors, if it has one.
+fn white_force(model: &Model, std: f64, hold: Hold, sensors: &[Quantity]) -> Option<White> {
+    let place = model.place(Channel::WHITE_FORCE)?;
+    let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());
+    let course = match hold {
+        Hold::Zero => Course::Held,
+        Hold::First if sensors.iter().any(feels) => Course::Centred,
+        Hold::First => Course::Continuous,
+    };
+    Some(White { place, variance: std * std, course })
+}
+
+/// Adds the effect of the force's deviation from its mean over a sample, which enters through the plant's input.
+fn add_rest(white: White, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
+    if white.course != Course::Continuous {
+        return;
+    }
+    let by_force = model.by_force(state);
+    let moved = |place: usize| {
+        let velocity = model.channels()[place].rate()?;
+        Some((place, by_force[model.place(velocity)?]))
+    };
+    let moved: Vec<(usize, f64)> = (0..model.motion()).filter_map(moved).collect();
+    let variance = white.variance * dt * dt * dt * dt / 12.0;
+    for &(i, a) in &moved {
+        for &(j, b) in &moved {
+            process[(i, j)] += variance * a * b;
+        }
+    }
 }

@@ -4,9 +4,10 @@ use kalmanscope_filters::engine::exponential::{Exponential, Impulse};
 use kalmanscope_filters::engine::level::Baseline;
 use kalmanscope_filters::engine::runge_kutta::classical;
 use kalmanscope_filters::linalg::{Matrix, Vector};
-use kalmanscope_filters::model::Model;
 
 use super::TruthError;
+
+use crate::Model;
 
 /// Limits the times that steps are halved in a piece of work: about a millisecond.
 pub(crate) const HALVED: u64 = 400;

@@ -251,8 +251,9 @@ mod tests {
     use super::*;
     use crate::FilterSettings;
     use crate::run::sink::Sample;
+    use crate::{Model, PlantKind};
     use kalmanscope_filters::random::{Normal, Purpose};
-    use kalmanscope_filters::{Hold, InputKind, Model, PlantKind};
+    use kalmanscope_filters::{Hold, InputKind};
 
     const STD: f64 = 0.5;
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use kalmanscope_filters::linalg::{Ldl, Matrix, Vector};
 use kalmanscope_filters::lists::{mapped, numbers};
-use kalmanscope_filters::model::{Hold, Reading};
+use kalmanscope_filters::{Hold, Reading};
 use kalmanscope_records::Record;
 
 use super::{FreeRun, Identified, fit};

@@ -6,12 +6,12 @@ use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::level::Level;
 use kalmanscope_filters::engine::number::{Mask, Number};
 use kalmanscope_filters::engine::update::UpdateResult;
-use kalmanscope_filters::engine::wrapper::{Span, Wrapped};
+use kalmanscope_filters::engine::wrapper::Span;
 use kalmanscope_filters::{FilterError, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 
-use crate::run::estimator::setup::{Setup, filter};
+use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::statistics::score::lane_sums::{LogProducts, ScoreSums};
 use crate::statistics::score::{Outcome, SampleScore};
 
@@ -148,7 +148,7 @@ impl<T: Number> LanesInUnits<T> {
 struct LaneBatch<T: Number, L> {
     level: L,
     count: usize,
-    filter: Wrapped<T>,
+    filter: PlantFilter<T>,
     in_units: Option<LanesInUnits<T>>,
     scores: ScoreSums<T>,
     stopped: T,

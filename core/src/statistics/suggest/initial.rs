@@ -1,16 +1,16 @@
 //! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
 //! all over their ranges, and continues from the end of the likeliest run.
 
+use crate::equation::Equation;
 use kalmanscope_filters::channel::{Role, Sign};
-use kalmanscope_filters::equation::Equation;
 use kalmanscope_filters::lists::{mapped, sort_items};
-use kalmanscope_filters::{Aspect, Channel, FilterKind, InputKind, PlantKind, Quantity};
+use kalmanscope_filters::{Aspect, Channel, FilterKind, InputKind, Quantity};
 use kalmanscope_records::Record;
 
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
 use super::response::{Decay, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
-use crate::{FilterSettings, Run, Scenario};
+use crate::{FilterSettings, PlantKind, Run, Scenario};
 
 /// The spread that a filter of a free decay begins with, in standard deviations of the fit.
 pub(super) const LOOSE: f64 = 30.0;

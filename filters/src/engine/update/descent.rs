@@ -12,6 +12,7 @@
 use super::{MeasuredReadings, Target, Update, UpdateResult};
 use crate::engine::belief::GaussianBelief;
 use crate::engine::design::{Design, Method};
+use crate::engine::dynamics::Dynamics;
 use crate::engine::level::Level;
 use crate::engine::number::{Mask, Number};
 
@@ -55,7 +56,7 @@ impl<T: Number> Update<T> {
     pub(super) fn descend<L: Level>(
         &mut self,
         level: L,
-        target: &mut Target<'_, T>,
+        target: &mut Target<'_, T, impl Dynamics>,
         observation: MeasuredReadings<'_, T>,
     ) -> UpdateResult<T> {
         let (design, mut descent) = (target.design, self.descent.take());
@@ -96,7 +97,7 @@ impl<T: Number> Update<T> {
         result
     }
 
-    fn note(&mut self, design: &Design) {
+    fn note(&mut self, design: &Design<impl Dynamics>) {
         let Some(mut passage) = self.passage.take() else { return };
         let [innovation, innovation_cov, gain] = self.parts();
         for (own, part) in [
@@ -121,7 +122,7 @@ impl<T: Number> Update<T> {
     fn condition_at<L: Level>(
         &mut self,
         level: L,
-        Target { design, belief, checks, .. }: &mut Target<'_, T>,
+        Target { design, belief, checks, .. }: &mut Target<'_, T, impl Dynamics>,
         observation: MeasuredReadings<'_, T>,
         at: &[T],
     ) -> UpdateResult<T> {

@@ -2,6 +2,7 @@
 
 use super::{Readings, Recursion, Span, Wrapper};
 use crate::engine::belief::GaussianBelief;
+use crate::engine::dynamics::Dynamics;
 use crate::engine::filter::GaussianFilter;
 use crate::engine::number::Number;
 use crate::engine::update::UpdateResult;
@@ -26,12 +27,12 @@ pub struct Considering<T> {
 }
 
 impl<T: Number> Considering<T> {
-    pub fn of(places: Vec<usize>, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of<P: Dynamics>(places: Vec<usize>, filter: &GaussianFilter<T, P>) -> Option<Box<dyn Wrapper<T, P>>> {
         let before = filter.belief.clone();
         (!places.is_empty()).then(|| Box::new(Self { places, before }) as _)
     }
 
-    fn take_fading_back(&self, filter: &mut GaussianFilter<T>, share: f64) {
+    fn take_fading_back(&self, filter: &mut GaussianFilter<T, impl Dynamics>, share: f64) {
         let (belief, noise) = filter.belief_and_noise(share);
         let (n, scale) = (belief.size(), T::of(1.0) / noise.fading.sqrt());
         let is_considered = |i: usize| self.places.contains(&i);
@@ -49,8 +50,8 @@ impl<T: Number> Considering<T> {
     }
 }
 
-impl<T: Number> Wrapper<T> for Considering<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Considering<T> {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
         inner.predict(span);
         let filter = inner.filter();
         filter.square();
@@ -59,7 +60,7 @@ impl<T: Number> Wrapper<T> for Considering<T> {
         filter.checks.predicted = filter.checks.predicted.and(rooted);
     }
 
-    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let Self { places, before } = self;
         let filter = inner.filter();
         filter.square();

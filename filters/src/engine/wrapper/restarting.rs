@@ -1,6 +1,7 @@
 //! A motion that begins again where the plant is plucked.
 
 use super::{Recursion, Span, Wrapper};
+use crate::engine::dynamics::Dynamics;
 use crate::engine::number::Number;
 
 /// A filter that widens its belief of the motion where a plant is plucked: parameters and augmentations are what they were.
@@ -17,13 +18,13 @@ pub struct Restarting {
 }
 
 impl Restarting {
-    pub fn of<T: Number>(times: Vec<f64>, variances: Vec<(usize, f64)>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of<T: Number, P: Dynamics>(times: Vec<f64>, variances: Vec<(usize, f64)>) -> Option<Box<dyn Wrapper<T, P>>> {
         (!times.is_empty()).then(|| Box::new(Self { times, variances }) as _)
     }
 }
 
-impl<T: Number> Wrapper<T> for Restarting {
-    fn predict(&mut self, inner: &mut dyn Recursion<T>, span: Span<T>) {
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Restarting {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
         let [before, after] = span.times.map(|end| self.times.partition_point(|time| *time <= end));
         if after > before {
             let count = (after - before) as f64;

@@ -3,11 +3,12 @@
 use super::{Learnt, Readings, Recursion, Wrapper};
 use crate::engine::belief::GaussianBelief;
 use crate::engine::columns::{factor, square};
+use crate::engine::dynamics::Dynamics;
 use crate::engine::filter::GaussianFilter;
 use crate::engine::number::{Mask, Number};
+use crate::engine::robust::Robust;
 use crate::engine::update::{Update, UpdateResult};
 use crate::engine::weights::Weights;
-use crate::filter::robust::Robust;
 
 /// A filter that weighs its readings. A lane whose weights have settled keeps its measurements and R while others iterate, and so the
 /// same update.
@@ -20,14 +21,14 @@ pub struct Weighing<T> {
 }
 
 impl<T: Number> Weighing<T> {
-    pub fn of(rule: Robust, filter: &GaussianFilter<T>) -> Option<Box<dyn Wrapper<T>>> {
+    pub fn of<P: Dynamics>(rule: Robust, filter: &GaussianFilter<T, P>) -> Option<Box<dyn Wrapper<T, P>>> {
         let weights = Weights::new(rule, filter.noise.sensors.len());
         let (before, before_root, claimed) = (filter.belief.clone(), Vec::new(), Vec::new());
         rule.is_on().then(|| Box::new(Self { weights, before, before_root, claimed }) as _)
     }
 
     /// The result is that of S with the R of the settings. A reading of next to no weight is no sample of it.
-    fn claim(&mut self, filter: &mut GaussianFilter<T>, result: UpdateResult<T>) -> UpdateResult<T> {
+    fn claim(&mut self, filter: &mut GaussianFilter<T, impl Dynamics>, result: UpdateResult<T>) -> UpdateResult<T> {
         let Self { weights, claimed, .. } = self;
         let GaussianFilter { update, checks, noise, .. } = filter;
         let variances = &noise.sensors[..];
@@ -75,8 +76,8 @@ impl<T: Number> Weighing<T> {
     }
 }
 
-impl<T: Number> Wrapper<T> for Weighing<T> {
-    fn update(&mut self, inner: &mut dyn Recursion<T>, readings: Readings<'_, T>) -> UpdateResult<T> {
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Weighing<T> {
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let Self { weights, before, before_root, .. } = self;
         let filter = inner.filter();
         before.copy_from(&filter.belief);

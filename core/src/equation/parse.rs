@@ -8,7 +8,7 @@
 
 use super::EquationError;
 use super::token::{Placed, Token, tokens};
-use crate::engine::number::Function;
+use kalmanscope_filters::engine::number::Function;
 
 const DEPTH: usize = 40;
 

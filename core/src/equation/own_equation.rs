@@ -1,21 +1,15 @@
-//! The plant of an equation, and the meanings of its names. In files a plant is the key of a built-in one, or a table with an equation.
+//! An equation that a user typed, with the meanings of its names.
 
 use std::collections::BTreeMap;
-use std::fmt;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use kalmanscope_filters::Channel;
+use kalmanscope_filters::channel::{ChannelInfo, Role, Usual};
 
 use super::solve::{Solved, StateComponent, solve};
 use super::token::{key, symbol};
+use super::typed::Typed;
 use super::{EquationError, EquationSettings, Numbers, ParameterSettings, size};
-use crate::catalogue::KnownPlants;
-use crate::channel::{ChannelInfo, Role, Usual};
-use crate::engine::plants::Typed;
-use crate::plant::{Plant, PlantInfo, Spring};
-use crate::{Channel, PlantKind};
 
 /// Keys of a plant's table, which parameters cannot have.
 const RESERVED: [&str; 6] = ["kind", "initial", "disturbance_std", "input_delay", "equation", "parameters"];
@@ -23,17 +17,17 @@ const RESERVED: [&str; 6] = ["kind", "initial", "disturbance_std", "input_delay"
 /// Limits numbers of parameters, so that products of a few of them stay finite.
 const LARGEST: f64 = 1e30;
 
-/// The plant of an equation that a user typed.
+/// An equation that a user typed, as a plant has it.
 #[derive(Debug)]
 pub struct Equation {
     settings: EquationSettings,
-    channels: Vec<Channel>,
+    pub(crate) channels: Vec<Channel>,
     is_linear: bool,
     pub(crate) typed: Arc<Typed>,
 }
 
 impl Equation {
-    pub(super) fn new(settings: &EquationSettings) -> Result<Self, EquationError> {
+    pub(crate) fn new(settings: &EquationSettings) -> Result<Self, EquationError> {
         let Solved { components, typed, is_linear } = solve(&settings.equation)?;
         let known: Vec<(String, &ParameterSettings)> =
             settings.parameters.iter().map(|(name, one)| (key(name), one)).collect();
@@ -59,31 +53,6 @@ impl Equation {
     /// The numbers of operations for the rates, and for their derivatives.
     pub fn operations(&self) -> [usize; 2] {
         [self.typed.rates.operations(), self.typed.jacobian.operations()]
-    }
-}
-
-impl Plant for Equation {
-    fn info(&self) -> PlantInfo<'_> {
-        let text = &self.settings.equation;
-        PlantInfo {
-            key: text,
-            name: "equation of your own",
-            equation: text,
-            reference: "",
-            channels: &self.channels,
-            is_linear: self.is_linear,
-            spring: Spring::Linear,
-        }
-    }
-
-    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        self.typed.rates.run(state, force, |place, value| rate[place] = value);
-    }
-
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        // The force enters additively.
-        let Typed { size, motion, jacobian: list, .. } = &*self.typed;
-        list.run(state, 0.0, |place, value| jacobian[place % motion * size + place / motion] = value);
     }
 }
 
@@ -203,95 +172,5 @@ impl EquationSettings {
             Some(Symbol { shown: symbol(&key), known: of_all_plants(&key), key, is_parameter })
         };
         Ok(solve(&self.equation)?.components.iter().filter_map(of).collect())
-    }
-}
-
-impl PlantKind {
-    /// The plant of an equation that a user typed.
-    ///
-    /// # Errors
-    /// [`EquationError`] if it is not an equation, with the character and what is allowed there.
-    pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
-        let is_it = |kind: &Self| kind.own_equation().is_some_and(|own| own.settings() == settings);
-        match KnownPlants::find(is_it) {
-            Some(kind) => Ok(kind),
-            None => Ok(Self::shared(Arc::new(Equation::new(settings)?))),
-        }
-    }
-
-    /// The equation of a plant that a user typed. `None` for a built-in plant.
-    pub fn own_equation(&self) -> Option<&Equation> {
-        let plant: &dyn std::any::Any = self.plant();
-        plant.downcast_ref()
-    }
-}
-
-impl PartialEq for PlantKind {
-    /// Compares key and type: your own plant differs from the registry's plant with the same key.
-    fn eq(&self, other: &Self) -> bool {
-        let [own, others] = [self, other].map(|kind| kind.own_equation().map(Equation::settings));
-        self.key() == other.key() && self.type_id() == other.type_id() && own == others
-    }
-}
-
-impl Eq for PlantKind {}
-
-impl Serialize for PlantKind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.own_equation() {
-            Some(equation) => equation.settings().serialize(serializer),
-            None => serializer.serialize_str(self.key()),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for PlantKind {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct KindVisitor;
-
-        impl<'de> Visitor<'de> for KindVisitor {
-            type Value = PlantKind;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the key of a plant, or a table with an equation")
-            }
-
-            fn visit_str<E: de::Error>(self, key: &str) -> Result<PlantKind, E> {
-                static ALL: LazyLock<Vec<PlantKind>> = LazyLock::new(|| PlantKind::ALL.into());
-                static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| ALL.iter().map(PlantKind::key).collect());
-                PlantKind::from_key(key).ok_or_else(|| de::Error::unknown_variant(key, &KEYS))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PlantKind, A::Error> {
-                let settings = EquationSettings::deserialize(MapAccessDeserializer::new(map))?;
-                PlantKind::of_equation(&settings).map_err(de::Error::custom)
-            }
-        }
-
-        deserializer.deserialize_any(KindVisitor)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn many_equations_are_read_and_each_is_freed_with_its_last_plant() {
-        let read = |guess: f64| {
-            let mut settings = EquationSettings::new("x'' + k x = f");
-            settings.parameter_mut("k").guess = Some(guess);
-            PlantKind::of_equation(&settings).expect("it is an equation")
-        };
-        for guess in (0..10_000).map(f64::from) {
-            let (kind, same) = (read(guess), read(guess));
-            let typed = Arc::downgrade(&kind.own_equation().expect("it has one").typed);
-            let other = kind.clone();
-            drop(kind);
-            assert_eq!((typed.strong_count(), other.channels()[2].usual().mean), (1, guess));
-            assert!(other == same && std::ptr::eq(other.channels()[2].info(), same.channels()[2].info()));
-            drop(other);
-            assert!(typed.upgrade().is_none());
-        }
     }
 }

@@ -1,16 +1,22 @@
 //! Plants: their equations of motion and parameters.
 
 mod built_in;
+pub(crate) mod dynamics;
+mod files;
+pub(crate) mod model;
 
-use std::any::{Any, TypeId};
+use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::channel::MAX_MASSES;
-use crate::lists::numbers;
-use crate::quantity::Term;
-use crate::registry::registry;
-use crate::{Channel, Quantity};
+use kalmanscope_filters::Dynamics as _;
+use kalmanscope_filters::lists::numbers;
+
+use crate::channel::{MAX_MASSES, augment};
+use crate::equation::Equation;
+use crate::{Channel, Quantity, Term};
+use built_in::BuiltInPlant;
+use dynamics::{EnginePlant, Own};
 
 /// A plant's data other than its equation.
 #[derive(Clone, Copy, Debug)]
@@ -68,14 +74,12 @@ pub struct PlantKind(Source);
 
 #[derive(Clone)]
 enum Source {
-    Program(&'static dyn Plant),
-    Shared(Arc<dyn Plant>),
+    BuiltIn(&'static BuiltInPlant),
+    Typed(Arc<Equation>),
+    Own(Own),
 }
 
-registry! {
-    PlantKind by PlantKind::new,
-    /// Every plant of the registry.
-    ALL;
+impl PlantKind {
     /// A linear oscillator with a single degree of freedom.
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
@@ -85,7 +89,7 @@ registry! {
     /// ```
     ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
-    SDOF = built_in::SDOF;
+    pub const SDOF: Self = Self(Source::BuiltIn(&built_in::SDOF));
     /// An oscillator with a cubic part in its spring.
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
@@ -98,7 +102,7 @@ registry! {
     ///
     /// Source: Duffing (1918), *Erzwungene Schwingungen bei veränderlicher Eigenfrequenz*; Kovacic and Brennan, eds. (2011),
     /// *The Duffing Equation*.
-    DUFFING = built_in::DUFFING;
+    pub const DUFFING: Self = Self(Source::BuiltIn(&built_in::DUFFING));
     /// An oscillator with a spring that yields and remembers.
     ///
     /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
@@ -113,9 +117,9 @@ registry! {
     /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
     /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
     /// benchmark with a dynamic nonlinearity (exponent 1).
-    BOUC_WEN = built_in::BOUC_WEN;
+    pub const BOUC_WEN: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN));
     /// The same with exponent 1.
-    BOUC_WEN_1 = built_in::BOUC_WEN_1;
+    pub const BOUC_WEN_1: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN_1));
     /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
     ///
     /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
@@ -129,34 +133,45 @@ registry! {
     /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
     ///
     /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
-    SHEAR_2 = built_in::ShearPlant::<2>::PLANT;
+    pub const SHEAR_2: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<2>::PLANT));
     /// A chain of three masses.
-    SHEAR_3 = built_in::ShearPlant::<3>::PLANT;
+    pub const SHEAR_3: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<3>::PLANT));
     /// A chain of four masses.
-    SHEAR_4 = built_in::ShearPlant::<4>::PLANT;
+    pub const SHEAR_4: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<4>::PLANT));
     /// A chain of five masses.
-    SHEAR_5 = built_in::ShearPlant::<5>::PLANT;
+    pub const SHEAR_5: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<5>::PLANT));
     /// A chain of six masses.
-    SHEAR_6 = built_in::ShearPlant::<6>::PLANT;
+    pub const SHEAR_6: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<6>::PLANT));
     /// A chain of seven masses.
-    SHEAR_7 = built_in::ShearPlant::<7>::PLANT;
+    pub const SHEAR_7: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<7>::PLANT));
     /// A chain of eight masses.
-    SHEAR_8 = built_in::ShearPlant::<8>::PLANT;
+    pub const SHEAR_8: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<8>::PLANT));
     /// A chain of nine masses.
-    SHEAR_9 = built_in::ShearPlant::<9>::PLANT;
+    pub const SHEAR_9: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<9>::PLANT));
     /// A chain of ten masses.
-    SHEAR_10 = built_in::ShearPlant::<10>::PLANT;
-}
+    pub const SHEAR_10: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<10>::PLANT));
 
-impl PlantKind {
+    /// Every plant of the registry.
+    pub const ALL: [Self; 13] = [
+        Self::SDOF,
+        Self::DUFFING,
+        Self::BOUC_WEN,
+        Self::BOUC_WEN_1,
+        Self::SHEAR_2,
+        Self::SHEAR_3,
+        Self::SHEAR_4,
+        Self::SHEAR_5,
+        Self::SHEAR_6,
+        Self::SHEAR_7,
+        Self::SHEAR_8,
+        Self::SHEAR_9,
+        Self::SHEAR_10,
+    ];
+
     /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
     /// the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
-        Self(Source::Program(plant))
-    }
-
-    pub(crate) fn shared(plant: Arc<dyn Plant>) -> Self {
-        Self(Source::Shared(plant))
+        Self(Source::Own(Own(plant)))
     }
 
     /// The plant of the registry with this key, if there is one.
@@ -166,25 +181,51 @@ impl PlantKind {
 
     /// Whether it is a user's own plant with a key of the registry: a file with this key would mean the registry's.
     pub fn is_impostor(&self) -> bool {
-        Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
+        matches!(self.0, Source::Own(_)) && Self::from_key(self.key()).is_some()
     }
 
-    pub(crate) fn type_id(&self) -> TypeId {
-        let plant: &dyn Any = self.plant();
-        plant.type_id()
-    }
-
-    /// The plant itself.
-    pub fn plant(&self) -> &(dyn Plant + 'static) {
+    /// The equation of a plant that a user typed. `None` for any other plant.
+    pub fn own_equation(&self) -> Option<&Equation> {
         match &self.0 {
-            Source::Program(plant) => *plant,
-            Source::Shared(plant) => &**plant,
+            Source::Typed(equation) => Some(equation),
+            Source::BuiltIn(_) | Source::Own(_) => None,
         }
+    }
+
+    /// The engine's form of the plant.
+    pub fn dynamics(&self) -> EnginePlant {
+        match &self.0 {
+            Source::BuiltIn(built_in) => built_in.dynamics.clone(),
+            Source::Typed(equation) => EnginePlant::Typed(Arc::clone(&equation.typed)),
+            Source::Own(plant) => EnginePlant::Own(*plant),
+        }
+    }
+
+    /// The rates of the components that move, from all components and the force over mass \[m/s²\]: see [`Plant::motion_rate`].
+    pub fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        self.dynamics().motion_rate(state, force, rate);
+    }
+
+    /// The derivatives of these rates, row by row: see [`Plant::motion_jacobian`].
+    pub fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
+        self.dynamics().jacobian(state, jacobian);
     }
 
     /// Names, keys and the components of the state.
     pub fn info(&self) -> PlantInfo<'_> {
-        self.plant().info()
+        match &self.0 {
+            Source::BuiltIn(built_in) => *built_in.info,
+            Source::Own(plant) => plant.0.info(),
+            Source::Typed(equation) => PlantInfo {
+                key: &equation.settings().equation,
+                name: "equation of your own",
+                equation: &equation.settings().equation,
+                reference: "",
+                channels: &equation.channels,
+                is_linear: equation.is_linear(),
+                spring: Spring::Linear,
+            },
+        }
     }
 
     /// The key in scenario files.
@@ -214,7 +255,7 @@ impl PlantKind {
 
     /// The number of components that move.
     pub fn motion(&self) -> usize {
-        self.channels().iter().take_while(|c| !c.is_parameter()).count()
+        motion(self.channels())
     }
 
     /// The number of masses.
@@ -232,6 +273,11 @@ impl PlantKind {
         Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
     }
 
+    /// The augmentations that the plant can have: those of the input and of its measurable quantities.
+    pub fn augmentations(&self) -> impl Iterator<Item = Channel> {
+        augment::of_all(self.quantities())
+    }
+
     /// Whether the plant has a quantity to measure.
     pub fn has(&self, quantity: Quantity) -> bool {
         quantity.reads().iter().all(|(term, _)| match term {
@@ -244,7 +290,7 @@ impl PlantKind {
     pub fn is_driven(&self, mass: usize) -> bool {
         let rate = |force| {
             let mut rate = vec![0.0; self.motion()];
-            self.plant().motion_rate(&self.anywhere(), force, &mut rate);
+            self.motion_rate(&self.anywhere(), force, &mut rate);
             self.place(Channel::velocity(mass)).map(|place| rate[place])
         };
         rate(1.0) != rate(0.0)
@@ -254,7 +300,7 @@ impl PlantKind {
     /// of one accelerates the other.
     pub fn is_held(&self, mass: usize) -> bool {
         let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
-        self.plant().motion_jacobian(&self.anywhere(), &mut jacobian);
+        self.motion_jacobian(&self.anywhere(), &mut jacobian);
         let accelerates = |by: Channel, mass: usize| {
             let place = self.place(Channel::velocity(mass)).zip(self.place(by));
             place.is_some_and(|(row, column)| jacobian[row * self.channels().len() + column] != 0.0)
@@ -274,6 +320,10 @@ impl PlantKind {
     fn anywhere(&self) -> Vec<f64> {
         numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
     }
+}
+
+fn motion(channels: &[Channel]) -> usize {
+    channels.iter().take_while(|channel| !channel.is_parameter()).count()
 }
 
 impl Default for PlantKind {

@@ -7,18 +7,20 @@
 //! `x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f`: masses are `x`, or `x1`, `x2`, …; a component that moves with one prime (`z' = …`) is an
 //! internal state; `f` is the force over mass; every other name is a parameter. Several equations are apart by `;`.
 
+mod own_equation;
 mod parse;
-mod plant_kind;
 mod solve;
 mod token;
+pub(crate) mod typed;
 mod typeset;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::channel::Sign;
-pub use plant_kind::{Equation, Symbol};
+use kalmanscope_filters::channel::Sign;
+
+pub use own_equation::{Equation, Symbol};
 use solve::solve;
 use token::key;
 pub use typeset::{TextLevel, TextRun, typeset};

@@ -2,11 +2,11 @@
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
-use crate::channel::MAX_MASSES;
-use crate::engine::builder::Builder;
-use crate::engine::list::Node;
-use crate::engine::plants::Typed;
-use crate::lists::sort_items;
+use super::typed::Typed;
+use kalmanscope_filters::channel::MAX_MASSES;
+use kalmanscope_filters::engine::builder::Builder;
+use kalmanscope_filters::engine::list::Node;
+use kalmanscope_filters::lists::sort_items;
 
 const COMPONENTS: usize = 32;
 

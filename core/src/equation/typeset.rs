@@ -3,8 +3,8 @@
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
 use super::token::{dots, parts};
-use crate::engine::number::Function;
-use crate::lists::mapped;
+use kalmanscope_filters::engine::number::Function;
+use kalmanscope_filters::lists::mapped;
 
 /// The place of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
