@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 root = Path(__file__).parent.parent
-FLOORS = {"signal": 0, "scenario": 1, "setting": 1, "axis": 2, "run": 3, "statistics": 4, "internals": 5}
+FLOORS = {"signal": 0, "scenario": 1, "setting": 2, "axis": 3, "run": 4, "statistics": 5, "internals": 6}
 PATH = r"(?:crate|self|super)(?:::\w+)+"
 
 

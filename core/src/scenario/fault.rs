@@ -16,8 +16,8 @@ use kalmanscope_filters::random::{Normal, Purpose};
 use kalmanscope_records::document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::row::{Allowed, by_key};
 use super::{Scenario, values};
-use crate::setting::{Allowed, by_key};
 
 /// The description of a family of faults.
 pub struct FaultInfo {

@@ -79,12 +79,6 @@ impl Plant {
         self
     }
 
-    /// The same plant as another kind.
-    #[must_use]
-    pub fn of_kind(self, kind: PlantKind) -> Self {
-        Self { kind, ..self }
-    }
-
     /// Removes the signal of an augmentation, and so the augmentation.
     pub fn remove(&mut self, augmentation: Channel) {
         self.signals.retain(|(channel, _)| !(channel.is_augmentation() && *channel == augmentation));

@@ -5,7 +5,7 @@ use kalmanscope_filters::{Hold, InputKind, Propagation};
 use toml::Value;
 
 use super::Edit;
-use super::info::by_key;
+use crate::scenario::row::by_key;
 use crate::scenario::{FilterSettings, Scenario, option};
 use crate::signal::Force;
 

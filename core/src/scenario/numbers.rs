@@ -1,9 +1,8 @@
 //! The settings of a scenario besides its filters that are one number each: its own, and those of the force's shape.
 
-use super::Allowed;
-use super::info::{Field, SettingInfo, row};
-use crate::scenario::Scenario;
-use crate::scenario::filter::MAX_DELAY;
+use super::Scenario;
+use super::filter::MAX_DELAY;
+use super::row::{Allowed, Field, SettingInfo, row};
 use crate::signal::Force;
 
 type Row = SettingInfo<Scenario>;
