@@ -85,10 +85,9 @@ impl Run {
         scenario.validate()?;
         let recording = Recording::new(&scenario, source, spare.record.take());
         let (samples, count) = (recording.samples(&scenario), scenario.filters.len());
-        let record = recording.record();
-        let mut bank = Bank::new(scenario, record)?;
+        let mut bank = Bank::new(scenario, &recording.record)?;
         for _ in 0..count {
-            bank.add(record, samples, spare.estimates.pop());
+            bank.add(&recording.record, samples, spare.estimates.pop());
         }
         Ok(Self { recording, samples, done: 0, bank })
     }
@@ -140,36 +139,24 @@ impl Run {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
         let goal = samples.min(*all);
-        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
-            *all = recording.len();
-        }
+        recording.advance(goal + bank.lookahead(), all, &mut || true);
         *done = goal.min(*all).max(begin);
-        bank.follow(recording.record(), *done);
+        bank.follow(&recording.record, *done);
         *done - begin
     }
 
     /// The part of the record that [`Self::advance_to`] needs. Returns false early if `while_time` does.
     pub fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
-        let goal = (samples.min(*all) + bank.lookahead()).min(*all);
-        while recording.len() < goal.min(*all) {
-            if !recording.advance_some(goal) {
-                *all = recording.len();
-            } else if recording.len() < goal && !while_time() {
-                return false;
-            }
-        }
-        true
+        recording.advance(samples.min(*all) + bank.lookahead(), all, while_time)
     }
 
     /// One filter after the other. Returns early if `while_time`, called after each, is false.
     pub fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);
-        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
-            *all = recording.len();
-        }
-        goal > *all || bank.prepare(recording.record(), while_time)
+        recording.advance(goal + bank.lookahead(), all, &mut || true);
+        goal > *all || bank.prepare(&recording.record, while_time)
     }
 
     /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
@@ -249,7 +236,7 @@ impl Run {
 
     /// The record: the part that is simulated and kept, or all of a measured one.
     pub fn record(&self) -> &Record {
-        self.recording.record()
+        &self.recording.record
     }
 
     /// The kept estimates so far, one per filter.
@@ -336,7 +323,7 @@ impl Bank {
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
-        let pass = Pass::later(filter, self.context(record, place), self.sensors.clone());
+        let pass = Pass::with(filter, self.context(record, place), self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);

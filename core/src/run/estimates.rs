@@ -27,9 +27,11 @@ pub struct Estimates {
     id: u32,
     smoothed: bool,
     name: String,
-    kind: FilterKind,
+    /// The filter's kind.
+    pub kind: FilterKind,
     color: Option<FilterColor>,
-    plant: PlantKind,
+    /// The kind of plant that the filter takes the truth for.
+    pub plant: PlantKind,
     channels: Vec<Channel>,
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
@@ -48,10 +50,14 @@ pub struct Estimates {
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
-    weighs: bool,
-    learns: bool,
-    scales: bool,
-    particles: usize,
+    /// Whether the filter weighs its readings.
+    pub weighs: bool,
+    /// Whether the filter learns R.
+    pub learns_sensor_noise: bool,
+    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`]).
+    pub has_process_scale: bool,
+    /// The number of particles of a particle filter; 0 for any other filter.
+    pub particles: usize,
     monitor: Monitor,
     stop: Option<Stop>,
 }
@@ -82,8 +88,8 @@ impl Estimates {
             considered: settings.consider.clone(),
             sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on(),
-            learns: settings.adaptation.sensor_noise,
-            scales: settings.process_scales > 1,
+            learns_sensor_noise: settings.adaptation.sensor_noise,
+            has_process_scale: settings.process_scales > 1,
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -91,7 +97,8 @@ impl Estimates {
 
     /// The same, as a smoother's.
     pub fn of_smoother(self) -> Self {
-        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
+        let of_filter = Self { weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self };
+        Self { name: of_filter.name + SMOOTHED, smoothed: true, ..of_filter }
     }
 
     /// The filter's id.
@@ -110,19 +117,9 @@ impl Estimates {
         &self.name
     }
 
-    /// The filter's kind.
-    pub fn kind(&self) -> FilterKind {
-        self.kind
-    }
-
     /// The colour of the filter.
     pub fn color(&self) -> FilterColor {
         self.color.unwrap_or(FilterColor::of(self.id))
-    }
-
-    /// The kind of plant that the filter takes the truth for.
-    pub fn plant(&self) -> &PlantKind {
-        &self.plant
     }
 
     /// The channels, in the order of every mean and covariance.
@@ -180,14 +177,6 @@ impl Estimates {
     /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
     pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
         self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
-    }
-
-    /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
-    pub fn missing(&self, sensor: usize) -> usize {
-        let m = self.sensors.len();
-        (usize::from(self.forgotten == 0)..self.len())
-            .filter(|k| self.history.innovation[k * m + sensor].is_nan())
-            .count()
     }
 
     /// The mean at sample `k`, one number per channel.
@@ -319,26 +308,11 @@ impl Estimates {
         self.considered.contains(&channel)
     }
 
-    /// The number of particles of a particle filter; 0 for any other filter.
-    pub fn particles(&self) -> usize {
-        self.particles
-    }
-
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
     pub fn checksum(&self) -> u64 {
         let mut hash = Hash::default();
         self.history.mean.iter().chain(&self.history.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
         hash.value()
-    }
-
-    /// Whether the filter weighs its readings.
-    pub fn weighs(&self) -> bool {
-        self.weighs
-    }
-
-    /// Whether the filter learns R.
-    pub fn learns_sensor_noise(&self) -> bool {
-        self.learns
     }
 
     /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
@@ -348,11 +322,6 @@ impl Estimates {
         let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
         let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
-    }
-
-    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
-    pub fn tells_process_scale(&self) -> bool {
-        self.scales
     }
 
     /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter

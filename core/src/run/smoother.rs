@@ -71,7 +71,7 @@ impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
     pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
-        let mut pass = Pass::with(&one, context, sensors);
+        let mut pass = Pass::with(&one, context.clone(), sensors);
         pass.keep_passages().then(|| Self {
             pass,
             sink: Passages::default(),
