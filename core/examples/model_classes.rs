@@ -101,9 +101,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             let evidence: Vec<Evidence> = run.estimates().iter().map(Evidence::new).collect();
             let at = |k: usize| ModelClasses::new(evidence.iter().map(|of| of.at(k).unwrap_or(f64::NAN)));
             let last = at(run.len() - 1);
-            mean.iter_mut().zip(last.probabilities()).for_each(|(sum, p)| *sum += p / seeds as f64);
-            let doubtful = (0..run.len()).rev().find(|k| at(*k).probabilities()[place] < 0.95);
-            if last.probabilities()[place] >= 0.95 {
+            mean.iter_mut().zip(&last.probabilities).for_each(|(sum, p)| *sum += p / seeds as f64);
+            let doubtful = (0..run.len()).rev().find(|k| at(*k).probabilities[place] < 0.95);
+            if last.probabilities[place] >= 0.95 {
                 found += 1;
                 since.push(doubtful.map_or(0.0, |k| run.record().time(k)));
             }

@@ -139,7 +139,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
     for (place, (estimates, diagnostics)) in kept.estimates().iter().zip(&following).enumerate() {
         let whole = Diagnostics::new(&all.estimates()[place], all.record());
         let anew = Diagnostics::new(estimates, kept.record());
-        assert_eq!((diagnostics.len(), diagnostics.stop()), (estimates.len(), None));
+        assert_eq!((diagnostics.len(), diagnostics.stop), (estimates.len(), None));
         assert_eq!(bits(diagnostics.nees()), bits(&whole.nees()[gone..]));
         assert_eq!(diagnostics.log_likelihood().to_bits(), anew.log_likelihood().to_bits());
         let n = diagnostics.len();

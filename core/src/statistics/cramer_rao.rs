@@ -31,7 +31,8 @@ use crate::{FilterSettings, Scenario, Sensor};
 /// equations 21 and 34.
 pub struct CramerRao {
     settings: FilterSettings,
-    channels: Vec<Channel>,
+    /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
+    pub channels: Vec<Channel>,
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
     recursion: Option<(Wrapped<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
@@ -132,11 +133,6 @@ impl CramerRao {
             std.extend((0..n).map(|i| filter.belief.cov[i * (n + 1)].sqrt()));
         }
         std.len() / n >= record.len()
-    }
-
-    /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
-    pub fn channels(&self) -> &[Channel] {
-        &self.channels
     }
 
     /// The place of a channel, if the bound has it.

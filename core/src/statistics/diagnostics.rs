@@ -41,15 +41,18 @@ pub enum Depth {
 /// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
-    depth: Depth,
+    /// The depth of these diagnostics.
+    pub depth: Depth,
     samples: usize,
     forgotten: usize,
     accuracy: Accuracy,
     nees: Nees,
     nis: Totals,
-    whiteness: Vec<Whiteness>,
+    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
+    pub whiteness: Vec<Whiteness>,
     likelihood: Likelihood,
-    stop: Option<Stop>,
+    /// Where and why the filter stopped, if it did.
+    pub stop: Option<Stop>,
 }
 
 impl Diagnostics {
@@ -83,7 +86,7 @@ impl Diagnostics {
         if *depth == Depth::All {
             whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
         }
-        *likelihood = Likelihood::new(estimates.kind());
+        *likelihood = Likelihood::new(estimates.kind);
         *stop = None;
     }
 
@@ -133,11 +136,6 @@ impl Diagnostics {
         }
     }
 
-    /// The depth of these diagnostics.
-    pub fn depth(&self) -> Depth {
-        self.depth
-    }
-
     /// The number of samples taken in.
     pub fn len(&self) -> usize {
         self.samples
@@ -146,11 +144,6 @@ impl Diagnostics {
     /// Whether no sample has been taken in.
     pub fn is_empty(&self) -> bool {
         self.samples == 0
-    }
-
-    /// Where and why the filter stopped, if it did.
-    pub fn stop(&self) -> Option<Stop> {
-        self.stop
     }
 
     /// The estimated channels with a known truth.
@@ -250,11 +243,6 @@ impl Diagnostics {
     pub fn mean_nis(&self) -> Option<MeanSquare> {
         let total = self.nis.whole;
         MeanSquare::new(total, total.samples)
-    }
-
-    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
-    pub fn whiteness(&self) -> &[Whiteness] {
-        &self.whiteness
     }
 
     /// Sum of the log likelihoods of all samples with a measurement.

@@ -73,11 +73,6 @@ impl Identified {
         record.late_reading(sensor, k, late)
     }
 
-    /// The channels of the model with their values, in the channels' units; those of the motion have no meaning.
-    pub fn values(&self) -> impl Iterator<Item = (Channel, f64)> {
-        self.model.channels().iter().copied().zip(self.values.iter().copied())
-    }
-
     /// Runs over the samples of `part`. The motion at the beginning, and where a filter takes it to begin again
     /// ([`FilterSettings::plucks`]), is fitted to the next fifty readings by least squares; from then on the measurements are not used.
     ///

@@ -71,7 +71,7 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
 }
 
 fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
-    let model = Model::new(estimates.plant().clone());
+    let model = Model::new(estimates.plant.clone());
     let (n, motion) = (model.size(), model.motion());
     let mut mean = Vector::zeros(n);
     for i in motion..n {
@@ -278,4 +278,32 @@ fn is_rounding(polynomial: &[f64], frequency: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_have_the_moments_of_the_standard_normal() {
+        assert!((ROOT.powi(7) - ROOT - 1.0).abs() < 1e-14 && (root(USUAL) - ROOT).abs() < 1e-15);
+        for j in 0..5 {
+            let mean = |of: &dyn Fn(usize) -> f64| (0..DRAWS).map(of).sum::<f64>() / DRAWS as f64;
+            let moment = |p: i32| mean(&|i| normal(i, j, 5).powi(p));
+            assert!(moment(1).abs() < 0.06 && (moment(2) - 1.0).abs() < 0.1, "{} {}", moment(1), moment(2));
+            for other in 0..j {
+                let product = mean(&|i| normal(i, j, 5) * normal(i, other, 5));
+                assert!(product.abs() < 0.08, "correlation {product} of {j} and {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_sorted_values() {
+        let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0, 5)).collect();
+        let mut extremes = Extremes::new(2);
+        values.iter().for_each(|&x| extremes.push(&[x, f64::INFINITY]));
+        values.sort_by(f64::total_cmp);
+        let (low, high) = extremes.quantiles();
+        assert!((low[0] - (values[1] + 0.9 * (values[2] - values[1]))).abs() < 1e-15);
+        assert!((high[0] - (values[DRAWS - 2] - 0.9 * (values[DRAWS - 2] - values[DRAWS - 3]))).abs() < 1e-15);
+        assert_eq!((low[1], high[1]), (f64::INFINITY, f64::INFINITY));
+    }
+}

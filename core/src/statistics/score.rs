@@ -58,7 +58,7 @@ impl Scores {
         let is_known = |channel| record.truth(channel).is_some();
         Self {
             sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
-            own_likelihood: history.kind().has_own_likelihood().then_some(0.0),
+            own_likelihood: history.kind.has_own_likelihood().then_some(0.0),
             channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
             truth: Vec::new(),
             stop: None,
@@ -67,7 +67,7 @@ impl Scores {
 
     /// The sink for samples of this record, which must be the one given to [`Self::new`].
     pub fn against<'a>(&'a mut self, record: &'a Record) -> Scoring<'a> {
-        Scoring { scores: self, record }
+        Scoring { scores: self, record, history: None }
     }
 
     /// The number of samples.
@@ -101,10 +101,14 @@ impl Scores {
 pub struct Scoring<'a> {
     scores: &'a mut Scores,
     record: &'a Record,
+    history: Option<&'a mut Estimates>,
 }
 
 impl Sink for Scoring<'_> {
     fn push(&mut self, sample: &Sample<'_>) {
+        if let Some(history) = &mut self.history {
+            history.push(sample);
+        }
         let Scores { sums, own_likelihood, truth, channels, .. } = &mut *self.scores;
         let Some(k) = sums.len().checked_sub(self.record.forgotten()) else { return };
         truth.clear();
@@ -120,6 +124,9 @@ impl Sink for Scoring<'_> {
 
     fn stop_at(&mut self, stop: Stop) {
         self.scores.stop = Some(stop);
+        if let Some(history) = &mut self.history {
+            history.stop_at(stop);
+        }
     }
 }
 
@@ -216,24 +223,6 @@ pub struct ScoredPass {
     history: Option<Estimates>,
 }
 
-struct Scored<'a>(Scoring<'a>, Option<&'a mut Estimates>);
-
-impl Sink for Scored<'_> {
-    fn push(&mut self, sample: &Sample<'_>) {
-        self.0.push(sample);
-        if let Some(history) = &mut self.1 {
-            history.push(sample);
-        }
-    }
-
-    fn stop_at(&mut self, stop: Stop) {
-        self.0.stop_at(stop);
-        if let Some(history) = &mut self.1 {
-            history.stop_at(stop);
-        }
-    }
-}
-
 impl ScoredPass {
     /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
     /// order. It keeps all estimates if its scores need the history.
@@ -263,15 +252,16 @@ impl ScoredPass {
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, scores, samples: asked, sample_scores, history } = self;
+        let mut sink = Scoring { scores, record, history: history.as_mut() };
         while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
-            pass.follow(record, sample.saturating_add(1), &mut Scored(scores.against(record), history.as_mut()));
-            if scores.len() != sample.saturating_add(1) {
+            pass.follow(record, sample.saturating_add(1), &mut sink);
+            if sink.scores.len() != sample.saturating_add(1) {
                 asked.truncate(sample_scores.len());
                 break;
             }
-            sample_scores.push(scores.sample_score());
+            sample_scores.push(sink.scores.sample_score());
         }
-        pass.follow(record, samples, &mut Scored(scores.against(record), history.as_mut()));
+        pass.follow(record, samples, &mut sink);
         pass.done() >= record.forgotten() + record.len()
     }
 
