@@ -349,8 +349,7 @@ impl Bank {
     }
 
     fn empty(&self, filter: &FilterSettings) -> Estimates {
-        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
-        let estimates = Estimates::new(filter, &model, self.quantities.clone());
+        let estimates = Estimates::new(filter, &self.scenario, self.quantities.clone());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 
@@ -405,9 +404,7 @@ impl Bank {
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
     pub fn smoothed(&self, place: usize) -> Estimates {
-        let filter = &self.scenario.filters[place];
-        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
-        Estimates::new(filter, &model, Vec::new()).of_smoother()
+        Estimates::new(&self.scenario.filters[place], &self.scenario, Vec::new()).of_smoother()
     }
 }
 

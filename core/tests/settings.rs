@@ -1,9 +1,13 @@
 //! Settings: their addresses, edits and changes, and axes of their values.
 
 use kalmanscope_core::scenario::Law;
-use kalmanscope_core::setting::{Address, Change, Changed, Edit, addresses, words_of};
+use kalmanscope_core::setting::{
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Change, Changed, ChoiceInfo, Edit, FORCE, addresses,
+    other_choices, words_of,
+};
 use kalmanscope_core::{
-    Axis, AxisError, Channel, FilterSettings, Force, Hold, PlantKind, Quantity, Scenario, Sensor, Signal,
+    Axis, AxisError, Channel, FilterSettings, Force, Hold, PlantKind, Quantity, Robust, Scenario, Sensor, Signal,
+    document,
 };
 use toml::Value;
 
@@ -397,5 +401,74 @@ fn usual_axes_are_possible_and_hold_the_present_value() {
         axis.check().unwrap();
         let share = axis.share_of(setting.get(&scenario));
         assert!((0.0..=1.0).contains(&share), "{key}: {share}");
+    }
+}
+
+fn each<T: Default + serde::Serialize + serde::de::DeserializeOwned + 'static>(all: &[&ChoiceInfo<T>]) {
+    for info in all {
+        // A file leaves out a default.
+        let default = (info.value)((info.get)(&T::default()));
+        let mut of = T::default();
+        for (place, option) in (info.options)().into_iter().enumerate() {
+            let mut document = document::of(&of).unwrap();
+            document[info.key] = document::of(&(info.value)(place)).unwrap();
+            of = document::read(&document).unwrap();
+            assert_eq!(((info.get)(&of), info.chosen(&of)), (place, Some(option)), "{info:?}");
+            let file = document::of(&of).unwrap().get(info.key).map(|value| Value::try_from(value).unwrap());
+            assert_eq!(file.as_ref().unwrap_or(&default), &(info.value)(place), "{info:?} in a file");
+        }
+    }
+}
+
+#[test]
+fn every_option_is_set_found_and_written_in_files_as_the_row_says() {
+    each(&CHOICES_OF_SCENARIO);
+    each(&CHOICES_OF_FILTER);
+}
+
+#[test]
+fn other_choices_can_be_made() {
+    let scenario = Scenario::default();
+    let all = other_choices(&scenario);
+    assert_eq!(all.len(), 1 + 1 + 5 + 2 * (3 + Robust::ALL.len() - 1) - 3, "a UKF has no steps of its own");
+    for edit in &all {
+        let edited = edit.apply(&scenario).unwrap();
+        assert_ne!(edited, scenario, "{}", edit.key);
+        assert!(!edit.in_words(&scenario).contains(" = "), "{}", edit.in_words(&scenario));
+    }
+}
+
+#[test]
+fn every_number_of_every_shape_is_read_and_set_at_its_address() {
+    let shape = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force").unwrap();
+    let mut found = 0;
+    for place in 0..(shape.options)().len() {
+        let mut scenario = Edit::new("force", (shape.value)(place)).apply(&Scenario::default()).unwrap();
+        for info in &FORCE {
+            let address = Address::parse(&scenario, info.key);
+            assert_eq!(address.is_ok(), !(info.get)(&scenario).is_nan(), "{info:?} of {:?}", scenario.force);
+            let Ok(address) = address else { continue };
+            address.set(&mut scenario, 7.5);
+            assert_eq!((address.get(&scenario), (info.get)(&scenario)), (7.5, 7.5), "{info:?}");
+            found += 1;
+        }
+    }
+    assert_eq!(found, FORCE.len(), "each serves in one shape");
+}
+
+#[test]
+fn limits_are_kept_and_said() {
+    for (allowed, inside, outside, words) in [
+        (Allowed::Finite, -1e300, f64::INFINITY, "a finite number"),
+        (Allowed::Above(0.0), 1e-300, 0.0, "a finite number above 0"),
+        (Allowed::AtLeast(1.0), 1.0, 0.999, "a finite number, at least 1"),
+        (Allowed::Between(0.0, 1.0), 0.5, 1.0, "between 0 and 1"),
+        (Allowed::Within(0.0, 1.0), 1.0, 1.001, "from 0 to 1"),
+        (Allowed::Whole(2, 9), 9.0, 10.0, "from 2 to 9"),
+        (Allowed::Flag, 1.0, 2.0, "true or false"),
+    ] {
+        assert!(allowed.admits(inside) && !allowed.admits(outside) && !allowed.admits(f64::NAN), "{allowed:?}");
+        assert_eq!(allowed.to_string(), words);
+        assert!(allowed == Allowed::Finite || allowed.admits(allowed.least()), "{allowed:?}");
     }
 }

@@ -3,7 +3,7 @@
 mod growth;
 
 use kalmanscope_filters::gaussian_likelihood;
-use kalmanscope_filters::{Channel, FilterKind, Model, PlantKind, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterKind, PlantKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::hash::Hash;
 use kalmanscope_records::record::Delays;
@@ -11,7 +11,7 @@ use kalmanscope_records::record::Delays;
 use crate::run::remarks::{Monitor, Remark, Trouble};
 use crate::run::sink::{Sample, readings};
 use crate::scenario::SMOOTHED;
-use crate::{FilterColor, FilterSettings};
+use crate::{FilterColor, FilterSettings, Scenario};
 use growth::History;
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.
@@ -63,8 +63,9 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// No estimates yet, of a filter with these settings.
-    pub fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+    /// No estimates yet, of a filter of a scenario with these settings and sensors.
+    pub fn new(settings: &FilterSettings, scenario: &Scenario, sensors: Vec<Quantity>) -> Self {
+        let model = settings.model(&scenario.plant.kind, scenario.input);
         let (plant, channels) = (model.plant(), model.channels());
         Self {
             id: settings.id,

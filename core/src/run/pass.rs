@@ -102,8 +102,7 @@ impl Pass {
     /// [`RunError::NoFilter`] where there is no such filter.
     pub fn history(scenario: &Scenario, place: usize) -> Result<Estimates, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
-        let quantities = scenario.measured();
-        Ok(Estimates::new(filter, &filter.model(&scenario.plant.kind, scenario.input), quantities))
+        Ok(Estimates::new(filter, scenario, scenario.measured()))
     }
 
     /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the

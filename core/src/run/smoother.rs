@@ -46,7 +46,9 @@ pub trait Smoother: Piecewise {
     fn progress(&self, samples: usize) -> f64;
 
     /// Whether it takes in more samples later; else it needs the last one.
-    fn goes_along(&self) -> bool;
+    fn goes_along(&self) -> bool {
+        false
+    }
 }
 
 impl Piecewise for Box<dyn Smoother> {
@@ -63,7 +65,7 @@ pub struct Forward {
 }
 
 pub(crate) struct Hindsight {
-    in_units: Option<Box<InUnits>>,
+    in_units: Option<Box<InUnits<f64>>>,
     truncation: Truncation,
 }
 
@@ -199,10 +201,6 @@ impl Smoother for FixedInterval {
             SmootherStage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
             SmootherStage::Report(k) => 0.9 + 0.1 * of(k),
         }
-    }
-
-    fn goes_along(&self) -> bool {
-        false
     }
 }
 

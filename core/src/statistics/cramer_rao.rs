@@ -183,8 +183,4 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     })
 }
 
-impl Piecewise for CramerRao {
-    fn free_piece(&mut self) -> bool {
-        false
-    }
-}
+impl Piecewise for CramerRao {}

@@ -256,8 +256,4 @@ impl Diagnostics {
     }
 }
 
-impl Piecewise for Diagnostics {
-    fn free_piece(&mut self) -> bool {
-        false
-    }
-}
+impl Piecewise for Diagnostics {}

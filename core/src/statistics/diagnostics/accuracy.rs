@@ -249,16 +249,16 @@ impl Nees {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FilterSettings;
     use crate::run::sink::Sample;
+    use crate::{FilterSettings, Scenario};
     use kalmanscope_filters::random::{Normal, Purpose};
-    use kalmanscope_filters::{Hold, InputKind, Model, PlantKind};
+    use kalmanscope_filters::{Hold, InputKind};
 
     const STD: f64 = 0.5;
 
     fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
         let channels = vec![Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
-        let mut estimates = Estimates::new(&FilterSettings::default(), &Model::new(PlantKind::SDOF), Vec::new());
+        let mut estimates = Estimates::new(&FilterSettings::default(), &Scenario::default(), Vec::new());
         let mut record = Record::empty(0.01, InputKind::Force, Hold::Zero, Vec::new(), channels);
         let mut accuracy = Accuracy::default();
         accuracy.restart(&estimates, &record);
