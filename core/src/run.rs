@@ -78,34 +78,15 @@ impl Run {
     /// # Errors
     /// As [`Self::on_record`].
     pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
-        Self::over(scenario.into(), source, &mut Spare::default())
-    }
-
-    fn over(scenario: Arc<Scenario>, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+        let scenario = scenario.into();
         scenario.validate()?;
-        let recording = Recording::new(&scenario, source, spare.record.take());
+        let recording = Recording::new(&scenario, source, None);
         let (samples, count) = (recording.samples(&scenario), scenario.filters.len());
         let mut bank = Bank::new(scenario, &recording.record)?;
         for _ in 0..count {
-            bank.add(&recording.record, samples, spare.estimates.pop());
+            bank.add(&recording.record, samples, None);
         }
         Ok(Self { recording, samples, done: 0, bank })
-    }
-
-    /// Begins again with another scenario over the same source, and reuses the memory of this run.
-    ///
-    /// # Errors
-    /// As [`Self::on_record`]; this run is then unchanged.
-    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
-        scenario.validate()?;
-        let source = self.source();
-        if let Some(record) = source.record() {
-            sensor_places(scenario, record)?;
-        }
-        let mut spare = Spare::default();
-        spare.take(self.take_apart());
-        *self = Self::over(scenario.into(), source, &mut spare)?;
-        Ok(())
     }
 
     /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
@@ -117,12 +98,9 @@ impl Run {
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
         let mut revision = Revision::new(self, &scenario.into(), None, &mut spare)?;
-        if revision.is_of_everything {
-            self.restart(scenario)?;
-            return Ok(Update::Everything);
-        }
-        while !revision.advance_to(self.done, self.record(), &mut || true) {}
-        Ok(revision.apply(self, self.done, &mut spare))
+        let done = if revision.is_of_everything { 0 } else { self.done };
+        while !revision.advance_to(done, self.record(), &mut || true) {}
+        Ok(revision.apply(self, done, &mut spare))
     }
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
@@ -278,13 +256,6 @@ impl Run {
     /// A hash of all estimates that are kept, to compare platforms.
     pub fn checksum(&self) -> u64 {
         self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
-    }
-
-    /// Takes the memory of the run's data. The run cannot be used before it has been given other data.
-    fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
-        let empty = Recording::given(Arc::new(self.record().emptied()), false);
-        let record = std::mem::replace(&mut self.recording, empty).into_simulated();
-        (record, std::mem::take(&mut self.bank.estimates))
     }
 }
 

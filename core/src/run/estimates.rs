@@ -2,14 +2,13 @@
 
 mod growth;
 
-use kalmanscope_filters::gaussian_likelihood;
 use kalmanscope_filters::{Channel, FilterKind, PlantKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::hash::Hash;
 use kalmanscope_records::record::Delays;
 
 use crate::run::remarks::{Monitor, Remark, Trouble};
-use crate::run::sink::{Sample, readings};
+use crate::run::sink::Sample;
 use crate::scenario::SMOOTHED;
 use crate::{FilterColor, FilterSettings, Scenario};
 use growth::History;
@@ -238,12 +237,17 @@ impl Estimates {
     /// since the sample before.
     #[inline]
     pub fn readings(&self, k: usize) -> u32 {
-        self.earlier(k).0 + readings(self.innovation(k))
+        self.sample(k).readings()
     }
 
-    fn earlier(&self, k: usize) -> (u32, f64) {
+    pub(crate) fn sample(&self, k: usize) -> Sample<'_> {
+        let History { nis, determinant, log_likelihood, .. } = &self.history;
         let place = self.earlier.binary_search_by_key(&(self.forgotten + k), |(sample, ..)| *sample);
-        place.map_or((0, f64::NAN), |place| (self.earlier[place].1, self.earlier[place].2))
+        let (_, earlier, ln_determinant) = place.map_or((0, 0, f64::NAN), |place| self.earlier[place]);
+        let (innovation, innovation_cov) = (self.innovation(k), self.innovation_cov(k));
+        let log_likelihood = log_likelihood.get(k).copied().unwrap_or(f64::NAN);
+        let unmeasured = Sample { innovation, innovation_cov, ..Sample::unmeasured(self.mean(k), self.cov(k)) };
+        Sample { earlier, ln_determinant, log_likelihood, nis: nis[k], determinant: determinant[k], ..unmeasured }
     }
 
     /// The innovations' covariance S at sample `k`, m × m.
@@ -283,20 +287,8 @@ impl Estimates {
     ///
     /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
     pub fn log_likelihood(&self, k: usize) -> f64 {
-        if let Some(&own) = self.history.log_likelihood.get(k) {
-            return own;
-        }
-        match self.readings(k) {
-            0 => f64::NAN,
-            measured => gaussian_likelihood::log_likelihood(self.history.nis[k], self.ln_determinant(k), measured),
-        }
-    }
-
-    /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
-    pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        let (determinant, (_, ln_determinant)) = (self.history.determinant[k], self.earlier(k));
-        let (innovation, innovation_cov) = (self.innovation(k), self.innovation_cov(k));
-        Sample { innovation, innovation_cov, determinant, ln_determinant, ..Sample::default() }.ln_determinant()
+        let own = self.history.log_likelihood.get(k).copied();
+        own.unwrap_or_else(|| self.sample(k).ln_likelihood())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.

@@ -55,8 +55,7 @@ pub struct EventFilter {
     estimator: Box<dyn Estimator>,
     settings: FilterSettings,
     scenario: Scenario,
-    /// The quantity of each reading.
-    pub sensors: Vec<Quantity>,
+    sensors: Vec<Quantity>,
     /// The components of the state, in the order of every mean and covariance.
     pub channels: Vec<Channel>,
     timeline: Timeline,

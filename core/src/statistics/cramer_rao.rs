@@ -31,8 +31,8 @@ use crate::{FilterSettings, Scenario, Sensor};
 /// equations 21 and 34.
 pub struct CramerRao {
     settings: FilterSettings,
-    /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
-    pub channels: Vec<Channel>,
+    /// Those of the truth, then the other augmentations that the filter estimates.
+    channels: Vec<Channel>,
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
     recursion: Option<(Wrapped<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
@@ -69,14 +69,9 @@ impl CramerRao {
         bound_settings(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
-    /// Takes in the new samples of a record of this scenario, and forgets those that the record has forgotten. There is
-    /// no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in
-    /// here.
-    pub fn follow(&mut self, record: &Record) {
-        self.follow_to(record.len(), record);
-    }
-
-    /// [`Self::follow`] up to sample `end` of those that are kept. Returns whether everything before it is done.
+    /// Takes in the samples of a record of this scenario up to `end` of those that are kept, and forgets those that the record has forgotten.
+    /// There is no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in here.
+    /// Returns whether everything before `end` is done.
     pub fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();

@@ -53,12 +53,10 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
     let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
         let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
-        let mut magnitude = Vec::with_capacity(frequencies.len());
         for batch in draws.chunks(DRAWS) {
             let mut extremes = Extremes::new(frequencies.len());
             for draw in batch {
-                draw.magnitude_into(frequencies, &mut magnitude);
-                extremes.push(&magnitude);
+                extremes.push(&draw.magnitude(frequencies));
             }
             let (low, high) = extremes.quantiles();
             for (mean, quantile) in band.0.iter_mut().zip(low).chain(band.1.iter_mut().zip(high)) {
@@ -213,18 +211,11 @@ impl TransferFunction {
     /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
     /// \[s²\].
     pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
-        let mut magnitude = Vec::with_capacity(frequencies.len());
-        self.magnitude_into(frequencies, &mut magnitude);
-        magnitude
-    }
-
-    fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
         // Where a zero meets a pole, as that of a hum that the force does not drive, both are rounding; beside them is the limit.
         let meet = |w: f64| is_rounding(numerator, w / unit) && is_rounding(denominator, w / unit);
-        magnitude.clear();
-        magnitude.extend(frequencies.iter().map(|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) }));
+        mapped(frequencies, &|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) })
     }
 
     /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small

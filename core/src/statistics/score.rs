@@ -1,6 +1,6 @@
 //! Scores of a filter that need no history.
 
-mod lane_sums;
+pub(crate) mod lane_sums;
 pub(crate) mod lanes;
 
 use kalmanscope_filters::engine::level::Baseline;
@@ -11,29 +11,35 @@ use crate::run::sink::{Sample, Sink};
 use crate::statistics::diagnostics::accuracy::is_lost;
 use crate::statistics::diagnostics::{ErrorSums, Total};
 use crate::{Estimates, Pass, RunError, Scenario};
+use lane_sums::ScoreSums;
 
 /// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
 /// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
 ///
 /// ```
-/// use kalmanscope_core::{Channel, Pass, Run, Scenario, Scores};
+/// use kalmanscope_core::{Pass, Run, Scenario, Scores};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let scenario = Scenario { duration: 20.0, ..Scenario::default() };
 /// let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
 /// run.finish();
 /// let mut scores = Scores::new(&Pass::history(&scenario, 0)?, run.record());
 /// Pass::new(&scenario, 0, run.record())?.follow(run.record(), run.samples(), &mut scores.against(run.record()));
-/// assert!(scores.channel(Channel::NATURAL_FREQUENCY).unwrap().rmse < 0.5);
+/// assert_eq!(scores.outcome().samples, 2001);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
-    sums: lane_sums::ScoreSums<f64>,
+    pub(crate) sums: ScoreSums<f64>,
     own_likelihood: Option<f64>,
     truth: Vec<f64>,
-    channels: Vec<Channel>,
     stop: Option<Stop>,
+}
+
+impl Default for Scores {
+    fn default() -> Self {
+        Self { sums: ScoreSums::new(&[], |_| false, 0, 0), own_likelihood: None, truth: Vec::new(), stop: None }
+    }
 }
 
 /// The accuracy of one channel, in its unit.
@@ -52,16 +58,14 @@ pub struct ChannelScore {
 }
 
 impl Scores {
-    /// Empty sums, for a filter with this empty history over the whole of a record.
+    /// Empty sums, for the samples of a filter with this history over the whole of a record that are not forgotten.
     pub fn new(history: &Estimates, record: &Record) -> Self {
-        let channels: Vec<Channel> = history.channels().to_vec();
         let is_known = |channel| record.truth(channel).is_some();
+        let (all, first) = (record.len(), history.forgotten());
         Self {
-            sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
+            sums: ScoreSums::new(history.channels(), is_known, all, first),
             own_likelihood: history.kind.has_own_likelihood().then_some(0.0),
-            channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
-            truth: Vec::new(),
-            stop: None,
+            ..Self::default()
         }
     }
 
@@ -70,30 +74,18 @@ impl Scores {
         Scoring { scores: self, record, history: None }
     }
 
-    /// The number of samples.
-    pub fn len(&self) -> usize {
-        self.sums.len()
-    }
-
-    /// Whether there is no sample.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// The filter at the last sample.
     pub fn sample_score(&self) -> SampleScore {
         self.sums.sample_score(0)
     }
 
-    /// The accuracy of a channel. `None` if the truth is not known.
-    pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
-        self.outcome().channels.into_iter().find(|(other, _)| *other == channel).map(|(_, score)| score)
-    }
-
     /// All scores at once.
     pub fn outcome(&self) -> Outcome {
-        let outcome = self.sums.outcome(0, self.stop);
-        Outcome { log_likelihood: self.own_likelihood.unwrap_or(outcome.log_likelihood), ..outcome }
+        Outcome { log_likelihood: self.log_likelihood(), ..self.sums.outcome(0, self.stop) }
+    }
+
+    pub(crate) fn log_likelihood(&self) -> f64 {
+        self.own_likelihood.unwrap_or_else(|| self.sums.log_likelihood(0))
     }
 }
 
@@ -109,10 +101,10 @@ impl Sink for Scoring<'_> {
         if let Some(history) = &mut self.history {
             history.push(sample);
         }
-        let Scores { sums, own_likelihood, truth, channels, .. } = &mut *self.scores;
-        let Some(k) = sums.len().checked_sub(self.record.forgotten()) else { return };
+        let Scores { sums, own_likelihood, truth, .. } = &mut *self.scores;
+        let Some(k) = sums.samples.checked_sub(self.record.forgotten()) else { return };
         truth.clear();
-        truth.extend(channels.iter().map(|channel| self.record.truth(*channel).map_or(f64::NAN, |truth| truth[k])));
+        truth.extend(sums.tracked.iter().map(|one| self.record.truth(one.channel).map_or(f64::NAN, |truth| truth[k])));
         let readings = sample.readings();
         let of_update = if readings > 0 { [sample.nis, sample.determinant] } else { [0.0, 1.0] };
         sums.take_update(of_update, f64::from(readings), |_| sample.ln_determinant());
@@ -255,7 +247,7 @@ impl ScoredPass {
         let mut sink = Scoring { scores, record, history: history.as_mut() };
         while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
             pass.follow(record, sample.saturating_add(1), &mut sink);
-            if sink.scores.len() != sample.saturating_add(1) {
+            if sink.scores.sums.samples != sample.saturating_add(1) {
                 asked.truncate(sample_scores.len());
                 break;
             }
@@ -272,7 +264,7 @@ impl ScoredPass {
 }
 
 impl Outcome {
-    /// Runs the filter at `place` of a scenario over the whole of a record.
+    /// Runs the filter at `place` of a scenario over the whole of a record, with the scores at each of these samples, which are in order.
     ///
     /// ```
     /// use kalmanscope_core::score::Outcome;
@@ -281,19 +273,11 @@ impl Outcome {
     /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
     /// let mut run = Run::new(&scenario)?;
     /// run.finish();
-    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
+    /// let outcome = Outcome::at(&scenario, 0, run.record(), &[])?;
     /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
     /// # Ok(())
     /// # }
     /// ```
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
-    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
-        Self::at(scenario, place, record, &[])
-    }
-
-    /// [`Self::of`], with the scores at each of these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

@@ -25,15 +25,10 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor. `None` if there are too few. A missing
+    /// The spectrogram of the first `samples` measurements of a sensor, before its first window. `None` if there are too few. A missing
     /// measurement repeats the one before it.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
-    pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
-        Self::windows(record, sensor, samples).map(Task::run)
-    }
-
-    /// The same, before its first window.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
         Windows::new(record, sensor, samples, WINDOWS)
     }

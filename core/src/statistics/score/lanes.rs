@@ -53,7 +53,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
     let inputs = LaneInputs::new(runs, is_shared, T::LANES);
     let filter = filter(&|lane| of(lane).setup);
-    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len(), 0);
     let mut in_units = InUnits::new(&first.setup.design.model.logarithms, filter.belief.mean.len(), 0);
     in_units.iter_mut().for_each(|in_units| in_units.convert(&filter.belief));
     let batch = LaneBatch {
