@@ -145,7 +145,7 @@ impl FinderChange {
     fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
         let Self { address, text, is_refused } = self;
         let title = title(scenario, address);
-        let unit = unit_in(scenario, address.unit());
+        let unit = unit_in(scenario, address.unit);
         let now = significant(address.get(scenario), 5);
         ui.label(RichText::new(format!("{title}: {now} {unit}")).family(theme::strong()));
         let is_entered = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Enter));
@@ -189,7 +189,7 @@ fn entry(title: impl Into<String>, kind: &'static str, hint: impl Into<String>, 
 fn title(scenario: &Scenario, address: &Address) -> String {
     let key = address.to_string();
     let filter = scenario.filters.iter().find(|filter| key.starts_with(&filter.address("")));
-    let name = sentence(&address.name());
+    let name = sentence(&address.name);
     filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
 }
 

@@ -104,7 +104,7 @@ fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(
         let Some(pass) = &mut pass else { return WorkStep::Failed };
         let mut tape = Tape::default();
         pass.follow(&record, pass.done() + PORTION, &mut tape);
-        let is_over = pass.done() >= record.len() || pass.stop().is_some();
+        let is_over = pass.done() >= record.len() || pass.stop.is_some();
         if is_over { WorkStep::Last(tape) } else { WorkStep::Part(tape) }
     }
 }

@@ -186,7 +186,7 @@ fn sketch(run: &Run, picture: &lessons::LessonPicture) -> SparkPicture {
     }
     let probability = |place: usize, k: usize| {
         let all = ModelClasses::new(evidence.iter().map(|one| one.at(k).unwrap_or(f64::NEG_INFINITY)));
-        [place, place + 1].map(|count| all.probabilities().iter().take(count).sum())
+        [place, place + 1].map(|count| all.probabilities.iter().take(count).sum())
     };
     for (place, estimates) in run.estimates().iter().chain(&smoothed).enumerate() {
         let ink = SparkInk::Filter(estimates.color());

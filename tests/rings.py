@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 root = Path(__file__).parent.parent
-FLOORS = {"equation": 0, "plant": 1, "signal": 2, "scenario": 3, "setting": 3, "axis": 4, "run": 5, "statistics": 6, "internals": 7}
+FLOORS = {"equation": 0, "plant": 1, "signal": 2, "scenario": 3, "setting": 4, "axis": 5, "run": 6, "statistics": 7, "internals": 8}
 PATH = r"(?:crate|self|super)(?:::\w+)+"
 
 

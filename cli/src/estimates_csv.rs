@@ -26,7 +26,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
         READING.iter().filter(|(_, is_written, _)| run.estimates().iter().any(is_written)).collect();
     let readings =
         columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
-    let scales = run.estimates().iter().any(Estimates::tells_process_scale);
+    let scales = run.estimates().iter().any(|estimates| estimates.has_process_scale);
     let of_process: &[&str] = if scales { &["process_scale", "process_scale_std"] } else { &[] };
     let numbers = ["nis", "log_likelihood"].iter().chain(of_process).map(|name| (*name).to_owned());
     writer.write_record(header.chain(numbers).chain(readings))?;
@@ -62,9 +62,9 @@ const READING: [ReadingColumn; 6] = [
     ("innovation", |_| true, |reading| reading.innovation),
     ("innovation_std", |_| true, |reading| reading.std),
     ("predicted", |_| true, |reading| reading.predicted),
-    ("weight", Estimates::weighs, |reading| reading.weight),
-    ("noise", Estimates::learns_sensor_noise, |reading| reading.noise[0]),
-    ("noise_std", Estimates::learns_sensor_noise, |reading| reading.noise[1]),
+    ("weight", |estimates| estimates.weighs, |reading| reading.weight),
+    ("noise", |estimates| estimates.learns_sensor_noise, |reading| reading.noise[0]),
+    ("noise_std", |estimates| estimates.learns_sensor_noise, |reading| reading.noise[1]),
 ];
 
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.

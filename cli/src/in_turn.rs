@@ -47,7 +47,7 @@ fn one(
     let mut pass = Pass::new(scenario, place, record)?;
     let mut history = Pass::history_over(scenario, place, record)?;
     let mut diagnostics = Diagnostics::new(&history, record);
-    while pass.done() < record.len() && pass.stop().is_none() {
+    while pass.done() < record.len() && pass.stop.is_none() {
         pass.follow(record, pass.done() + CHUNK, &mut history);
         diagnostics.follow(&history, record);
         history.drop_matrices();

@@ -83,7 +83,7 @@ fn draw_legend(svg: &mut Svg, run: &Run) -> f32 {
             Some(stop) => format!(", stopped at {} s", plain(record.time_of(stop.sample))),
             None => " ±2σ".to_owned(),
         };
-        entries.push((shortened(&heading(estimates.name(), estimates.kind())) + &end, color));
+        entries.push((shortened(&heading(estimates.name(), estimates.kind)) + &end, color));
     }
     let columns = if entries.iter().all(|(text, _)| text.chars().count() <= 24) { 4 } else { 3 };
     let [row_height, margin] = LEGEND;

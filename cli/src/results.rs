@@ -103,7 +103,7 @@ impl<'a> Results<'a> {
             return Vec::new();
         }
         let evidence = self.filters.iter().map(|filter| filter.summary.log_evidence());
-        ModelClasses::new(evidence).probabilities().to_vec()
+        ModelClasses::new(evidence).probabilities
     }
 
     /// The name of each filter, and the kind of its verdict if there is one.

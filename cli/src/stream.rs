@@ -176,7 +176,7 @@ impl Followed {
     fn columns(&self) -> Vec<String> {
         let of = |prefix: &str| {
             let each = |channel: &Channel| ["", "std_"].map(|what| format!("{prefix}{what}{}", channel.key()));
-            self.filter.channels().iter().flat_map(each).collect::<Vec<_>>()
+            self.filter.channels.iter().flat_map(each).collect::<Vec<_>>()
         };
         let mut columns = of("");
         columns.extend(LAST.map(str::to_owned));
@@ -191,13 +191,13 @@ impl Followed {
     /// old enough.
     fn values(&mut self) -> Vec<Document> {
         let Self { filter, watch, has_stopped, name: _ } = self;
-        let channels = filter.channels().to_vec();
+        let channels = filter.channels.to_vec();
         let nothing = || vec![Document::Null; 2 * channels.len()];
         let mut values = if *has_stopped { nothing() } else { moments(&filter.sample(), &channels) };
         values.extend(if *has_stopped {
             [Document::Null, Document::Null, "stopped".into()]
         } else {
-            [watch.nis.into(), filter.again().into(), watch.verdict().into()]
+            [watch.nis.into(), filter.again.into(), watch.verdict().into()]
         });
         if filter.looks_back() {
             let then = filter.hindsight().filter(|_| !*has_stopped);

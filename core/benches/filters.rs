@@ -17,7 +17,7 @@ fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
     let start = Instant::now();
     for _ in 0..steps {
         if !run.step() {
-            run.restart(scenario).expect("the scenario is valid");
+            run = self::run(scenario);
         }
     }
     black_box(&run);
@@ -73,7 +73,7 @@ fn benchmarks(c: &mut Criterion) {
     });
     c.bench_function("whole record, EKF and UKF", |b| {
         b.iter(|| {
-            whole.restart(&scenario).expect("the scenario is valid");
+            let mut whole = run(&scenario);
             whole.finish();
             black_box(whole.len())
         });

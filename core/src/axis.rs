@@ -166,79 +166,17 @@ impl Axis {
         if key == RECORD_GAIN.key && now > 0.0 {
             return ratios(now / 10.0, now * 10.0);
         }
-        if setting.is_std() {
-            let centre = if now > 0.0 { now } else { setting.channel().map_or(1e-3, |c| c.usual().std / 100.0) };
+        if setting.is_std {
+            let centre = if now > 0.0 { now } else { setting.channel.map_or(1e-3, |c| c.usual().std / 100.0) };
             return ratios(centre / 100.0, centre * 100.0);
         }
-        match setting.channel() {
+        match setting.channel {
             Some(channel) => {
                 let (low, high) = channel.usual().slider;
                 linear(low, high.max(1.5 * now))
             }
             None if now > 0.0 => linear(0.0, 3.0 * now),
             None => linear(now - 5.0, now + 5.0),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_run_from_end_to_end() {
-        let axis = Axis::parse("a.b=2:4:5").unwrap();
-        assert_eq!((0..5).map(|k| axis.value(k)).collect::<Vec<_>>(), [2.0, 2.5, 3.0, 3.5, 4.0]);
-        let ratios = Axis::parse("x=-3").unwrap_err();
-        assert_eq!(ratios, AxisError::Syntax("x=-3".to_owned()));
-        let seeds = Axis::parse("seed=1:100:100").unwrap();
-        assert!((0..100).all(|k| seeds.value(k) == (k + 1) as f64));
-        let axis = Axis::parse("filters.A = b.fading=1e-2:1:3:log").unwrap();
-        assert_eq!(axis.key, "filters.A = b.fading");
-        assert_eq!((0..3).map(|k| axis.value(k)).collect::<Vec<_>>(), [0.01, 0.1, 1.0]);
-        let wide = Axis::parse("x=1e-300:1e300:3:log").unwrap();
-        assert!((wide.value(1) - 1.0).abs() < 1e-12, "the ratio of the ends is no number");
-    }
-
-    #[test]
-    fn places_and_values_are_inverse() {
-        for text in ["x=2:30:57", "x=30:2:57", "x=0.001:10:33:log"] {
-            let axis = Axis::parse(text).unwrap();
-            for place in 0..axis.count {
-                assert_eq!(axis.place_of(axis.value(place)), Some(place), "{text}");
-            }
-            assert_eq!(axis.place_of(1e4), None);
-        }
-        assert_eq!(Axis::parse("x=1:10:3:log").unwrap().place_of(-1.0), None);
-        assert_eq!(Axis::parse("x=5:5:1").unwrap().place_of(5.0), Some(0));
-    }
-
-    #[test]
-    fn impossible_axes_are_refused() {
-        for text in ["x=0:1:5:log", "x=nan:1:5", "x=0:1:0", "x=0:1", "x", "x=a:1:2", "x=0:1:2:lin"] {
-            assert!(Axis::parse(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn usual_axes_are_possible_and_hold_the_present_value() {
-        let scenario = Scenario::default();
-        for key in [
-            "seed",
-            "filters.EKF.fading",
-            "filters.EKF.process_std",
-            "filters.EKF.process_std.natural_frequency",
-            "filters.EKF.sensor_std.velocity",
-            "filters.EKF.initial_mean.natural_frequency",
-            "filters.EKF.initial_mean.displacement",
-            "sensors.velocity.noise_std",
-            "plant.damping_ratio",
-        ] {
-            let setting = Address::parse(&scenario, key).unwrap();
-            let axis = Axis::usual(&setting, &scenario, 33);
-            axis.check().unwrap();
-            let share = axis.share_of(setting.get(&scenario));
-            assert!((0.0..=1.0).contains(&share), "{key}: {share}");
         }
     }
 }

@@ -44,7 +44,7 @@
 //!     filter.step(force, &readings, &mut last);
 //!     println!("natural frequency {} rad/s, before the update {}", last.sample().mean[2], last.sample().prior_mean[2]);
 //! }
-//! assert_eq!((filter.pass().done(), filter.pass().stop()), (3, None));
+//! assert_eq!((filter.pass.done(), filter.pass.stop), (3, None));
 //! # Ok(())
 //! # }
 //! ```

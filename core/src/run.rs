@@ -78,35 +78,15 @@ impl Run {
     /// # Errors
     /// As [`Self::on_record`].
     pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
-        Self::over(scenario.into(), source, &mut Spare::default())
-    }
-
-    fn over(scenario: Arc<Scenario>, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+        let scenario = scenario.into();
         scenario.validate()?;
-        let recording = Recording::new(&scenario, source, spare.record.take());
+        let recording = Recording::new(&scenario, source, None);
         let (samples, count) = (recording.samples(&scenario), scenario.filters.len());
-        let record = recording.record();
-        let mut bank = Bank::new(scenario, record)?;
+        let mut bank = Bank::new(scenario, &recording.record)?;
         for _ in 0..count {
-            bank.add(record, samples, spare.estimates.pop());
+            bank.add(&recording.record, samples, None);
         }
         Ok(Self { recording, samples, done: 0, bank })
-    }
-
-    /// Begins again with another scenario over the same source, and reuses the memory of this run.
-    ///
-    /// # Errors
-    /// As [`Self::on_record`]; this run is then unchanged.
-    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
-        scenario.validate()?;
-        let source = self.source();
-        if let Some(record) = source.record() {
-            sensor_places(scenario, record)?;
-        }
-        let mut spare = Spare::default();
-        spare.take(self.take_apart());
-        *self = Self::over(scenario.into(), source, &mut spare)?;
-        Ok(())
     }
 
     /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
@@ -118,12 +98,9 @@ impl Run {
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
         let mut revision = Revision::new(self, &scenario.into(), None, &mut spare)?;
-        if revision.is_of_everything {
-            self.restart(scenario)?;
-            return Ok(Update::Everything);
-        }
-        while !revision.advance_to(self.done, self.record(), &mut || true) {}
-        Ok(revision.apply(self, self.done, &mut spare))
+        let done = if revision.is_of_everything { 0 } else { self.done };
+        while !revision.advance_to(done, self.record(), &mut || true) {}
+        Ok(revision.apply(self, done, &mut spare))
     }
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
@@ -140,36 +117,24 @@ impl Run {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
         let goal = samples.min(*all);
-        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
-            *all = recording.len();
-        }
+        recording.advance(goal + bank.lookahead(), all, &mut || true);
         *done = goal.min(*all).max(begin);
-        bank.follow(recording.record(), *done);
+        bank.follow(&recording.record, *done);
         *done - begin
     }
 
     /// The part of the record that [`Self::advance_to`] needs. Returns false early if `while_time` does.
     pub fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
-        let goal = (samples.min(*all) + bank.lookahead()).min(*all);
-        while recording.len() < goal.min(*all) {
-            if !recording.advance_some(goal) {
-                *all = recording.len();
-            } else if recording.len() < goal && !while_time() {
-                return false;
-            }
-        }
-        true
+        recording.advance(samples.min(*all) + bank.lookahead(), all, while_time)
     }
 
     /// One filter after the other. Returns early if `while_time`, called after each, is false.
     pub fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);
-        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
-            *all = recording.len();
-        }
-        goal > *all || bank.prepare(recording.record(), while_time)
+        recording.advance(goal + bank.lookahead(), all, &mut || true);
+        goal > *all || bank.prepare(&recording.record, while_time)
     }
 
     /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
@@ -249,7 +214,7 @@ impl Run {
 
     /// The record: the part that is simulated and kept, or all of a measured one.
     pub fn record(&self) -> &Record {
-        self.recording.record()
+        &self.recording.record
     }
 
     /// The kept estimates so far, one per filter.
@@ -292,13 +257,6 @@ impl Run {
     pub fn checksum(&self) -> u64 {
         self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }
-
-    /// Takes the memory of the run's data. The run cannot be used before it has been given other data.
-    fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
-        let empty = Recording::given(Arc::new(self.record().emptied()), false);
-        let record = std::mem::replace(&mut self.recording, empty).into_simulated();
-        (record, std::mem::take(&mut self.bank.estimates))
-    }
 }
 
 /// The filters of a run side by side, and their estimates.
@@ -336,7 +294,7 @@ impl Bank {
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
-        let pass = Pass::later(filter, self.context(record, place), self.sensors.clone());
+        let pass = Pass::with(filter, self.context(record, place), self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);
@@ -362,8 +320,7 @@ impl Bank {
     }
 
     fn empty(&self, filter: &FilterSettings) -> Estimates {
-        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
-        let estimates = Estimates::new(filter, &model, self.quantities.clone());
+        let estimates = Estimates::new(filter, &self.scenario, self.quantities.clone());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 
@@ -418,9 +375,7 @@ impl Bank {
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
     pub fn smoothed(&self, place: usize) -> Estimates {
-        let filter = &self.scenario.filters[place];
-        let model = filter.model(&self.scenario.plant.kind, self.scenario.input);
-        Estimates::new(filter, &model, Vec::new()).of_smoother()
+        Estimates::new(&self.scenario.filters[place], &self.scenario, Vec::new()).of_smoother()
     }
 }
 

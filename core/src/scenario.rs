@@ -1,14 +1,15 @@
 //! The settings of a run.
 
-pub(crate) mod address;
 pub mod cost;
-mod document;
 pub(crate) mod fault;
 pub(crate) mod filter;
 mod identity;
+pub(crate) mod numbers;
 pub mod option;
 mod plant;
 mod population;
+pub(crate) mod row;
+pub(crate) mod table;
 mod true_noise;
 mod validate;
 mod values;
@@ -26,14 +27,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::{Force, PlantKind};
 
-pub use document::ScenarioError;
 pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};
 pub use filter::{FilterColor, FilterSettings};
-pub(crate) use identity::{SMOOTHED, clash};
+pub(crate) use identity::{ALL, SMOOTHED, clash};
 pub use identity::{is_text, shown};
 pub use kalmanscope_filters::quantity::MAX_SENSORS;
 pub use plant::{Motion, Plant};
-pub use population::{Law, LawInfo, is_drawable};
+pub(crate) use population::short;
+pub use population::{Law, LawInfo};
+pub use validate::ScenarioError;
 pub use values::{Between, Bounds, Values};
 
 use true_noise::usable_std;

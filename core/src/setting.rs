@@ -6,32 +6,30 @@
 mod address;
 mod change;
 mod choice;
+mod document;
+mod draw;
 mod edit;
-mod filter;
-pub(super) mod info;
+mod filters;
 mod place;
-mod scenario;
-mod table;
 mod words;
 
 use kalmanscope_filters::channel::Channel;
 
 use crate::scenario::Scenario;
 
+pub use crate::scenario::filter::{
+    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, PROCESS_SCALES, SMOOTHER, WALK, of_filter,
+    options,
+};
+pub use crate::scenario::numbers::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
+pub use crate::scenario::row::{Allowed, SettingInfo};
+pub use crate::scenario::table::{
+    CORRELATION_TIME, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo,
+};
 pub use address::{Address, UnknownSetting, addresses, words_of};
 pub use change::{Change, Changed};
 pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
-pub use filter::{
-    CHANGES, ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, PROCESS_SCALES, SMOOTHER, WALK, of_filter,
-    options,
-};
-pub(crate) use info::by_key;
-pub use info::{Allowed, SettingInfo};
-pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
-pub use table::{
-    CORRELATION_TIME, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo,
-};
 
 /// The symbol of a setting, a table or a channel of a scenario with a key, if it has one.
 pub fn symbol(scenario: &Scenario, key: &str) -> Option<&'static str> {

@@ -25,7 +25,7 @@ fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scen
 fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
     let run = finished(scenario);
     let estimates = &run.estimates()[0];
-    let what = format!("{channel:?} by {:?}, {:?}", estimates.kind(), estimates.stop());
+    let what = format!("{channel:?} by {:?}, {:?}", estimates.kind, estimates.stop());
     assert_eq!(estimates.len(), run.samples(), "{what}");
     let truth = run.record().truth(channel).unwrap()[estimates.len() - 1];
     let (mean, found) = last(estimates, channel);

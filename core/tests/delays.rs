@@ -183,7 +183,7 @@ fn a_filter_waits_for_a_late_sensor_and_has_the_same_bits() {
         let mut last = LastSample::default();
         for k in 0..record.len() {
             online.step(record.input()[k], &readings(&record, k), &mut last);
-            let done = online.pass().done();
+            let done = online.pass.done();
             assert_eq!(done, (k + 1).saturating_sub(waits));
             if let Some(sample) = done.checked_sub(1) {
                 assert_eq!(bits(last.sample().mean), expected[sample], "{delays:?}, one by one, sample {sample}");

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{
     Adaptation, Channel, CramerRao, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind, Quantity,
-    Run, Scenario, Sensor,
+    Run, Scenario, Sensor, Update,
 };
 use kalmanscope_diagnosis::{Diagnosis, Summary};
 
@@ -131,7 +131,9 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
         kept.forget(650);
         kept.advance_to(done);
         following.iter_mut().zip(kept.estimates()).for_each(|(d, e)| d.follow(e, kept.record()));
-        bounds.iter_mut().for_each(|bound| bound.follow(kept.record()));
+        bounds.iter_mut().for_each(|bound| {
+            bound.follow_to(kept.record().len(), kept.record());
+        });
     }
     all.finish();
     let gone = kept.record().forgotten();
@@ -139,7 +141,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
     for (place, (estimates, diagnostics)) in kept.estimates().iter().zip(&following).enumerate() {
         let whole = Diagnostics::new(&all.estimates()[place], all.record());
         let anew = Diagnostics::new(estimates, kept.record());
-        assert_eq!((diagnostics.len(), diagnostics.stop()), (estimates.len(), None));
+        assert_eq!((diagnostics.len(), diagnostics.stop), (estimates.len(), None));
         assert_eq!(bits(diagnostics.nees()), bits(&whole.nees()[gone..]));
         assert_eq!(diagnostics.log_likelihood().to_bits(), anew.log_likelihood().to_bits());
         let n = diagnostics.len();
@@ -191,6 +193,6 @@ fn a_smoother_needs_the_beginning_and_a_measured_record_is_not_forgotten() {
     assert_eq!((measured.len(), measured.estimates()[0].len()), (301, 301));
     run.forget(100);
     assert!(run.smoothed().is_empty());
-    run.restart(&scenario).unwrap();
+    assert_eq!(run.update(&scenario), Ok(Update::Everything));
     assert_eq!((run.done(), run.record().forgotten(), run.estimates()[0].forgotten()), (0, 0, 0));
 }

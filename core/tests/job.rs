@@ -207,9 +207,6 @@ fn a_measured_record_stays_when_settings_change() {
     assert_eq!(run.update(&current).unwrap(), Update::Everything);
     run.finish();
     assert!(is_measured(&run) && run.checksum() == fresh(&current));
-    run.restart(&current).unwrap();
-    assert!(is_measured(&run) && run.is_empty());
-    run.finish();
 
     let mut other = current.clone();
     other.input = InputKind::GroundAcceleration;
@@ -219,7 +216,7 @@ fn a_measured_record_stays_when_settings_change() {
     other = current.clone();
     other.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.1));
     if record.measured_quantity(Quantity::ACCELERATION).is_none() {
-        assert_eq!(run.restart(&other), Err(RunError::MissingSensor(Quantity::ACCELERATION)));
+        assert_eq!(run.update(&other), Err(RunError::MissingSensor(Quantity::ACCELERATION)));
         assert_eq!(run.checksum(), fresh(&current));
     }
 }
@@ -363,9 +360,9 @@ fn filters_that_are_computed_elsewhere_have_the_same_bits() {
         for samples in [4, 300, 601] {
             let mut tape = Tape::default();
             pass.follow(&record, samples, &mut tape);
-            assert!(job.take(place, &Tape::from_numbers(tape.numbers().to_vec())));
+            assert!(job.take(place, &Tape(tape.0.clone())));
         }
-        assert!(!job.take(place, &Tape::from_numbers(vec![1.0, 0.0, 0.0, 7.0])), "no sample of this filter");
+        assert!(!job.take(place, &Tape(vec![1.0, 0.0, 0.0, 7.0])), "no sample of this filter");
     }
     assert!(job.advance(&far, &mut || true).is_done());
     assert_eq!(job.finish(&mut far), Update::Everything);

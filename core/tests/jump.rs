@@ -111,7 +111,7 @@ fn a_well_tuned_filter_never_jumps() {
             let of = |kind| FilterSettings { jump: true, ..filter(kind, sensors) };
             scenario.filters = [FilterKind::EKF, FilterKind::UKF].map(of).to_vec();
             for estimates in finished(&scenario).estimates() {
-                assert!(jump_times(estimates).is_empty(), "seed {seed}, {sensors:?}, {:?}", estimates.kind());
+                assert!(jump_times(estimates).is_empty(), "seed {seed}, {sensors:?}, {:?}", estimates.kind);
             }
         }
     }
@@ -139,7 +139,7 @@ fn every_kind_jumps_and_says_when() {
     let of = |kind| FilterSettings { jump: true, ensemble_size: 300, ..filter(kind, &BOTH) };
     scenario.filters = kinds.map(of).collect();
     for estimates in finished(&scenario).estimates() {
-        let (kind, jumps) = (estimates.kind(), jump_times(estimates));
+        let (kind, jumps) = (estimates.kind, jump_times(estimates));
         assert!(jumps.iter().any(|k| (2010..2150).contains(k)), "{kind:?}: {jumps:?}");
         let first = jumps[0];
         let remark = estimates.remarks().iter().find(|remark| remark.what == Trouble::Widened).unwrap();

@@ -69,7 +69,7 @@ fn samples_that_come_in_have_the_bits_of_a_pass() {
         for k in 0..record.len() {
             online.step(record.input()[k], &readings(&record, k), &mut estimates);
             let late = scenario.filters[0].input_delay.min(0).unsigned_abs() as usize;
-            assert_eq!((estimates.len(), online.pass().done()), ([(k + 1).saturating_sub(late); 2]).into(), "{what}");
+            assert_eq!((estimates.len(), online.pass.done()), ([(k + 1).saturating_sub(late); 2]).into(), "{what}");
         }
         online.finish(&mut estimates);
         assert_same_estimates(&estimates, &expected, &what);
@@ -83,7 +83,7 @@ fn a_filter_that_has_failed_says_where_and_why() {
     for k in 0..8 {
         online.step(0.0, &[if k == 5 { 1e200 } else { 0.0 }, 0.0], &mut estimates);
     }
-    let stop = online.pass().stop().expect("it has stopped");
+    let stop = online.pass.stop.expect("it has stopped");
     assert_eq!((stop.sample, estimates.stop(), estimates.len()), (5, Some(stop), 5));
     assert_eq!(OnlineFilter::new(&of(FilterKind::EKF), 1).err(), Some(RunError::NoFilter(1)));
 }

@@ -15,7 +15,7 @@ mod printer;
 
 use kalmanscope_core::filter::{Algorithm, FilterInfo, Particles};
 use kalmanscope_core::plant::{Plant, PlantInfo};
-use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Scenario};
+use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, PlantKind, Scenario};
 
 use crate::run::{finished, one_filter};
 
@@ -117,4 +117,23 @@ fn frequency_and_damping_of_a_printer_are_inside_their_bands() {
         // The bands of a sweep are too narrow: docs/printers.md gives how often they hold.
         assert!(kind == Sweep || f[2] >= 83.0 && zeta[2] >= 83.0, "{kind:?}: {f:?}, {zeta:?}");
     }
+}
+
+#[test]
+fn the_kind_of_a_filter_says_its_time() {
+    static SLOW: FilterInfo = FilterInfo {
+        key: "slow",
+        name: "slow",
+        description: "takes its time",
+        reference: "",
+        is_sampled: true,
+        has_own_likelihood: false,
+        evaluations: |_, _| 1,
+        time: |settings, n| 1e6 * (n * settings.iterations) as f64,
+        has_propagation: false,
+        algorithm: FilterKind::EKF.info().algorithm,
+    };
+    let of = |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());
+    assert_eq!(of(FilterKind::new(&SLOW)), 2.0 * 1e6 * 4.0 * 5.0);
+    assert!(of(FilterKind::UKF) > of(FilterKind::EKF) && of(FilterKind::PF) > of(FilterKind::UKF));
 }

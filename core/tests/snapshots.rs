@@ -31,7 +31,7 @@ fn described(run: &Run) -> String {
         // A measured record has no truth, and so no NEES.
         for (what, square) in [("NIS", nis), ("NEES", nees)] {
             let Some(square) = square else { continue };
-            let place = if square.is_inside() { "inside" } else { "outside" };
+            let place = if square.interval.contains(&square.mean) { "inside" } else { "outside" };
             writeln!(text, "  mean {what:4}         {:17.9e}, {place}", square.mean).unwrap();
         }
         writeln!(text, "  log likelihood    {log_likelihood:17.9e}").unwrap();

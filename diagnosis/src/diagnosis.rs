@@ -54,7 +54,7 @@ impl Diagnosis {
         record: &Record,
         bound: Option<&CramerRao>,
     ) -> Option<Self> {
-        if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
+        if diagnostics.depth != Depth::All || diagnostics.is_empty() {
             return None;
         }
         let case = case_of((diagnostics, estimates, record, bound), samples.clone());
@@ -143,7 +143,7 @@ impl LiveDiagnosis {
         record: &Record,
         bound: Option<&CramerRao>,
     ) -> Option<Diagnosis> {
-        if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
+        if diagnostics.depth != Depth::All || diagnostics.is_empty() {
             return None;
         }
         self.follow(samples.clone(), estimates, record);

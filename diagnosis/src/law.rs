@@ -40,8 +40,7 @@ impl ForceInHindsight {
         let context = FilterContext::new(scenario, record.dt(), filter).over(record, filter);
         let sensors = Pass::columns(scenario, 0, record).ok()?;
         let smoother = Box::new(FixedInterval::new(Forward::new(filter, &context, sensors)?));
-        let model = filter.model(&scenario.plant.kind, scenario.input);
-        let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
+        let estimates = Estimates::new(filter, scenario, Vec::new()).of_smoother();
         Some(Self { smoother, estimates: Box::new(estimates) })
     }
 

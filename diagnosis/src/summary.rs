@@ -91,10 +91,10 @@ impl Summary {
             };
             estimates.channels().iter().enumerate().map(one).collect()
         });
-        let tests = diagnostics.whiteness().iter().map(Whiteness::ljung_box);
+        let tests = diagnostics.whiteness.iter().map(Whiteness::ljung_box);
         Self {
             name: estimates.name().to_owned(),
-            kind: estimates.kind(),
+            kind: estimates.kind,
             samples: diagnostics.len(),
             verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict.clone()),
             finals,
@@ -103,7 +103,7 @@ impl Summary {
             share_in_ellipsoid: diagnostics.share_in_ellipsoid(),
             ljung_box: estimates.sensors().iter().copied().zip(tests).collect(),
             log_likelihood: diagnostics.log_likelihood(),
-            stop: diagnostics.stop(),
+            stop: diagnostics.stop,
         }
     }
 }

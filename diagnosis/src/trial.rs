@@ -124,7 +124,7 @@ impl Trials {
                 continue;
             };
             pass.follow(&record, pass.done() + CHUNK, &mut estimates);
-            if pass.done() < record.len() && pass.stop().is_none() {
+            if pass.done() < record.len() && pass.stop.is_none() {
                 self.current = Some((pass, estimates, record));
             } else {
                 self.finish(estimates, &record);
@@ -187,7 +187,7 @@ impl Trials {
 
     fn finish(&mut self, estimates: Estimates, record: &Record) {
         let diagnostics = Diagnostics::new(&estimates, record);
-        let stopped = diagnostics.stop().is_some();
+        let stopped = diagnostics.stop.is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record, None) } else { None };
@@ -235,7 +235,7 @@ impl Trials {
         let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
         pass.follow(&rest, rest.len(), &mut scores.against(&rest));
         let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
-        pass.stop().is_none().then(|| before + scores.outcome().log_likelihood)
+        pass.stop.is_none().then(|| before + scores.outcome().log_likelihood)
     }
 }
 

@@ -32,7 +32,7 @@ impl fmt::Display for Verdict {
 impl Verdict {
     /// The gravest verdict that the evidence supports. `None` if there are too few measurements.
     pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
-        let stopped = case.diagnostics.stop().is_some();
+        let stopped = case.diagnostics.stop.is_some();
         if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < ENOUGH {
             return None;
         }

@@ -259,7 +259,7 @@ fn drawn(scenario: &Scenario, settings: &[Address]) -> Result<Vec<Address>, Unkn
 }
 
 fn is_seed(setting: &Address) -> bool {
-    setting.is_of_scenario(&SEED)
+    setting.key == SEED.key
 }
 
 /// The channels that the filters at these places of a scenario have, each once.

@@ -142,12 +142,6 @@ impl Record {
         }
     }
 
-    /// A record of the same kind without samples.
-    pub fn emptied(&self) -> Self {
-        let Self { dt, kind, hold, sensors, truth_channels, .. } = self;
-        Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
-    }
-
     fn columns(&self) -> impl Iterator<Item = &Vec<f64>> {
         std::iter::once(&self.input).chain(&self.measured).chain(&self.truth)
     }

@@ -31,14 +31,14 @@ pub(super) fn named_ui(ui: &mut Ui, edits: &mut Edits<'_>, story: &Story) -> boo
 }
 
 pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Address) -> String {
-    let name = setting.name().map_or_else(|| address.name(), str::to_owned);
+    let name = setting.name().map_or_else(|| address.name.clone(), str::to_owned);
     let filter = scenario.filters.iter().find(|filter| setting.address.starts_with(&filter.address("")));
     let Some(filter) = filter else {
-        let of_truth = address.channel().map(|channel| format!(" of true {}", channel.symbol())).unwrap_or_default();
+        let of_truth = address.channel.map(|channel| format!(" of true {}", channel.symbol())).unwrap_or_default();
         return sentence(name.strip_suffix(&of_truth).unwrap_or(&name));
     };
     let symbol = setting.address.rsplit('.').next().and_then(|key| kalmanscope_core::setting::symbol(scenario, key));
-    let symbol = symbol.filter(|_| address.table().is_none());
+    let symbol = symbol.filter(|_| address.table.is_none());
     let name = symbol.map_or_else(|| sentence(&name), str::to_owned);
     if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }
 }

@@ -60,11 +60,11 @@ pub(crate) fn collide(a: &str, b: &str, scenario: &Scenario) -> bool {
 }
 
 pub(crate) fn name(key: &str, scenario: &Scenario) -> String {
-    Address::parse(scenario, key).map_or_else(|_| key.to_owned(), |address| address.name())
+    Address::parse(scenario, key).map_or_else(|_| key.to_owned(), |address| address.name)
 }
 
 pub(crate) fn label(key: &str, scenario: &Scenario) -> String {
-    let unit = Address::parse(scenario, key).map_or("", |address| unit_in(scenario, address.unit()));
+    let unit = Address::parse(scenario, key).map_or("", |address| unit_in(scenario, address.unit));
     let name = name(key, scenario);
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }

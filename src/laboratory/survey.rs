@@ -138,7 +138,7 @@ impl Survey {
 
     fn factors(&self) -> impl Iterator<Item = (&TableInfo, &Address)> {
         let factors = self.ensemble.settings().iter().filter(|setting| setting.is_factor());
-        factors.filter_map(|setting| Some((setting.table()?, setting)))
+        factors.filter_map(|setting| Some((setting.table?, setting)))
     }
 
     fn has_its_factors(&self, part: &Scenario) -> bool {

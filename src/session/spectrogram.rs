@@ -88,7 +88,10 @@ mod tests {
         }
         assert!(slices > 20 && !session.is_spectrogram_behind_here(), "{slices}");
         let (of, made) = session.spectrogram().unwrap();
-        assert_eq!(Some(made), Spectrogram::new(session.run().record(), 0, session.run().len()).as_ref());
+        assert_eq!(
+            Some(made),
+            Spectrogram::windows(session.run().record(), 0, session.run().len()).map(|windows| windows.run()).as_ref()
+        );
         session.set_scenario(Scenario { seed: 7, ..session.scenario().clone() });
         while session.behind() {
             session.advance(0.0);

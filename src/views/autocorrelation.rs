@@ -51,7 +51,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
         let width = 0.8 / filters.len().max(1) as f64;
         for (i, (_, estimates, diagnostics)) in filters.iter().enumerate() {
             let of_span = span.clone().map(|samples| Whiteness::over(estimates, sensor, samples));
-            let Some(whiteness) = of_span.or_else(|| diagnostics.whiteness().get(sensor).cloned()) else {
+            let Some(whiteness) = of_span.or_else(|| diagnostics.whiteness.get(sensor).cloned()) else {
                 continue;
             };
             let correlations = whiteness.autocorrelation();

@@ -96,8 +96,8 @@ fn rows(scenario: &Scenario) -> Vec<ParameterRow> {
 fn address(row: &ParameterRow, scenario: &Scenario, filter: &FilterSettings) -> Result<Address, [&'static str; 2]> {
     let address = Address::parse(scenario, &filter.address(&row.key));
     let address = address.map_err(|_| ["–", "This filter does not have the number"])?;
-    let is_std = address.table().is_some_and(|table| table.factor.is_some());
-    if is_std && address.channel().is_some_and(|channel| filter.knows(channel)) {
+    let is_std = address.table.is_some_and(|table| table.factor.is_some());
+    if is_std && address.channel.is_some_and(|channel| filter.knows(channel)) {
         return Err(["known", "This filter takes the number for known"]);
     }
     Ok(address)

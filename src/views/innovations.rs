@@ -97,7 +97,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
 }
 
 fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates> + use<'a> {
-    context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise())
+    context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise)
 }
 
 /// √R of each sensor, and the scale of √Q; no learnt_noise if no filter learns them.
@@ -138,7 +138,7 @@ fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -
 
 fn scaling<'a>(context: &ViewContext<'a>) -> Option<(&'a FilterSettings, Vec<&'a Estimates>)> {
     let filters = context.filters().map(|(_, estimates)| estimates);
-    let scaling: Vec<&Estimates> = filters.filter(|of| of.tells_process_scale()).collect();
+    let scaling: Vec<&Estimates> = filters.filter(|of| of.has_process_scale).collect();
     let first = scaling.first()?.id();
     let settings = context.session.run().scenario().filters.iter().find(|settings| settings.id == first)?;
     Some((settings, scaling))

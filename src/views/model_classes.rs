@@ -103,7 +103,7 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
     for (class, &(estimates, _)) in classes.all.iter().enumerate() {
         let below = |count: usize| {
             let classes = Rc::clone(classes);
-            move |samples| classes.each(samples, |_, all| all.probabilities()[..count].iter().sum::<f64>())
+            move |samples| classes.each(samples, |_, all| all.probabilities[..count].iter().sum::<f64>())
         };
         let (low, high) = (below(class), below(class + 1));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
@@ -113,7 +113,7 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
             chart.layers.push(Layer::line(PlotSeries::made(len, below(class)), context.palette.weak, 1.0));
         }
         let own = Rc::clone(classes);
-        let percent = move |k: usize| ModelClasses::in_percent(own.at(k).probabilities()[class]);
+        let percent = move |k: usize| ModelClasses::in_percent(own.at(k).probabilities[class]);
         chart.columns.push(SheetColumn::new(estimates.name(), color, move |k| (k < len).then(|| percent(k))));
     }
     chart

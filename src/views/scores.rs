@@ -194,7 +194,7 @@ fn rows(summaries: &[Summary], before: &[Option<Summary>], session: &Session) ->
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     if summaries.len() > 1 {
         let classes = ModelClasses::new(summaries.iter().map(Summary::log_evidence));
-        let values = classes.probabilities().iter().map(|p| Some(100.0 * p)).collect();
+        let values = classes.probabilities.iter().map(|p| Some(100.0 * p)).collect();
         let hint = "Of the filter as a model, if one of them is right and all were equally probable at first";
         let name = "probability of the model [%]".to_owned();
         let before = || vec![None; summaries.len()];

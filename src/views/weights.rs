@@ -22,7 +22,7 @@ fn weighing<'a>(
     context.filters().filter_map(move |(place, estimates)| {
         let rule = settings.get(place)?.robust;
         let sensor = estimates.sensors().iter().position(|own| *own == quantity)?;
-        estimates.weighs().then_some((sensor, estimates, rule))
+        estimates.weighs.then_some((sensor, estimates, rule))
     })
 }
 

@@ -2,16 +2,15 @@
 
 mod growth;
 
-use kalmanscope_filters::gaussian_likelihood;
 use kalmanscope_filters::{Channel, FilterKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::hash::Hash;
 use kalmanscope_records::record::Delays;
 
 use crate::run::remarks::{Monitor, Remark, Trouble};
-use crate::run::sink::{Sample, readings};
+use crate::run::sink::Sample;
 use crate::scenario::SMOOTHED;
-use crate::{FilterColor, FilterSettings, Model, PlantKind};
+use crate::{FilterColor, FilterSettings, PlantKind, Scenario};
 use growth::History;
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.
@@ -27,9 +26,11 @@ pub struct Estimates {
     id: u32,
     smoothed: bool,
     name: String,
-    kind: FilterKind,
+    /// The filter's kind.
+    pub kind: FilterKind,
     color: Option<FilterColor>,
-    plant: PlantKind,
+    /// The kind of plant that the filter takes the truth for.
+    pub plant: PlantKind,
     channels: Vec<Channel>,
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
@@ -48,17 +49,22 @@ pub struct Estimates {
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
     sensor_delay: Vec<f64>,
-    weighs: bool,
-    learns: bool,
-    scales: bool,
-    particles: usize,
+    /// Whether the filter weighs its readings.
+    pub weighs: bool,
+    /// Whether the filter learns R.
+    pub learns_sensor_noise: bool,
+    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`]).
+    pub has_process_scale: bool,
+    /// The number of particles of a particle filter; 0 for any other filter.
+    pub particles: usize,
     monitor: Monitor,
     stop: Option<Stop>,
 }
 
 impl Estimates {
-    /// No estimates yet, of a filter with these settings.
-    pub fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+    /// No estimates yet, of a filter of a scenario with these settings and sensors.
+    pub fn new(settings: &FilterSettings, scenario: &Scenario, sensors: Vec<Quantity>) -> Self {
+        let model = settings.model(&scenario.plant.kind, scenario.input);
         let (plant, channels) = (model.plant(), model.channels());
         Self {
             id: settings.id,
@@ -82,8 +88,8 @@ impl Estimates {
             considered: settings.consider.clone(),
             sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on(),
-            learns: settings.adaptation.sensor_noise,
-            scales: settings.process_scales > 1,
+            learns_sensor_noise: settings.adaptation.sensor_noise,
+            has_process_scale: settings.process_scales > 1,
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -91,7 +97,8 @@ impl Estimates {
 
     /// The same, as a smoother's.
     pub fn of_smoother(self) -> Self {
-        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
+        let of_filter = Self { weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self };
+        Self { name: of_filter.name + SMOOTHED, smoothed: true, ..of_filter }
     }
 
     /// The filter's id.
@@ -110,19 +117,9 @@ impl Estimates {
         &self.name
     }
 
-    /// The filter's kind.
-    pub fn kind(&self) -> FilterKind {
-        self.kind
-    }
-
     /// The colour of the filter.
     pub fn color(&self) -> FilterColor {
         self.color.unwrap_or(FilterColor::of(self.id))
-    }
-
-    /// The kind of plant that the filter takes the truth for.
-    pub fn plant(&self) -> &PlantKind {
-        &self.plant
     }
 
     /// The channels, in the order of every mean and covariance.
@@ -180,14 +177,6 @@ impl Estimates {
     /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
     pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
         self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
-    }
-
-    /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
-    pub fn missing(&self, sensor: usize) -> usize {
-        let m = self.sensors.len();
-        (usize::from(self.forgotten == 0)..self.len())
-            .filter(|k| self.history.innovation[k * m + sensor].is_nan())
-            .count()
     }
 
     /// The mean at sample `k`, one number per channel.
@@ -248,12 +237,17 @@ impl Estimates {
     /// since the sample before.
     #[inline]
     pub fn readings(&self, k: usize) -> u32 {
-        self.earlier(k).0 + readings(self.innovation(k))
+        self.sample(k).readings()
     }
 
-    fn earlier(&self, k: usize) -> (u32, f64) {
+    pub(crate) fn sample(&self, k: usize) -> Sample<'_> {
+        let History { nis, determinant, log_likelihood, .. } = &self.history;
         let place = self.earlier.binary_search_by_key(&(self.forgotten + k), |(sample, ..)| *sample);
-        place.map_or((0, f64::NAN), |place| (self.earlier[place].1, self.earlier[place].2))
+        let (_, earlier, ln_determinant) = place.map_or((0, 0, f64::NAN), |place| self.earlier[place]);
+        let (innovation, innovation_cov) = (self.innovation(k), self.innovation_cov(k));
+        let log_likelihood = log_likelihood.get(k).copied().unwrap_or(f64::NAN);
+        let unmeasured = Sample { innovation, innovation_cov, ..Sample::unmeasured(self.mean(k), self.cov(k)) };
+        Sample { earlier, ln_determinant, log_likelihood, nis: nis[k], determinant: determinant[k], ..unmeasured }
     }
 
     /// The innovations' covariance S at sample `k`, m × m.
@@ -293,20 +287,8 @@ impl Estimates {
     ///
     /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
     pub fn log_likelihood(&self, k: usize) -> f64 {
-        if let Some(&own) = self.history.log_likelihood.get(k) {
-            return own;
-        }
-        match self.readings(k) {
-            0 => f64::NAN,
-            measured => gaussian_likelihood::log_likelihood(self.history.nis[k], self.ln_determinant(k), measured),
-        }
-    }
-
-    /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
-    pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        let (determinant, (_, ln_determinant)) = (self.history.determinant[k], self.earlier(k));
-        let (innovation, innovation_cov) = (self.innovation(k), self.innovation_cov(k));
-        Sample { innovation, innovation_cov, determinant, ln_determinant, ..Sample::default() }.ln_determinant()
+        let own = self.history.log_likelihood.get(k).copied();
+        own.unwrap_or_else(|| self.sample(k).ln_likelihood())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
@@ -319,26 +301,11 @@ impl Estimates {
         self.considered.contains(&channel)
     }
 
-    /// The number of particles of a particle filter; 0 for any other filter.
-    pub fn particles(&self) -> usize {
-        self.particles
-    }
-
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
     pub fn checksum(&self) -> u64 {
         let mut hash = Hash::default();
         self.history.mean.iter().chain(&self.history.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
         hash.value()
-    }
-
-    /// Whether the filter weighs its readings.
-    pub fn weighs(&self) -> bool {
-        self.weighs
-    }
-
-    /// Whether the filter learns R.
-    pub fn learns_sensor_noise(&self) -> bool {
-        self.learns
     }
 
     /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
@@ -348,11 +315,6 @@ impl Estimates {
         let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
         let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
-    }
-
-    /// Whether the filter reports how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
-    pub fn tells_process_scale(&self) -> bool {
-        self.scales
     }
 
     /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter

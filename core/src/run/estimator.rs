@@ -139,8 +139,12 @@ impl Truncation {
         Self { places: places.collect(), ..Self::default() }
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
     pub(crate) fn apply<'a>(&'a mut self, mean: &'a [f64], cov: &'a [f64]) -> (&'a [f64], &'a [f64]) {
-        if self.places.is_empty() {
+        if self.is_empty() {
             return (mean, cov);
         }
         let Self { places, mean: own, cov: own_cov, along } = self;
@@ -171,39 +175,6 @@ impl Truncation {
         // A later channel may have moved one before it.
         places.iter().for_each(|&(i, [least, most])| own[i] = own[i].clamp(least, most));
         (own, own_cov)
-    }
-}
-
-pub(crate) struct Bounded {
-    pub(crate) inner: Box<dyn Estimator>,
-    pub(crate) truncation: Truncation,
-}
-
-impl Estimator for Bounded {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.inner.begin(&mut Truncating { truncation: &mut self.truncation.clone(), sink })
-    }
-
-    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { inner, truncation } = self;
-        inner.step(before, force, measured, &mut Truncating { truncation, sink })
-    }
-
-    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { inner, truncation } = self;
-        inner.step_through(parts, &mut Truncating { truncation, sink })
-    }
-
-    fn keep_passages(&mut self) -> bool {
-        self.inner.keep_passages()
-    }
-
-    fn state(&self) -> Option<State> {
-        self.inner.state()
-    }
-
-    fn restore(&mut self, state: &State) -> Result<(), FilterError> {
-        self.inner.restore(state)
     }
 }
 

@@ -8,7 +8,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
-use crate::run::estimator::{Estimator, FilterContext, counts_in_samples};
+use crate::run::estimator::{Estimator, FilterContext, Truncation, counts_in_samples};
 use crate::run::pass;
 use crate::run::passage::{Adjoint, Passages};
 use crate::run::sink::{LastSample, Sample, Sink};
@@ -56,7 +56,8 @@ pub struct EventFilter {
     settings: FilterSettings,
     scenario: Scenario,
     sensors: Vec<Quantity>,
-    channels: Vec<Channel>,
+    /// The components of the state, in the order of every mean and covariance.
+    pub channels: Vec<Channel>,
     timeline: Timeline,
     /// The time for which hindsight waits \[s\], if it is asked for.
     look_ahead: Option<f64>,
@@ -66,7 +67,8 @@ pub struct EventFilter {
     hindsight: Hindsight,
     in_hindsight: LastSample,
     stopped: Option<(f64, FilterError)>,
-    again: usize,
+    /// The events that the last call went over again, because something came late.
+    pub again: usize,
     /// The times of the first event and of the newest one \[s\]: a delayed input waits for its time.
     first: f64,
     now: f64,
@@ -75,13 +77,15 @@ pub struct EventFilter {
 
 #[derive(Default)]
 struct LatestSample {
+    truncation: Truncation,
     sample: LastSample,
     passages: Passages,
 }
 
 impl Sink for LatestSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        self.sample.push(sample);
+        let (mean, cov) = self.truncation.apply(sample.mean, sample.cov);
+        self.sample.push(&Sample { mean, cov, ..*sample });
     }
 
     fn stop_at(&mut self, _: Stop) {}
@@ -127,14 +131,16 @@ impl EventFilter {
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
-        let mut latest = LatestSample::default();
+        let channels = context.model(&settings).channels().to_vec();
+        let truncation = Truncation::of(&settings, &channels);
+        let mut latest = LatestSample { truncation, ..LatestSample::default() };
         estimator.begin(&mut latest)?;
         if look_ahead.is_some() {
             estimator.keep_passages();
         }
         Ok(Self {
             hindsight: Hindsight::new(&settings, &context),
-            channels: context.model(&settings).channels().to_vec(),
+            channels,
             timeline: Timeline::new(
                 scenario.hold,
                 Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
@@ -168,16 +174,6 @@ impl EventFilter {
         settings.sensor_delay.iter().map(|late| late + dt).fold(look_ahead.unwrap_or(0.0), f64::max)
     }
 
-    /// The components of the state, in the order of every mean and covariance.
-    pub fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    /// The quantity of each reading.
-    pub fn sensors(&self) -> &[Quantity] {
-        &self.sensors
-    }
-
     /// The time of the newest event \[s\].
     pub fn time(&self) -> Option<f64> {
         self.now.is_finite().then_some(self.now)
@@ -186,11 +182,6 @@ impl EventFilter {
     /// The estimate that the last call has returned.
     pub fn sample(&self) -> Sample<'_> {
         self.latest.sample.sample()
-    }
-
-    /// The events that the last call went over again, because something came late.
-    pub fn again(&self) -> usize {
-        self.again
     }
 
     /// Whether it reports estimates in hindsight.

@@ -9,24 +9,25 @@ use kalmanscope_records::record::{Delays, Parts};
 
 use crate::run::estimator::setup::Setup;
 use crate::run::estimator::{
-    Bounded, Estimator, Failed, FilterContext, Truncation, counts_in_samples, engine, sampled,
+    Estimator, Failed, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled,
 };
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
 use crate::run::run_error::{RunError, sensor_places};
 use crate::run::sink::Sink;
 use crate::run::tape::Tape;
-use crate::scenario::Bounds;
 use crate::{Estimates, FilterSettings, Scenario};
 
 /// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
 /// thousands of runs are loops over this.
 pub struct Pass {
     filter: Built,
+    truncation: Truncation,
     sensors: Vec<usize>,
     delays: Delays,
     parts: Option<Box<Parts>>,
     done: usize,
-    stop: Option<Stop>,
+    /// Where and why the filter stopped, if it did.
+    pub stop: Option<Stop>,
     ahead: Option<Tape>,
 }
 
@@ -60,7 +61,7 @@ impl Pass {
         scenario.number_filters();
         let filter = &scenario.filters[place];
         let context = FilterContext::new(&scenario, record.dt(), filter).over(record, filter);
-        Ok(Self::with(filter, &context, sensors))
+        Ok(Self::with(filter, context, sensors))
     }
 
     /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
@@ -75,28 +76,24 @@ impl Pass {
         sensor_places(scenario, record)
     }
 
-    pub(crate) fn with(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Self {
-        let estimator = Some(build(settings, context));
-        Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
+    pub(crate) fn with(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
+        Self {
+            delays: settings.delays(context.dt),
+            parts: context.is_timed.then(Box::default),
+            truncation: Truncation::of(settings, context.model(settings).channels()),
+            filter: Built { recipe: Some(Box::new((settings.clone(), context))), estimator: None },
+            sensors,
+            ..Self::idle()
+        }
+    }
+
+    pub(crate) fn idle() -> Self {
+        let (filter, truncation, sensors) = (Built::default(), Truncation::default(), Vec::new());
+        Self { filter, truncation, sensors, delays: Delays::default(), parts: None, done: 0, stop: None, ahead: None }
     }
 
     pub(crate) fn keep_passages(&mut self) -> bool {
         self.filter.estimator().keep_passages()
-    }
-
-    pub(crate) fn later(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
-        let (delays, is_timed) = (settings.delays(context.dt), context.is_timed);
-        let recipe = Some(Box::new((settings.clone(), context)));
-        Self::of(Built { recipe, estimator: None }, delays, is_timed, sensors)
-    }
-
-    fn of(filter: Built, delays: Delays, is_timed: bool, sensors: Vec<usize>) -> Self {
-        let parts = is_timed.then(Box::default);
-        Self { filter, sensors, delays, parts, done: 0, stop: None, ahead: None }
-    }
-
-    pub(crate) fn idle() -> Self {
-        Self::of(Built::default(), Delays::default(), false, Vec::new())
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -105,8 +102,7 @@ impl Pass {
     /// [`RunError::NoFilter`] where there is no such filter.
     pub fn history(scenario: &Scenario, place: usize) -> Result<Estimates, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
-        let quantities = scenario.measured();
-        Ok(Estimates::new(filter, &filter.model(&scenario.plant.kind, scenario.input), quantities))
+        Ok(Estimates::new(filter, scenario, scenario.measured()))
     }
 
     /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the
@@ -124,11 +120,6 @@ impl Pass {
     /// The number of samples done, counted from the record's beginning.
     pub fn done(&self) -> usize {
         self.done
-    }
-
-    /// Where and why the filter stopped, if it did.
-    pub fn stop(&self) -> Option<Stop> {
-        self.stop
     }
 
     /// Appends samples that another pass has computed, of `samples` in all. Returns false if they are of another filter.
@@ -166,7 +157,7 @@ impl Pass {
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
     /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { filter, sensors, delays, parts, done, stop, ahead: _ } = self;
+        let Self { filter, truncation, sensors, delays, parts, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, delays.input);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
@@ -175,6 +166,9 @@ impl Pass {
             return;
         }
         let estimator = filter.estimator();
+        let is_free = truncation.is_empty();
+        let mut bounded = Truncating { truncation, sink };
+        let sink: &mut dyn Sink = if is_free { bounded.sink } else { &mut bounded };
         for sample in *done..goal {
             if stop.is_some() {
                 break;
@@ -220,7 +214,8 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
 /// own, are for [`EventFilter`](crate::EventFilter). Where the input or a sensor is late by d samples, the estimate of a sample comes
 /// with the d-th after it.
 pub struct OnlineFilter {
-    pass: Pass,
+    /// The pass, which has the number of samples that are done, and where and why the filter has stopped.
+    pub pass: Pass,
     record: Record,
     /// The samples after the one that it filters, and before it, that it reads.
     reach: [usize; 2],
@@ -240,11 +235,6 @@ impl OnlineFilter {
         let pass = Pass::new(scenario, place, &record)?;
         let delays = scenario.filters[place].delays(scenario.dt);
         Ok(Self { pass, record, reach: [delays.lookahead(), delays.reach()] })
-    }
-
-    /// The pass, which says how many samples are done, and where and why the filter has stopped.
-    pub fn pass(&self) -> &Pass {
-        &self.pass
     }
 
     /// Takes in the input \[m/s²\] in the scenario's meaning, and a reading for each of its sensors in the unit of its quantity, NaN
@@ -270,11 +260,6 @@ impl OnlineFilter {
 }
 
 pub(crate) fn build(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
-    if !settings.bounds.is_empty() {
-        let truncation = Truncation::of(settings, context.model(settings).channels());
-        let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
-        return Box::new(Bounded { inner: build(&free, context), truncation });
-    }
     if settings.process_scales > 1 {
         let rule = Scales::new(settings, context);
         let members = rule.members(settings, context.model(settings).channels());

@@ -13,9 +13,6 @@ use crate::run::waste::Spare;
 use crate::scenario::cost;
 use crate::{Estimates, FilterSettings, RunError, Scenario, Source};
 
-/// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
-const RECORD_CHUNK: usize = 500;
-
 /// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
 pub struct Revision {
     recording: Option<Recording>,
@@ -50,7 +47,7 @@ impl Revision {
         // A truth that has diverged has fewer samples than its scenario.
         let is_simulated = matches!(run.source(), Source::Simulated);
         let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
-        let mut bank = Bank::new(Arc::clone(scenario), current.record())?;
+        let mut bank = Bank::new(Arc::clone(scenario), &current.record)?;
         let before = &run.scenario().filters;
         let place_of =
             |filter: &FilterSettings| before.iter().position(|b| b.computes_as(filter)).filter(|_| same_filters);
@@ -59,7 +56,7 @@ impl Revision {
             if kept.is_some() {
                 bank.leave_place();
             } else {
-                bank.add(current.record(), samples, spare.estimates.pop());
+                bank.add(&current.record, samples, spare.estimates.pop());
             }
         }
         let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
@@ -70,7 +67,7 @@ impl Revision {
 
     /// The new record, if it changes.
     pub fn own_record(&self) -> Option<&Record> {
-        self.recording.as_ref().map(Recording::record)
+        self.recording.as_ref().map(|recording| &*recording.record)
     }
 
     /// The source of the new record, if it changes.
@@ -119,20 +116,13 @@ impl Revision {
     pub fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, away, .. } = self;
         let goal = samples.min(*all);
-        if let Some(recording) = recording {
-            let recorded = (goal + bank.lookahead()).min(*all);
-            while recording.len() < recorded.min(*all) {
-                let next = (recording.len() + RECORD_CHUNK).min(recorded);
-                if !recording.advance_some(next) {
-                    *all = recording.len();
-                }
-                if !while_time() {
-                    return false;
-                }
-            }
+        if let Some(recording) = recording
+            && !recording.advance(goal + bank.lookahead(), all, while_time)
+        {
+            return false;
         }
         let goal = goal.min(*all);
-        let record = recording.as_ref().map_or(record, Recording::record);
+        let record = recording.as_ref().map_or(record, |recording| &recording.record);
         for &place in order.iter().filter(|place| !away.contains(place)) {
             let step = bank.scenario.filters[place].time_of_step(&bank.scenario);
             let chunk = cost::chunk(step);
@@ -192,24 +182,5 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
             };
             read(before) == read(scenario)
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::{FilterColor, Run, Scenario, Update};
-
-    #[test]
-    fn a_name_a_colour_and_laws_compute_nothing() {
-        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
-        let before = run.checksum();
-        (scenario.filters[0].name, scenario.filters[0].color) = ("other".to_owned(), Some(FilterColor::Sky));
-        scenario.draw.insert("seed".to_owned(), crate::scenario::Law::Uniform([1.0, 2.0]));
-        assert!(matches!(run.update(&scenario), Ok(Update::Filters(changed)) if changed.is_empty()));
-        let estimates = &run.estimates()[0];
-        assert_eq!((estimates.name(), estimates.color()), ("other", FilterColor::Sky));
-        assert_eq!((run.scenario(), run.checksum()), (&scenario, before));
     }
 }

@@ -287,9 +287,12 @@ impl Source {
     }
 }
 
+/// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
+const CHUNK: usize = 500;
+
 pub(crate) struct Recording {
     simulator: Option<Box<Simulator>>,
-    record: Arc<Record>,
+    pub(crate) record: Arc<Record>,
     pub(crate) is_live: bool,
 }
 
@@ -321,10 +324,6 @@ impl Recording {
         }
     }
 
-    pub(crate) fn record(&self) -> &Record {
-        &self.record
-    }
-
     pub(crate) fn into_simulated(self) -> Option<Record> {
         self.simulator.and_then(|_| Arc::into_inner(self.record))
     }
@@ -342,20 +341,22 @@ impl Recording {
         place_of_next(&self.record)
     }
 
-    /// Counted from the beginning. Returns false if the truth has diverged before.
-    pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
-        while self.len() < samples {
-            if !self.advance_some(samples) {
+    /// Up to sample `samples`, counted from the beginning, of `all`, which are fewer where the truth diverges. Returns false early if
+    /// `while_time` does, which is called about every millisecond, even within a sample, if the plant is hard to simulate.
+    pub(crate) fn advance(&mut self, samples: usize, all: &mut usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.len() < samples.min(*all) {
+            let next = (self.len() + CHUNK).min(samples).min(*all);
+            let Some(simulator) = &mut self.simulator else {
+                *all = self.len();
+                break;
+            };
+            if !simulator.advance_some(Arc::make_mut(&mut self.record), next) {
+                *all = self.len();
+            } else if self.len() < samples.min(*all) && !while_time() {
                 return false;
             }
         }
         true
-    }
-
-    /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
-    pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
-        let Some(simulator) = &mut self.simulator else { return self.len() >= samples };
-        simulator.advance_some(Arc::make_mut(&mut self.record), samples)
     }
 
     /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.

@@ -163,20 +163,43 @@ impl Sink for Passages {
     }
 }
 
+/// The vectors and matrices of a sample: what is not there is empty.
+pub(crate) fn parts<'a>(sample: &Sample<'a>) -> [&'a [f64]; 11] {
+    let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, .. } = *sample;
+    let AssumedNoise { process, sensors, uncertainty, .. } = sample.noise.unwrap_or_default();
+    [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, process, sensors, uncertainty]
+}
+
+pub(crate) const SCALARS: usize = 9;
+
+pub(crate) fn scalars(sample: &Sample<'_>) -> [f64; SCALARS] {
+    let Sample { nis, determinant, ln_determinant, log_likelihood, effective_samples, .. } = *sample;
+    let (earlier, widened) = (f64::from(sample.earlier), f64::from(u8::from(sample.has_widened)));
+    let [mean, std] = sample.noise.unwrap_or_default().process_scale;
+    [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, mean, std]
+}
+
+/// The sample with these [`parts`] and [`scalars`].
+pub(crate) fn sample_of<'a>(parts: [&'a [f64]; 11], scalars: [f64; SCALARS], has_noise: bool) -> Sample<'a> {
+    let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = parts;
+    let [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, process_scale @ ..] =
+        scalars;
+    let [process, sensors, uncertainty] = noise;
+    let noise = has_noise.then_some(AssumedNoise { process, sensors, uncertainty, process_scale });
+    let (earlier, has_widened) = (earlier as u32, widened != 0.0);
+    let sample =
+        Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, ..Sample::default() };
+    let sample = Sample { nis, determinant, ln_determinant, log_likelihood, effective_samples, ..sample };
+    Sample { earlier, has_widened, noise, ..sample }
+}
+
 /// A sink that keeps the last sample alone, in memory that it uses again, with the belief before its update.
 #[derive(Clone, Debug, Default)]
 pub struct LastSample {
-    /// The vectors and matrices of the sample, in the order of [`parts`].
     parts: [Vec<f64>; 11],
-    scalars: Sample<'static>,
+    scalars: [f64; SCALARS],
+    has_noise: bool,
     without_prior: bool,
-}
-
-fn parts<'a>(sample: &Sample<'a>) -> [&'a [f64]; 11] {
-    let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, .. } = *sample;
-    let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);
-    let [process, sensors, uncertainty] = noise.unwrap_or_default();
-    [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, process, sensors, uncertainty]
 }
 
 impl LastSample {
@@ -187,11 +210,7 @@ impl LastSample {
 
     /// The sample; without numbers before the first one.
     pub fn sample(&self) -> Sample<'_> {
-        let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = &self.parts;
-        let [process, sensors, uncertainty] = noise;
-        let noise = self.scalars.noise.map(|noise| AssumedNoise { process, sensors, uncertainty, ..noise });
-        let sample = Sample { mean, cov, prior_mean, prior_cov, noise, weights, ..self.scalars };
-        Sample { innovation, innovation_cov, gain, ..sample }
+        sample_of(self.parts.each_ref().map(Vec::as_slice), self.scalars, self.has_noise)
     }
 }
 
@@ -201,11 +220,7 @@ impl Sink for LastSample {
             kept.clear();
             kept.extend_from_slice(part);
         }
-        let Sample { earlier, nis, determinant, log_likelihood, effective_samples, has_widened, .. } = *sample;
-        let noise =
-            sample.noise.map(|AssumedNoise { process_scale, .. }| AssumedNoise { process_scale, ..Default::default() });
-        let scalars = Sample { earlier, nis, determinant, log_likelihood, effective_samples, ..Sample::default() };
-        self.scalars = Sample { noise, has_widened, ln_determinant: sample.ln_determinant, ..scalars };
+        (self.scalars, self.has_noise) = (scalars(sample), sample.noise.is_some());
     }
 
     fn stop_at(&mut self, _: Stop) {}

@@ -45,7 +45,9 @@ pub trait Smoother: Piecewise {
     fn progress(&self, samples: usize) -> f64;
 
     /// Whether it takes in more samples later; else it needs the last one.
-    fn goes_along(&self) -> bool;
+    fn goes_along(&self) -> bool {
+        false
+    }
 }
 
 impl Piecewise for Box<dyn Smoother> {
@@ -62,7 +64,7 @@ pub struct Forward {
 }
 
 pub(crate) struct Hindsight {
-    in_units: Option<Box<InUnits>>,
+    in_units: Option<Box<InUnits<f64>>>,
     truncation: Truncation,
 }
 
@@ -70,7 +72,7 @@ impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
     pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
-        let mut pass = Pass::with(&one, context, sensors);
+        let mut pass = Pass::with(&one, context.clone(), sensors);
         pass.keep_passages().then(|| Self {
             pass,
             sink: Passages::default(),
@@ -198,10 +200,6 @@ impl Smoother for FixedInterval {
             SmootherStage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
             SmootherStage::Report(k) => 0.9 + 0.1 * of(k),
         }
-    }
-
-    fn goes_along(&self) -> bool {
-        false
     }
 }
 

@@ -6,8 +6,10 @@ use crate::Estimates;
 
 /// Memory that is returned to the system in pieces.
 pub trait Piecewise: Send {
-    /// Returns one piece of the memory to the system, in a millisecond or so. Returns whether there was one.
-    fn free_piece(&mut self) -> bool;
+    /// Returns one piece of the memory to the system, in a millisecond or so. Returns whether there was one; small memory has none.
+    fn free_piece(&mut self) -> bool {
+        false
+    }
 }
 
 /// Memory to return to the system.

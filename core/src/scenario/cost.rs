@@ -128,30 +128,3 @@ fn radius(a: &Matrix, motion: usize) -> f64 {
     }
     libm::exp(logarithm)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_filters::FilterKind;
-    use kalmanscope_filters::filter::FilterInfo;
-
-    #[test]
-    fn the_kind_of_a_filter_says_its_time() {
-        static SLOW: FilterInfo = FilterInfo {
-            key: "slow",
-            name: "slow",
-            description: "takes its time",
-            reference: "",
-            is_sampled: true,
-            has_own_likelihood: false,
-            evaluations: |_, _| 1,
-            time: |settings, n| 1e6 * (n * settings.iterations) as f64,
-            has_propagation: false,
-            algorithm: FilterKind::EKF.info().algorithm,
-        };
-        let of =
-            |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());
-        assert_eq!(of(FilterKind::new(&SLOW)), 2.0 * 1e6 * 4.0 * 5.0);
-        assert!(of(FilterKind::UKF) > of(FilterKind::EKF) && of(FilterKind::PF) > of(FilterKind::UKF));
-    }
-}

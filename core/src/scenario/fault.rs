@@ -7,7 +7,7 @@
 //! The families below stand in the order in which they act. Each draws from its own
 //! random stream: with the same seed a record without it has the same noise otherwise.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::LazyLock;
 
 use kalmanscope_filters::Quantity;
@@ -16,8 +16,8 @@ use kalmanscope_filters::random::{Normal, Purpose};
 use kalmanscope_records::document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::row::{Allowed, by_key};
 use super::{Scenario, values};
-use crate::setting::{Allowed, by_key};
 
 /// The description of a family of faults.
 pub struct FaultInfo {
@@ -441,14 +441,6 @@ impl Faults {
     }
 }
 
-struct Numbers(Vec<(String, f64)>);
-
-impl<'de> Deserialize<'de> for Numbers {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        values::entries(deserializer, "a map").map(Self)
-    }
-}
-
 impl Serialize for Faults {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let entries = self.families().map(|fault| {
@@ -465,17 +457,16 @@ impl<'de> Deserialize<'de> for Faults {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&Fault::ALL, &|fault| fault.0.key));
         let mut faults = Self::NONE;
-        for (key, Numbers(own)) in values::entries::<String, _, _>(deserializer, "a map")? {
+        for (key, own) in values::entries::<String, BTreeMap<String, f64>, _>(deserializer, "a map")? {
             let fault = Fault::from_key(&key).ok_or_else(|| de::Error::unknown_field(&key, &KEYS))?;
             let known = fault.0.numbers.iter().map(|info| info.key);
-            if let Some(other) = own.iter().map(|(key, _)| key).find(|key| !known.clone().any(|known| known == *key)) {
+            if let Some(other) = own.keys().find(|key| !known.clone().any(|known| known == *key)) {
                 let known = known.collect::<Vec<_>>().join("`, `");
                 return Err(de::Error::custom(format_args!("unknown field `{other}`, expected `{known}`")));
             }
             let mut numbers = [0.0; MOST];
             for (number, info) in numbers.iter_mut().zip(fault.0.numbers) {
-                let one = own.iter().find(|(key, _)| key == info.key);
-                *number = one.ok_or_else(|| de::Error::missing_field(info.key))?.1;
+                *number = *own.get(info.key).ok_or_else(|| de::Error::missing_field(info.key))?;
             }
             faults.0[fault.place()] = Some(numbers);
         }

@@ -1,5 +1,7 @@
 //! The settings of a filter, each with its row where it is a number or a yes or no, and its colour.
 
+use std::sync::LazyLock;
+
 use kalmanscope_filters::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
 use kalmanscope_filters::{Channel, InputKind};
 use kalmanscope_records::document::{is_default, is_one};
@@ -7,8 +9,8 @@ use kalmanscope_records::record::Delays;
 use serde::de::{Error as _, IntoDeserializer as _};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::row::{Allowed, Field, SettingInfo, row, settings};
 use super::{Bounds, Values, values};
-use crate::setting::info::{Allowed, Field, SettingInfo, row, settings};
 
 use crate::{Model, PlantKind};
 
@@ -240,6 +242,48 @@ settings! {
         #[serde(deserialize_with = "values::correlation_time", skip_serializing_if = "is_default")]
         pub correlation_time: Values = Values::ZERO;
     }
+}
+
+type Row = SettingInfo<FilterSettings>;
+
+/// The settings that are shown first: how long the filter remembers.
+pub static MEMORY: [&Row; 2] = [&FADING, &ETA];
+
+/// The ways in which parameters may change that stay as they are otherwise, one of which a filter has: in words, and the value that
+/// turns it on.
+pub static CHANGES: [(&Row, &str, f64); 3] =
+    [(&WALK, "walk", 0.1), (&JUMP, "jump", 1.0), (&PROCESS_SCALES, "Q of unknown size", 17.0)];
+
+static ORDER: [&Row; 15] = [
+    &FADING,
+    &ETA,
+    &JUMP,
+    &WALK,
+    &PROCESS_SCALES,
+    &GUESSES,
+    &SUBSTEPS,
+    &ITERATIONS,
+    &ENSEMBLE_SIZE,
+    &LOG_PARAMETERS,
+    &SMOOTHER,
+    &LOOK_AHEAD,
+    &LEARNS_R,
+    &LEARNS_Q,
+    &TRAINING,
+];
+
+static ALL: LazyLock<Vec<&Row>> =
+    LazyLock::new(|| ORDER.into_iter().chain(ROWS.iter().copied().filter(|row| !ORDER.contains(row))).collect());
+
+/// All settings of a filter that are one number each, or a yes or no.
+pub fn of_filter() -> impl Iterator<Item = &'static Row> {
+    ALL.iter().copied()
+}
+
+/// The less common settings. One without a hint is set in files alone.
+pub fn options() -> impl Iterator<Item = &'static Row> {
+    let is_elsewhere = |row: &Row| MEMORY.contains(&row) || CHANGES.iter().any(|(other, ..)| *other == row);
+    of_filter().filter(move |row| !row.hint.is_empty() && !is_elsewhere(row))
 }
 
 impl FilterSettings {

@@ -6,7 +6,9 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
 use super::Scenario;
-use super::address::ALL;
+
+/// The name that stands for all filters in keys; no filter has it.
+pub(crate) const ALL: &str = "*";
 
 impl Scenario {
     /// Gives every filter a unique id and a unique name. A filter without an id, or with that of an earlier one, gets the number
@@ -39,7 +41,7 @@ impl Scenario {
     }
 
     /// Gives filters with a name that another filter has one of their own. Returns a sentence for each.
-    pub(super) fn part_names(&mut self) -> Vec<String> {
+    pub(crate) fn part_names(&mut self) -> Vec<String> {
         let mut sentences = Vec::new();
         for place in 0..self.filters.len() {
             let (before, rest) = self.filters.split_at(place);
@@ -102,71 +104,5 @@ pub(super) fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String,
             "a name cannot have the character U+{:04X}, which steers a terminal or the direction of writing",
             u32::from(letter)
         ))),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{FilterSettings, Scenario};
-
-    fn numbered(ids: &[u32]) -> Vec<u32> {
-        let filters = ids.iter().map(|&id| FilterSettings { id, ..FilterSettings::default() }).collect();
-        let mut scenario = Scenario { filters, ..Scenario::default() };
-        scenario.number_filters();
-        scenario.filters.iter().map(|filter| filter.id).collect()
-    }
-
-    #[test]
-    fn every_filter_has_an_id_of_its_own() {
-        assert_eq!(numbered(&[0, 0, 0]), [1, 2, 3]);
-        assert_eq!(numbered(&[7, 2, 5]), [7, 2, 5]);
-        assert_eq!(numbered(&[2, 0, 2, 0]), [2, 1, 3, 4]);
-        assert!(numbered(&[]).is_empty());
-        assert_eq!(Scenario::default().free_filter_id(), 3);
-    }
-
-    fn named(filters: &[&str]) -> (Vec<String>, Vec<String>) {
-        let mut text = String::new();
-        for filter in filters {
-            let (kind, name) = filter.split_once('=').unwrap_or((filter, ""));
-            text.push_str(&format!("[[filters]]\nkind = \"{kind}\"\nname = \"{name}\"\n"));
-        }
-        let (scenario, remarks) = Scenario::from_toml_with_remarks(&text).unwrap();
-        scenario.validate().unwrap();
-        assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
-        (scenario.filters.into_iter().map(|filter| filter.name).collect(), remarks)
-    }
-
-    #[test]
-    fn every_filter_has_a_name_of_its_own() {
-        for (filters, expected, remarks) in [
-            (&["ekf", "ekf", "ukf", "ekf"][..], &["EKF", "EKF 2", "UKF", "EKF 3"][..], 0),
-            (&["ekf", "ukf=EKF"], &["EKF 2", "EKF"], 0),
-            (&["ekf=a", "ukf=a", "pf=a 2"], &["a", "a 3", "a 2"], 1),
-            (&["ekf=*", "ekf=EKF, smoothed", "ekf"], &["* 2", "EKF, smoothed", "EKF 2"], 1),
-            (&["ekf=a", "ekf=a, smoothed"], &["a", "a, smoothed 2"], 1),
-        ] {
-            let (names, sentences) = named(filters);
-            assert_eq!(names, expected, "{filters:?}");
-            assert_eq!(sentences.len(), remarks, "{sentences:?}");
-        }
-        let (_, sentences) = named(&["ekf=a", "ukf=a"]);
-        assert_eq!(sentences, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
-    }
-
-    #[test]
-    fn names_that_steer_a_terminal_are_refused_with_their_place() {
-        for (letter, code) in [("\\u001B", "U+001B"), ("\\u202E", "U+202E"), ("\\n", "U+000A"), ("\\u2066", "U+2066")] {
-            let error = Scenario::from_toml(&format!("[[filters]]\nname = \"a{letter}b\"")).unwrap_err().to_string();
-            assert!(error.contains("filters[0].name") && error.contains(code), "{error}");
-        }
-        let scenario = Scenario::from_toml("[[filters]]\nname = \"ωₙ – \u{5d0}, größer\"").unwrap();
-        assert_eq!(scenario.filters[0].name, "ωₙ – \u{5d0}, größer");
-    }
-
-    #[test]
-    fn shown_text_keeps_its_lines() {
-        assert_eq!(shown("a\u{1b}]0;b\n\u{202e}c\td"), "a ]0;b\n c d");
     }
 }

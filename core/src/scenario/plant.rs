@@ -78,17 +78,6 @@ impl Plant {
         self
     }
 
-    /// The same plant as another kind.
-    #[must_use]
-    pub fn of_kind(self, kind: PlantKind) -> Self {
-        Self { kind, ..self }
-    }
-
-    /// Removes the signal of an augmentation, and so the augmentation.
-    pub fn remove(&mut self, augmentation: Channel) {
-        self.signals.retain(|(channel, _)| !(channel.is_augmentation() && *channel == augmentation));
-    }
-
     /// The parameters and augmentations of the truth, in the order of its state.
     pub fn parameters(&self) -> impl Iterator<Item = Channel> {
         let augmentations = self.signals.iter().map(|(channel, _)| *channel).filter(|c| c.is_augmentation());

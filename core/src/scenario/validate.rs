@@ -5,18 +5,47 @@ use std::fmt::{Arguments, Display};
 use kalmanscope_filters::channel::{Role, Sign};
 use kalmanscope_filters::quantity::MAX_SENSORS;
 use kalmanscope_filters::{Channel, InputKind};
-use kalmanscope_records::document::{self, Document};
+use kalmanscope_records::document::{self, Document, DocumentError};
 use kalmanscope_records::record::Delays;
+use thiserror::Error;
 
-use super::{FilterSettings, Plant, Scenario, ScenarioError};
-use crate::scenario::cost::largest_ensemble;
-use crate::setting::{Allowed, SettingInfo, TABLES, of_filter, of_scenario};
+use super::cost::largest_ensemble;
+use super::filter::of_filter;
+use super::numbers::of_scenario;
+use super::row::{Allowed, SettingInfo};
+use super::table::TABLES;
+use super::{FilterSettings, Plant, Scenario};
 use crate::{PlantKind, Signal};
 
-/// Limits the samples of one record: more than a day at 1 kHz, and tens of gigabytes per filter in a run that keeps them all.
-pub(super) const MAX_SAMPLES: usize = 100_000_000;
+/// The reason why a scenario cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ScenarioError {
+    /// The text is not a scenario: the message has the line, the key and the reason.
+    #[error("{0}")]
+    Syntax(String),
+    /// A value is impossible.
+    #[error("`{key}` is {value}, but must be {allowed}")]
+    Value {
+        /// The key's path in the file.
+        key: String,
+        /// The value.
+        value: String,
+        /// The allowed values.
+        allowed: String,
+    },
+}
 
-pub(super) const MAX_FILTERS: usize = 16;
+impl From<DocumentError> for ScenarioError {
+    fn from(error: DocumentError) -> Self {
+        Self::Syntax(error.to_string())
+    }
+}
+
+/// Limits the samples of one record: more than a day at 1 kHz, and tens of gigabytes per filter in a run that keeps them all.
+const MAX_SAMPLES: usize = 100_000_000;
+
+const MAX_FILTERS: usize = 16;
 
 impl Scenario {
     /// Checks every value.

@@ -79,7 +79,7 @@ impl Values {
     }
 
     /// The numbers of these channels and those that differ from `base`, over which the file is read.
-    pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
+    pub(crate) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
         let own = all_and(self.iter().map(|(channel, _)| channel));
         let others = own.into_iter().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
         let written = channels.iter().copied().chain(others);

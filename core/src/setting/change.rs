@@ -4,10 +4,10 @@ use kalmanscope_filters::lists::sort_items;
 use kalmanscope_filters::quantity::Quantity;
 use kalmanscope_records::document::{self, Document};
 
+use super::filters::split_id;
 use super::{
-    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, address, edit, name, of_filter,
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, address, edit, filters, name, of_filter,
 };
-use crate::scenario::address::{of_filter as address_of, split_id};
 use crate::scenario::{FilterSettings, Scenario, ScenarioError, Sensor};
 
 use crate::PlantKind;
@@ -30,9 +30,8 @@ pub struct Change(Vec<Part>);
 #[derive(Clone, Debug, PartialEq)]
 enum Part {
     Number(Address, f64),
-    Edit(Edit),
-    /// Null for a setting that is left out.
-    Value(String, Document),
+    /// Null for a setting that is left out; an error is reported where the change is applied.
+    Value(String, Result<Document, ScenarioError>),
     Filter(usize, Box<FilterSettings>),
     NoFilter(u32),
     Sensor(Box<Sensor>),
@@ -57,12 +56,13 @@ impl Change {
 
     /// Gives a setting a value.
     pub fn edit(&mut self, edit: Edit) {
-        self.0.push(Part::Edit(edit));
+        let value = edit.document();
+        self.0.push(Part::Value(edit.key, value));
     }
 
     /// Gives the setting at an address a value as a file has it: for none its default, or no place in a table in which it need not be.
     pub fn put(&mut self, address: impl Into<String>, value: &impl serde::Serialize) {
-        self.0.push(Part::Value(address.into(), document::of(value).unwrap_or_default()));
+        self.0.push(Part::Value(address.into(), document::of(value).map_err(Into::into)));
     }
 
     /// Puts a filter in place of the one with its id, or else adds it at a place.
@@ -100,23 +100,18 @@ impl Change {
         for part in &self.0 {
             match part {
                 Part::Number(address, value) => {
-                    let own = address.keys(scenario);
-                    if own.is_empty() {
-                        return Err(edit::no_setting(&address.to_string(), ""));
+                    if !address.is_in(scenario) {
+                        return Err(edit::no_setting(&address.key, ""));
                     }
                     address.set(scenario, *value);
-                    keys.extend(own);
+                    keys.extend(address::keys(scenario, &address.key));
                 }
-                Part::Edit(Edit { key, .. }) | Part::Value(key, _) => {
+                Part::Value(key, value) => {
                     let mut document = document::of(scenario)?;
-                    match part {
-                        Part::Value(_, value) => edit::put(&mut document, scenario, key, value, "")?,
-                        Part::Edit(edit) => edit.put(&mut document, scenario)?,
-                        _ => {}
-                    }
+                    edit::put(&mut document, scenario, key, value.as_ref().map_err(Clone::clone)?)?;
                     *scenario = scenario.knowing(|| document::read(&document))?;
                     scenario.fill_in();
-                    keys.extend(address::keys_below(scenario, key));
+                    keys.extend(address::keys(scenario, key));
                 }
                 Part::Filter(place, filter) => {
                     if let Some(own) = scenario.filters.iter_mut().find(|own| own.id == filter.id) {
@@ -129,7 +124,7 @@ impl Change {
                 }
                 Part::NoFilter(id) => {
                     scenario.filters.retain(|filter| filter.id != *id);
-                    keys.push(address_of(*id, ""));
+                    keys.push(filters::address(*id, ""));
                 }
                 Part::Sensor(sensor) => {
                     match scenario.sensor_place(sensor.measures) {
@@ -280,111 +275,5 @@ fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
         Document::Number(value) => number(value.as_f64().unwrap_or(f64::NAN)),
         Document::String(text) => text.clone(),
         Document::Array(_) | Document::Object(_) => "other".to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    type Step = fn(&Scenario, &mut Change);
-
-    const STEPS: [(Step, &str); 10] = [
-        (|of, change| change.set(of, "filters.*.eta", 1.5), "filters#1.eta filters#2.eta"),
-        (
-            |of, change| change.set(of, "filters.EKF.sensor_std", 2.0),
-            "filters#1.sensor_std.displacement filters#1.sensor_std.velocity",
-        ),
-        (|_, change| change.edit(Edit::of_filter(1, "kind", "ckf")), "filters#1.kind"),
-        (|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0)), "plant.natural_frequency"),
-        (|_, change| change.put("draw", &None::<bool>), "draw"),
-        (|_, change| change.set_plant(PlantKind::DUFFING), "sensors.displacement sensors.velocity plant.kind"),
-        (|_, change| change.put_sensor(Sensor::new(Quantity::ACCELERATION, 0.3)), "sensors.acceleration"),
-        (|_, change| change.remove_sensor(Quantity::DISPLACEMENT), "sensors.displacement"),
-        (|_, change| change.remove_filter(1), "filters#1."),
-        (|of, change| change.put_filter(1, FilterSettings { id: 3, ..of.filters[0].clone() }), "filters#3."),
-    ];
-
-    fn scenario() -> Scenario {
-        let mut scenario = Scenario::default();
-        scenario.draw.insert("plant.natural_frequency".to_owned(), crate::scenario::Law::Normal([6.0, 0.1]));
-        scenario
-    }
-
-    fn changed(step: Step) -> (Scenario, Vec<String>) {
-        let (mut scenario, mut change) = (scenario(), Change::default());
-        step(&scenario, &mut change);
-        let keys = change.apply(&mut scenario).unwrap();
-        (scenario, keys)
-    }
-
-    #[test]
-    fn a_change_has_the_addresses_of_what_it_changes_and_leaves_all_others() {
-        for (step, addresses) in STEPS {
-            let (now, keys) = changed(step);
-            assert_eq!(keys.join(" "), addresses);
-            let mut elsewhere = Scenario { seed: 77, ..scenario() };
-            let mut change = Change::default();
-            step(&scenario(), &mut change);
-            change.apply(&mut elsewhere).unwrap();
-            assert_eq!(elsewhere, Scenario { seed: 77, ..now }, "{addresses}, elsewhere");
-        }
-    }
-
-    #[test]
-    fn what_was_before_is_said_in_the_words_of_the_settings() {
-        let said = |step: Step| {
-            let (now, keys) = changed(step);
-            Changed::among(&keys, &scenario(), &now).what_was(|number| number.to_string()).join(", ")
-        };
-        assert_eq!(said(|_, change| change.edit(Edit::new("force", "none"))), "force over time = white noise");
-        assert_eq!(said(|_, change| change.edit(Edit::new("hold", "first"))), "input between samples = held");
-        assert_eq!(said(|of, change| change.set(of, "filters#1.jump", 1.0)), "EKF jump at a sudden change = no");
-        assert_eq!(said(|_, change| change.edit(Edit::of_filter(2, "robust", "gate"))), "UKF outliers = none");
-        assert_eq!(said(|_, change| change.remove_filter(2)), "with UKF");
-        let other = |of: &Scenario, change: &mut Change| {
-            change.put_filter(0, FilterSettings { eta: 0.5, fading: 1.0, ..of.filters[0].clone() });
-            change.remove_sensor(Quantity::VELOCITY);
-        };
-        assert_eq!(said(other), "EKF η = 0, EKF λ = 1.005, EKF delay v = 0, EKF √R v = 0.06, with the velocity sensor");
-        assert_eq!(said(|_, change| change.edit(Edit::new("plant.natural_frequency", 5.0))), "plant ωₙ = step");
-        let more = |of: &Scenario, change: &mut Change| {
-            change.put_filter(1, FilterSettings { id: 3, name: "C".to_owned(), ..of.filters[0].clone() });
-            change.edit(Edit::of_filter(3, "fading", 1.5));
-        };
-        assert_eq!(said(more), "without C");
-        assert_eq!(said(|of, change| change.set(of, "seed", 1.0)), "");
-    }
-
-    #[test]
-    fn a_change_tells_whose_results_it_concerns() {
-        let concerned = |step: Step| {
-            let ((now, keys), before) = (changed(step), scenario());
-            let changed = Changed::among(&keys, &before, &now);
-            (changed.is_of_filters(), [1, 2].map(|id| changed.concerns(id)))
-        };
-        assert_eq!(concerned(|of, change| change.set(of, "filters.UKF.fading", 1.5)), (true, [false, true]));
-        assert_eq!(concerned(|_, change| change.edit(Edit::of_filter(2, "name", "other"))), (true, [false, false]));
-        assert_eq!(concerned(|of, change| change.set(of, "seed", 7.0)), (false, [true, true]));
-    }
-
-    #[test]
-    fn options_that_the_others_exclude_are_turned_off_and_said() {
-        let mut scenario = scenario();
-        scenario.filters[0].walk = 0.1;
-        let mut change = Change::default();
-        change.set(&scenario, "filters#1.smoother", 1.0);
-        assert_eq!(change.apply(&mut scenario).unwrap(), ["filters#1.smoother", "filters#1.walk"]);
-        assert!(scenario.filters[0].smoother && scenario.validate().is_ok());
-    }
-
-    #[test]
-    fn a_setting_that_is_gone_is_not_changed() {
-        let mut change = Change::default();
-        change.set(&scenario(), "filters#1.fading", 1.5);
-        let mut without = scenario();
-        without.filters.remove(0);
-        let error = change.apply(&mut without).unwrap_err();
-        assert_eq!(error.to_string(), "the scenario has no setting `filters#1.fading`");
     }
 }

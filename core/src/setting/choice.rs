@@ -5,7 +5,7 @@ use kalmanscope_filters::{Hold, InputKind, Propagation};
 use toml::Value;
 
 use super::Edit;
-use super::info::by_key;
+use crate::scenario::row::by_key;
 use crate::scenario::{FilterSettings, Scenario, option};
 use crate::signal::Force;
 
@@ -152,45 +152,4 @@ pub fn other_choices(scenario: &Scenario) -> Vec<Edit> {
     });
     let of_scenario = CHOICES_OF_SCENARIO.into_iter().flat_map(|info| others(info, scenario, info.key));
     of_filters.chain(of_scenario).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_records::document;
-
-    fn each<T: Default + serde::Serialize + serde::de::DeserializeOwned + 'static>(all: &[&ChoiceInfo<T>]) {
-        for info in all {
-            // A file leaves out a default.
-            let default = (info.value)((info.get)(&T::default()));
-            let mut of = T::default();
-            for (place, option) in (info.options)().into_iter().enumerate() {
-                let mut document = document::of(&of).unwrap();
-                document[info.key] = document::of(&(info.value)(place)).unwrap();
-                of = document::read(&document).unwrap();
-                assert_eq!(((info.get)(&of), info.chosen(&of)), (place, Some(option)), "{info:?}");
-                let file = document::of(&of).unwrap().get(info.key).map(|value| Value::try_from(value).unwrap());
-                assert_eq!(file.as_ref().unwrap_or(&default), &(info.value)(place), "{info:?} in a file");
-                assert_eq!(info.name_of(&(info.value)(place)), Some(option.name));
-            }
-        }
-    }
-
-    #[test]
-    fn every_option_is_set_found_and_written_in_files_as_the_row_says() {
-        each(&CHOICES_OF_SCENARIO);
-        each(&CHOICES_OF_FILTER);
-    }
-
-    #[test]
-    fn other_choices_can_be_made() {
-        let scenario = Scenario::default();
-        let all = other_choices(&scenario);
-        assert_eq!(all.len(), 1 + 1 + 5 + 2 * (3 + Robust::ALL.len() - 1) - 3, "a UKF has no steps of its own");
-        for edit in &all {
-            let edited = edit.apply(&scenario).unwrap();
-            assert_ne!(edited, scenario, "{}", edit.key);
-            assert!(!edit.in_words(&scenario).contains(" = "), "{}", edit.in_words(&scenario));
-        }
-    }
 }

@@ -5,8 +5,8 @@ use kalmanscope_filters::quantity::Quantity;
 use kalmanscope_records::document::{self, Document, json};
 use toml::Value;
 
-use super::{SENSOR_STD, TableInfo};
-use crate::scenario::{Scenario, ScenarioError, address};
+use super::{SENSOR_STD, TableInfo, filters};
+use crate::scenario::{Scenario, ScenarioError};
 
 /// An edit of a scenario: a key and its new value.
 ///
@@ -39,7 +39,7 @@ impl Edit {
 
     /// A setting of the filter with an id.
     pub fn of_filter(id: u32, key: &str, value: impl Into<Value>) -> Self {
-        Self { key: address::of_filter(id, key), value: value.into() }
+        Self { key: filters::address(id, key), value: value.into() }
     }
 
     /// The line to write into a scenario file: into the table of the filter whose setting it is, or at the top.
@@ -49,7 +49,7 @@ impl Edit {
 
     /// The address below the filter or the sensor.
     pub fn inner(&self) -> &str {
-        address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
+        filters::split_id(&self.key).map_or(&self.key, |(_, key)| key)
     }
 
     /// The edit with numbers of four significant digits, as people read and write them.
@@ -72,26 +72,25 @@ impl Edit {
     /// As [`Self::apply`].
     pub fn apply_all(edits: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
         let mut document = document::of(scenario)?;
-        edits.iter().try_for_each(|edit| edit.put(&mut document, scenario))?;
+        edits.iter().try_for_each(|edit| put(&mut document, scenario, &edit.key, &edit.document()?))?;
         Scenario::from_document(&document)
     }
 
-    pub(super) fn put(&self, document: &mut Document, scenario: &Scenario) -> Result<(), ScenarioError> {
+    pub(super) fn document(&self) -> Result<Document, ScenarioError> {
         let value = document::of(&self.value)?;
-        if let Some(error) = document::not_finite(&value) {
-            return Err(ScenarioError::Syntax(format!("`{}`: {error}", self.key)));
+        match document::not_finite(&value) {
+            Some(error) => Err(ScenarioError::Syntax(format!("`{}`: {error}", self.key))),
+            None => Ok(value),
         }
-        put(document, scenario, &self.key, &value, &scenario.filters_instead_of(&self.key))
     }
 }
 
-/// Sets a value, also under a new key, since a file leaves out defaults. `instead` ends the error where there is no place for the value.
+/// Sets a value, also under a new key, since a file leaves out defaults.
 pub(super) fn put(
     document: &mut Document,
     scenario: &Scenario,
     address: &str,
     value: &Document,
-    instead: &str,
 ) -> Result<(), ScenarioError> {
     let sensor = |key: &str| match Quantity::from_key(key) {
         Some(quantity) => scenario.sensor_place(quantity).map(|at| at.to_string()),
@@ -118,7 +117,7 @@ pub(super) fn put(
         paths.push(address.to_owned());
     }
     if paths.is_empty() || !paths.iter().all(|path| document::put(document, path, value)) {
-        return Err(no_setting(address, instead));
+        return Err(no_setting(address, &scenario.filters_instead_of(address)));
     }
     Ok(())
 }
@@ -132,81 +131,5 @@ fn rounded(value: &Value) -> Value {
         Value::Float(x) => Value::Float(format!("{x:.3e}").parse().unwrap_or(*x)),
         Value::Array(values) => Value::Array(mapped(values, &rounded)),
         other => other.clone(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::PlantKind;
-    use kalmanscope_filters::{Channel, Hold};
-
-    #[test]
-    fn edits_are_turned_by_their_keys() {
-        let mut scenario = Scenario::default();
-        scenario.filters[1].name = "UKF, no. 2".to_owned();
-        let [ekf, ukf] = [scenario.filters[0].id, scenario.filters[1].id];
-        let edits = [
-            Edit::new("hold", "first"),
-            Edit::of_filter(ukf, "process_std.velocity", 0.5),
-            Edit::of_filter(ukf, "sensor_std", vec![0.1, 0.2]),
-            Edit::of_filter(ekf, "plant", "duffing"),
-            Edit::of_filter(ekf, "augment", vec!["input_gain"]),
-        ];
-        let turned = Edit::apply_all(&edits, &scenario).unwrap();
-        assert_eq!((turned.hold, turned.filters[0].plant.clone()), (Hold::First, Some(PlantKind::DUFFING)));
-        assert_eq!(turned.filters[0].augment, [Channel::INPUT_GAIN]);
-        assert_eq!(turned.filters[1].process_std[Channel::VELOCITY], 0.5);
-        assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);
-        assert_eq!(edits[1].toml_line(), "process_std.velocity = 0.5");
-        assert_eq!(edits[2].toml_line(), "sensor_std = [0.1, 0.2]");
-        let rounded = Edit::of_filter(ekf, "sensor_std", vec![0.012_345_678, 1.005]).rounded();
-        assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
-        let mut renamed = scenario.clone();
-        (renamed.filters[0].name, renamed.filters[1].name) = ("UKF, no. 2".to_owned(), "EKF".to_owned());
-        let turned = Edit::of_filter(ekf, "fading", 1.5).apply(&renamed).unwrap();
-        assert_eq!((turned.filters[0].fading, turned.filters[1].fading), (1.5, scenario.filters[1].fading));
-        renamed.filters[1].id = ekf;
-        assert!(Edit::of_filter(ekf, "fading", 1.0).apply(&renamed).is_err(), "which of the two?");
-    }
-
-    #[test]
-    fn every_kind_of_place_can_be_edited() {
-        let scenario = Scenario::default();
-        let table = |text: &str| Value::Table(text.parse().unwrap());
-        let edits = [
-            Edit::new("plant.natural_frequency", table("step = { from = 1.0, to = 2.0, at = 3.0 }")),
-            Edit::new("force", "none"),
-            Edit::new("duration", 10),
-            Edit::new("sensors.velocity.noise_std", 0.2),
-            Edit::new("filters.*.fading", 1),
-            Edit::new("filters.EKF.sensor_std.1", 7.0),
-            Edit::new("filters.EKF.sensor_std.displacement", 8.0),
-            Edit::new("filters.UKF.substeps", 3),
-            Edit::new("filters.UKF.name", "U"),
-        ];
-        let edited = Edit::apply_all(&edits, &scenario).unwrap();
-        assert_eq!(edited.plant.parameter(Channel::NATURAL_FREQUENCY).map(|signal| signal.at(2.0)), Some(1.0));
-        assert_eq!((edited.force, edited.duration, edited.sensors[1].noise_std), (crate::Force::None, 10.0, 0.2));
-        let [ekf, ukf] = &edited.filters[..] else { panic!("two filters") };
-        assert_eq!((ekf.fading, &ekf.sensor_std[..], ukf.fading), (1.0, &[8.0, 7.0][..], 1.0));
-        assert_eq!((ukf.substeps, ukf.name.as_str()), (3, "U"));
-    }
-
-    #[test]
-    fn settings_that_there_are_not_cannot_be_edited() {
-        let mut scenario = Scenario::default();
-        scenario.plant.set(Channel::NATURAL_FREQUENCY, crate::Signal::Constant(6.0));
-        let keys = " plnt.natural_frequency plant.frequency plant.natural_frequency.step filters.EKF filters.* filters.KF.fading \
-             filters.*.fadng filters.EKF.sensor_std.2 filters.EKF.sensor_std.acceleration sensors.acceleration.noise_std \
-             record.every";
-        for key in keys.split(' ') {
-            let error = Edit::new(key, 1.0).apply(&scenario).unwrap_err().to_string();
-            let last = key.rsplit('.').next().unwrap_or_default();
-            let is_unread = error.contains(&format!("unknown field `{last}`"));
-            assert!(is_unread || error.starts_with(&format!("the scenario has no setting `{key}`")), "{error}");
-        }
-        let impossible = Edit::new("filters.EKF.fading", 0.5).apply(&scenario).unwrap_err().to_string();
-        assert!(impossible.starts_with("`filters[0].fading` is 0.5"), "{impossible}");
     }
 }

@@ -1,12 +1,10 @@
 //! The place of a number in a scenario.
 
-use std::fmt;
-
 use kalmanscope_filters::channel::Channel;
 use kalmanscope_filters::quantity::Quantity;
 
+use super::filters::is_of_all;
 use super::{Entry, SettingInfo, TABLES, TableInfo, of_filter, of_scenario};
-use crate::scenario::address::is_of_all;
 use crate::scenario::{Fault, FilterSettings, Scenario, Sensor};
 
 const PLANT: &str = "plant.";
@@ -167,16 +165,6 @@ impl Member {
             (Self::Factor(table, _), Self::Entry(other, _) | Self::Factor(other, _))
             | (Self::Entry(table, _), Self::Factor(other, _)) => table == other,
             _ => false,
-        }
-    }
-}
-
-impl fmt::Display for Member {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(info) => f.write_str(info.key),
-            Self::Entry(table, entry) => write!(f, "{}.{}", table.key, entry.key()),
-            Self::Factor(table, _) => f.write_str(table.key),
         }
     }
 }

@@ -31,6 +31,7 @@ use crate::{FilterSettings, Scenario, Sensor};
 /// equations 21 and 34.
 pub struct CramerRao {
     settings: FilterSettings,
+    /// Those of the truth, then the other augmentations that the filter estimates.
     channels: Vec<Channel>,
     /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
     recursion: Option<(PlantFilter<f64>, Vec<Quantity>)>,
@@ -68,14 +69,9 @@ impl CramerRao {
         bound_settings(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
-    /// Takes in the new samples of a record of this scenario, and forgets those that the record has forgotten. There is
-    /// no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in
-    /// here.
-    pub fn follow(&mut self, record: &Record) {
-        self.follow_to(record.len(), record);
-    }
-
-    /// [`Self::follow`] up to sample `end` of those that are kept. Returns whether everything before it is done.
+    /// Takes in the samples of a record of this scenario up to `end` of those that are kept, and forgets those that the record has forgotten.
+    /// There is no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in here.
+    /// Returns whether everything before `end` is done.
     pub fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
@@ -134,11 +130,6 @@ impl CramerRao {
         std.len() / n >= record.len()
     }
 
-    /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
-    pub fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
     /// The place of a channel, if the bound has it.
     pub fn place(&self, channel: Channel) -> Option<usize> {
         channel.place_in(&self.channels)
@@ -187,8 +178,4 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     })
 }
 
-impl Piecewise for CramerRao {
-    fn free_piece(&mut self) -> bool {
-        false
-    }
-}
+impl Piecewise for CramerRao {}

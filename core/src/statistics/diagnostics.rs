@@ -10,22 +10,20 @@ use std::ops::Range;
 use kalmanscope_filters::{Channel, Stop};
 use kalmanscope_records::Record;
 
-use crate::Estimates;
 use crate::run::waste::Piecewise;
-use accuracy::{Accuracy, Nees};
-use totals::{Likelihood, Totals};
+use crate::statistics::score::Scores;
+use crate::{Estimates, Sink as _};
+use accuracy::Tracked;
+use totals::{RangeSums, Totals};
 
 pub use accuracy::ErrorSums;
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
-/// The number of samples that are taken in at once, which stay in the processor's cache.
-const PORTION: usize = 64;
-
 /// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
-    /// NIS, NEES and likelihood, at half the cost of everything: no tallies of errors, no whiteness and no diagnosis.
+    /// NIS, NEES and likelihood, with less memory: no tallies of errors, no whiteness and no diagnosis.
     Consistency,
     /// Everything.
     #[default]
@@ -41,15 +39,23 @@ pub enum Depth {
 /// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
-    depth: Depth,
+    /// The depth of these diagnostics.
+    pub depth: Depth,
+    scores: Scores,
     samples: usize,
     forgotten: usize,
-    accuracy: Accuracy,
-    nees: Nees,
+    /// The squares of the errors of each channel of known truth.
+    errors: Vec<RangeSums>,
+    nees: Vec<f64>,
+    nees_totals: Totals,
+    inside: u32,
     nis: Totals,
-    whiteness: Vec<Whiteness>,
-    likelihood: Likelihood,
-    stop: Option<Stop>,
+    /// The 95 % quantile of χ² for one and more degrees of freedom.
+    limits: Vec<f64>,
+    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
+    pub whiteness: Vec<Whiteness>,
+    /// Where and why the filter stopped, if it did.
+    pub stop: Option<Stop>,
 }
 
 impl Diagnostics {
@@ -73,18 +79,23 @@ impl Diagnostics {
 
     /// Removes what was taken in, and keeps the memory.
     pub fn clear(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
-        *samples = 0;
-        *forgotten = estimates.forgotten();
-        accuracy.restart(estimates, record);
-        nees.restart(accuracy.known.iter().map(|known| known.place));
+        let Self { depth, scores, samples, forgotten, errors, nees, nees_totals, inside, nis, limits, .. } = self;
+        let Self { whiteness, stop, .. } = self;
+        *scores = Scores::new(estimates, record);
+        (*samples, *forgotten, *inside, *stop) = (0, estimates.forgotten(), 0, None);
+        let known = scores.sums.tracked.len();
+        errors.resize_with(if *depth == Depth::All { known } else { 0 }, RangeSums::default);
+        errors.iter_mut().for_each(RangeSums::clear);
+        nees.clear();
+        nees_totals.clear();
         nis.clear();
+        for degrees in limits.len()..known {
+            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
+        }
         whiteness.clear();
         if *depth == Depth::All {
             whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
         }
-        *likelihood = Likelihood::new(estimates.kind());
-        *stop = None;
     }
 
     /// Takes in the new samples, each in constant time. `estimates` and `record` must be those that the diagnostics
@@ -97,45 +108,61 @@ impl Diagnostics {
     pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
-            let before = self.accuracy.known.clone();
+            let before = std::mem::take(&mut self.scores);
             self.restart(estimates, record);
             if seen_all {
-                self.accuracy.remember(&before);
+                self.remember(&before.sums.tracked);
             }
             return;
         }
         let end = end.min(estimates.len());
-        while self.samples < end {
-            let portion = self.samples..end.min(self.samples + PORTION);
-            self.samples = portion.end;
-            self.push(estimates, record, portion);
+        for k in self.samples..end {
+            self.push(estimates, record, k);
         }
+        self.samples = self.samples.max(end);
         self.stop = estimates.stop().filter(|_| end == estimates.len());
     }
 
-    fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) {
-        let Self { depth, accuracy, nees, nis, whiteness, likelihood, .. } = self;
-        let errors = match depth {
-            Depth::Consistency => accuracy.measure(estimates, record, samples.clone()),
-            Depth::All => accuracy.push(estimates, record, samples.clone()),
-        };
-        let channels = errors.len() / samples.len();
-        for (row, k) in samples.enumerate() {
-            nees.push(&errors[row * channels..][..channels], estimates.mean(k), estimates.cov(k));
-            let innovation = estimates.innovation(k);
-            nis.push(estimates.nis()[k], estimates.readings(k));
-            let determinant = estimates.determinant()[k];
-            likelihood.push(determinant, || estimates.ln_determinant(k), || estimates.log_likelihood(k));
-            let (m, cov) = (whiteness.len(), estimates.innovation_cov(k));
-            for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(innovation).enumerate() {
-                whiteness.push(innovation / cov[i * (m + 1)].sqrt());
+    fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
+        let Self { scores, errors, nees, nees_totals, inside, nis, limits, whiteness, .. } = self;
+        let (sample, before) = (estimates.sample(k), scores.sums.nees.degrees);
+        scores.against(record).push(&sample);
+        let sums = &scores.sums;
+        let [square, of_update] = sums.last;
+        nees.push(square);
+        nees_totals.push(square, sums.nees.total(0));
+        nis.push(of_update, sums.nis.total(0));
+        let limit = ((sums.nees.degrees - before) as usize).checked_sub(1).map(|place| limits[place]);
+        *inside += u32::from(limit.is_some_and(|limit| square <= limit));
+        for (errors, tracked) in errors.iter_mut().zip(&sums.tracked) {
+            let (error, ErrorSums { known, inside, .. }) = (tracked.error, tracked.total(0));
+            errors.push(if error.is_nan() { 0.0 } else { error * error }, (known, inside));
+        }
+        let m = whiteness.len();
+        for (i, (whiteness, innovation)) in whiteness.iter_mut().zip(sample.innovation).enumerate() {
+            whiteness.push(innovation / sample.innovation_cov[i * (m + 1)].sqrt());
+        }
+    }
+
+    fn remember(&mut self, before: &[Tracked<f64>]) {
+        let tracked = self.scores.sums.tracked.iter_mut().zip(before);
+        for (known, before) in tracked.filter(|(_, before)| before.known > 0.0) {
+            known.first_error = before.first_error;
+            known.largest_truth = known.largest_truth.max(before.largest_truth);
+            if known.settled == self.forgotten as f64 {
+                known.settled = known.settled.min(before.settled);
             }
         }
     }
 
-    /// The depth of these diagnostics.
-    pub fn depth(&self) -> Depth {
-        self.depth
+    fn place(&self, channel: Channel) -> Option<usize> {
+        self.scores.sums.tracked.iter().position(|known| known.channel == channel)
+    }
+
+    fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
+        let Some(errors) = self.errors.get(at) else { return ErrorSums::default() };
+        let (squares, (known, inside)) = errors.within(range, self.scores.sums.tracked[at].total(0).squares);
+        ErrorSums { squares, known, inside }
     }
 
     /// The number of samples taken in.
@@ -148,25 +175,20 @@ impl Diagnostics {
         self.samples == 0
     }
 
-    /// Where and why the filter stopped, if it did.
-    pub fn stop(&self) -> Option<Stop> {
-        self.stop
-    }
-
     /// The estimated channels with a known truth.
     pub fn known(&self) -> impl Iterator<Item = Channel> {
-        self.accuracy.known.iter().map(|known| known.channel)
+        self.scores.sums.tracked.iter().map(|known| known.channel)
     }
 
     /// A channel's last error, estimate minus truth, in its unit. `None` if the truth is not known.
     pub fn error(&self, channel: Channel) -> Option<f64> {
-        Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
+        Some(self.scores.sums.tracked[self.place(channel)?].error).filter(|error| !error.is_nan())
     }
 
     /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
     /// [`Depth::Consistency`].
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<ErrorSums> {
-        let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
+        let tally = self.within(self.place(channel)?, range);
         (tally.known > 0).then_some(tally)
     }
 
@@ -175,13 +197,13 @@ impl Diagnostics {
     pub fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
-        let is_lost = |(at, known): (usize, &accuracy::Tracked<f64>)| {
-            let rmse = self.accuracy.within(at, recent.clone()).rmse();
+        let is_lost = |(at, known): (usize, &Tracked<f64>)| {
+            let rmse = self.within(at, recent.clone()).rmse();
             let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
             let seen = known.largest_truth.max(known.first_error);
             accuracy::is_lost(rmse, std, limit, seen, first).then_some((known.channel, rmse / std, rmse))
         };
-        self.accuracy.known.iter().enumerate().filter_map(is_lost).collect()
+        self.scores.sums.tracked.iter().enumerate().filter_map(is_lost).collect()
     }
 
     /// The last third of the samples.
@@ -193,7 +215,9 @@ impl Diagnostics {
     /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, the truth is not known, or the depth is
     /// [`Depth::Consistency`].
     pub fn settled(&self, channel: Channel) -> Option<usize> {
-        self.accuracy.settled(self.accuracy.place(channel)?)
+        let Tracked { settled, known, .. } = self.scores.sums.tracked[self.place(channel)?];
+        let (settled, end) = (settled as usize, self.forgotten + self.samples);
+        (self.depth == Depth::All && known > 0.0 && settled < end).then_some(settled)
     }
 
     /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
@@ -207,18 +231,18 @@ impl Diagnostics {
     ///
     /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
     pub fn nees(&self) -> &[f64] {
-        &self.nees.values
+        &self.nees
     }
 
     /// The sum of the NEES over a range of samples.
     pub fn nees_within(&self, range: Range<usize>) -> Total {
-        self.nees.totals.within(range)
+        self.nees_totals.within(range)
     }
 
     /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
     /// is none.
     pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
-        self.nees.totals.moving_means(window, range)
+        self.nees_totals.moving_means(window, range)
     }
 
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
@@ -227,12 +251,13 @@ impl Diagnostics {
     /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
     /// errors the mean lies inside with a probability above 95 %.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
-        MeanSquare::new(self.nees.totals.whole, 1)
+        MeanSquare::new(self.nees_totals.whole, 1)
     }
 
     /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.
     pub fn share_in_ellipsoid(&self) -> Option<f64> {
-        Some(self.nees.coverage()).filter(|share| !share.is_nan())
+        let share = f64::from(self.inside) / f64::from(self.nees_totals.whole.samples);
+        Some(share).filter(|share| !share.is_nan())
     }
 
     /// The sum of the NIS over a range of samples.
@@ -252,14 +277,9 @@ impl Diagnostics {
         MeanSquare::new(total, total.samples)
     }
 
-    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
-    pub fn whiteness(&self) -> &[Whiteness] {
-        &self.whiteness
-    }
-
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        self.likelihood.value(self.nis.whole)
+        self.scores.log_likelihood()
     }
 
     /// The same as the evidence of a model class ([`ModelClasses`](crate::ModelClasses)): minus infinity where the filter stopped.
@@ -268,8 +288,4 @@ impl Diagnostics {
     }
 }
 
-impl Piecewise for Diagnostics {
-    fn free_piece(&mut self) -> bool {
-        false
-    }
-}
+impl Piecewise for Diagnostics {}

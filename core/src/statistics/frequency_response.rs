@@ -53,12 +53,10 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
     let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
         let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
-        let mut magnitude = Vec::with_capacity(frequencies.len());
         for batch in draws.chunks(DRAWS) {
             let mut extremes = Extremes::new(frequencies.len());
             for draw in batch {
-                draw.magnitude_into(frequencies, &mut magnitude);
-                extremes.push(&magnitude);
+                extremes.push(&draw.magnitude(frequencies));
             }
             let (low, high) = extremes.quantiles();
             for (mean, quantile) in band.0.iter_mut().zip(low).chain(band.1.iter_mut().zip(high)) {
@@ -71,7 +69,7 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
 }
 
 fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
-    let model = Model::new(estimates.plant().clone());
+    let model = Model::new(estimates.plant.clone());
     let (n, motion) = (model.size(), model.motion());
     let mut mean = Vector::zeros(n);
     for i in motion..n {
@@ -213,18 +211,11 @@ impl TransferFunction {
     /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
     /// \[s²\].
     pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
-        let mut magnitude = Vec::with_capacity(frequencies.len());
-        self.magnitude_into(frequencies, &mut magnitude);
-        magnitude
-    }
-
-    fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
         // Where a zero meets a pole, as that of a hum that the force does not drive, both are rounding; beside them is the limit.
         let meet = |w: f64| is_rounding(numerator, w / unit) && is_rounding(denominator, w / unit);
-        magnitude.clear();
-        magnitude.extend(frequencies.iter().map(|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) }));
+        mapped(frequencies, &|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) })
     }
 
     /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
@@ -278,4 +269,32 @@ fn is_rounding(polynomial: &[f64], frequency: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_have_the_moments_of_the_standard_normal() {
+        assert!((ROOT.powi(7) - ROOT - 1.0).abs() < 1e-14 && (root(USUAL) - ROOT).abs() < 1e-15);
+        for j in 0..5 {
+            let mean = |of: &dyn Fn(usize) -> f64| (0..DRAWS).map(of).sum::<f64>() / DRAWS as f64;
+            let moment = |p: i32| mean(&|i| normal(i, j, 5).powi(p));
+            assert!(moment(1).abs() < 0.06 && (moment(2) - 1.0).abs() < 0.1, "{} {}", moment(1), moment(2));
+            for other in 0..j {
+                let product = mean(&|i| normal(i, j, 5) * normal(i, other, 5));
+                assert!(product.abs() < 0.08, "correlation {product} of {j} and {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_sorted_values() {
+        let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0, 5)).collect();
+        let mut extremes = Extremes::new(2);
+        values.iter().for_each(|&x| extremes.push(&[x, f64::INFINITY]));
+        values.sort_by(f64::total_cmp);
+        let (low, high) = extremes.quantiles();
+        assert!((low[0] - (values[1] + 0.9 * (values[2] - values[1]))).abs() < 1e-15);
+        assert!((high[0] - (values[DRAWS - 2] - 0.9 * (values[DRAWS - 2] - values[DRAWS - 3]))).abs() < 1e-15);
+        assert_eq!((low[1], high[1]), (f64::INFINITY, f64::INFINITY));
+    }
+}

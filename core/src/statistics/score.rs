@@ -1,6 +1,6 @@
 //! Scores of a filter that need no history.
 
-mod lane_sums;
+pub(crate) mod lane_sums;
 pub(crate) mod lanes;
 
 use kalmanscope_filters::engine::level::Baseline;
@@ -11,29 +11,35 @@ use crate::run::sink::{Sample, Sink};
 use crate::statistics::diagnostics::accuracy::is_lost;
 use crate::statistics::diagnostics::{ErrorSums, Total};
 use crate::{Estimates, Pass, RunError, Scenario};
+use lane_sums::ScoreSums;
 
 /// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
 /// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
 ///
 /// ```
-/// use kalmanscope_core::{Channel, Pass, Run, Scenario, Scores};
+/// use kalmanscope_core::{Pass, Run, Scenario, Scores};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let scenario = Scenario { duration: 20.0, ..Scenario::default() };
 /// let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
 /// run.finish();
 /// let mut scores = Scores::new(&Pass::history(&scenario, 0)?, run.record());
 /// Pass::new(&scenario, 0, run.record())?.follow(run.record(), run.samples(), &mut scores.against(run.record()));
-/// assert!(scores.channel(Channel::NATURAL_FREQUENCY).unwrap().rmse < 0.5);
+/// assert_eq!(scores.outcome().samples, 2001);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
-    sums: lane_sums::ScoreSums<f64>,
+    pub(crate) sums: ScoreSums<f64>,
     own_likelihood: Option<f64>,
     truth: Vec<f64>,
-    channels: Vec<Channel>,
     stop: Option<Stop>,
+}
+
+impl Default for Scores {
+    fn default() -> Self {
+        Self { sums: ScoreSums::new(&[], |_| false, 0, 0), own_likelihood: None, truth: Vec::new(), stop: None }
+    }
 }
 
 /// The accuracy of one channel, in its unit.
@@ -52,32 +58,20 @@ pub struct ChannelScore {
 }
 
 impl Scores {
-    /// Empty sums, for a filter with this empty history over the whole of a record.
+    /// Empty sums, for the samples of a filter with this history over the whole of a record that are not forgotten.
     pub fn new(history: &Estimates, record: &Record) -> Self {
-        let channels: Vec<Channel> = history.channels().to_vec();
         let is_known = |channel| record.truth(channel).is_some();
+        let (all, first) = (record.len(), history.forgotten());
         Self {
-            sums: lane_sums::ScoreSums::new(&channels, is_known, record.len()),
-            own_likelihood: history.kind().has_own_likelihood().then_some(0.0),
-            channels: channels.into_iter().filter(|channel| is_known(*channel)).collect(),
-            truth: Vec::new(),
-            stop: None,
+            sums: ScoreSums::new(history.channels(), is_known, all, first),
+            own_likelihood: history.kind.has_own_likelihood().then_some(0.0),
+            ..Self::default()
         }
     }
 
     /// The sink for samples of this record, which must be the one given to [`Self::new`].
     pub fn against<'a>(&'a mut self, record: &'a Record) -> Scoring<'a> {
-        Scoring { scores: self, record }
-    }
-
-    /// The number of samples.
-    pub fn len(&self) -> usize {
-        self.sums.len()
-    }
-
-    /// Whether there is no sample.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        Scoring { scores: self, record, history: None }
     }
 
     /// The filter at the last sample.
@@ -85,15 +79,13 @@ impl Scores {
         self.sums.sample_score(0)
     }
 
-    /// The accuracy of a channel. `None` if the truth is not known.
-    pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
-        self.outcome().channels.into_iter().find(|(other, _)| *other == channel).map(|(_, score)| score)
-    }
-
     /// All scores at once.
     pub fn outcome(&self) -> Outcome {
-        let outcome = self.sums.outcome(0, self.stop);
-        Outcome { log_likelihood: self.own_likelihood.unwrap_or(outcome.log_likelihood), ..outcome }
+        Outcome { log_likelihood: self.log_likelihood(), ..self.sums.outcome(0, self.stop) }
+    }
+
+    pub(crate) fn log_likelihood(&self) -> f64 {
+        self.own_likelihood.unwrap_or_else(|| self.sums.log_likelihood(0))
     }
 }
 
@@ -101,14 +93,18 @@ impl Scores {
 pub struct Scoring<'a> {
     scores: &'a mut Scores,
     record: &'a Record,
+    history: Option<&'a mut Estimates>,
 }
 
 impl Sink for Scoring<'_> {
     fn push(&mut self, sample: &Sample<'_>) {
-        let Scores { sums, own_likelihood, truth, channels, .. } = &mut *self.scores;
-        let Some(k) = sums.len().checked_sub(self.record.forgotten()) else { return };
+        if let Some(history) = &mut self.history {
+            history.push(sample);
+        }
+        let Scores { sums, own_likelihood, truth, .. } = &mut *self.scores;
+        let Some(k) = sums.samples.checked_sub(self.record.forgotten()) else { return };
         truth.clear();
-        truth.extend(channels.iter().map(|channel| self.record.truth(*channel).map_or(f64::NAN, |truth| truth[k])));
+        truth.extend(sums.tracked.iter().map(|one| self.record.truth(one.channel).map_or(f64::NAN, |truth| truth[k])));
         let readings = sample.readings();
         let of_update = if readings > 0 { [sample.nis, sample.determinant] } else { [0.0, 1.0] };
         sums.take_update(of_update, f64::from(readings), |_| sample.ln_determinant());
@@ -120,6 +116,9 @@ impl Sink for Scoring<'_> {
 
     fn stop_at(&mut self, stop: Stop) {
         self.scores.stop = Some(stop);
+        if let Some(history) = &mut self.history {
+            history.stop_at(stop);
+        }
     }
 }
 
@@ -216,24 +215,6 @@ pub struct ScoredPass {
     history: Option<Estimates>,
 }
 
-struct Scored<'a>(Scoring<'a>, Option<&'a mut Estimates>);
-
-impl Sink for Scored<'_> {
-    fn push(&mut self, sample: &Sample<'_>) {
-        self.0.push(sample);
-        if let Some(history) = &mut self.1 {
-            history.push(sample);
-        }
-    }
-
-    fn stop_at(&mut self, stop: Stop) {
-        self.0.stop_at(stop);
-        if let Some(history) = &mut self.1 {
-            history.stop_at(stop);
-        }
-    }
-}
-
 impl ScoredPass {
     /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
     /// order. It keeps all estimates if its scores need the history.
@@ -263,15 +244,16 @@ impl ScoredPass {
     /// same in all calls. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, scores, samples: asked, sample_scores, history } = self;
+        let mut sink = Scoring { scores, record, history: history.as_mut() };
         while let Some(&sample) = asked.get(sample_scores.len()).filter(|sample| **sample < samples) {
-            pass.follow(record, sample.saturating_add(1), &mut Scored(scores.against(record), history.as_mut()));
-            if scores.len() != sample.saturating_add(1) {
+            pass.follow(record, sample.saturating_add(1), &mut sink);
+            if sink.scores.sums.samples != sample.saturating_add(1) {
                 asked.truncate(sample_scores.len());
                 break;
             }
-            sample_scores.push(scores.sample_score());
+            sample_scores.push(sink.scores.sample_score());
         }
-        pass.follow(record, samples, &mut Scored(scores.against(record), history.as_mut()));
+        pass.follow(record, samples, &mut sink);
         pass.done() >= record.forgotten() + record.len()
     }
 
@@ -282,7 +264,7 @@ impl ScoredPass {
 }
 
 impl Outcome {
-    /// Runs the filter at `place` of a scenario over the whole of a record.
+    /// Runs the filter at `place` of a scenario over the whole of a record, with the scores at each of these samples, which are in order.
     ///
     /// ```
     /// use kalmanscope_core::score::Outcome;
@@ -291,19 +273,11 @@ impl Outcome {
     /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
     /// let mut run = Run::new(&scenario)?;
     /// run.finish();
-    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
+    /// let outcome = Outcome::at(&scenario, 0, run.record(), &[])?;
     /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
     /// # Ok(())
     /// # }
     /// ```
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
-    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
-        Self::at(scenario, place, record, &[])
-    }
-
-    /// [`Self::of`], with the scores at each of these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

@@ -25,15 +25,10 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor. `None` if there are too few. A missing
+    /// The spectrogram of the first `samples` measurements of a sensor, before its first window. `None` if there are too few. A missing
     /// measurement repeats the one before it.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
-    pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
-        Self::windows(record, sensor, samples).map(Task::run)
-    }
-
-    /// The same, before its first window.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
         Windows::new(record, sensor, samples, WINDOWS)
     }
@@ -133,46 +128,5 @@ impl Task for Windows {
             resolution: TAU / (length as f64 * dt),
             decibels: mapped(&power, &|column| mapped(column, &decibels)),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_filters::{Hold, InputKind, Quantity};
-    use kalmanscope_records::record::Input;
-
-    #[test]
-    fn a_tone_that_jumps_is_found_before_and_after() {
-        let tone = |k: usize| if k < 4000 { 0.5 } else { 1.5 };
-        let measured: Vec<f64> = (0..8000).map(|k| libm::sin(tone(k) * k as f64)).collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 8000] };
-        let record = Record::new(0.01, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
-        let spectrogram = Spectrogram::new(&record, 0, 8000).unwrap();
-        let peak = |time: f64| {
-            let column = &spectrogram.decibels[((time - spectrogram.start) / spectrogram.step) as usize];
-            let place = (0..column.len()).max_by(|&a, &b| column[a].total_cmp(&column[b])).unwrap();
-            place as f64 * spectrogram.resolution * 0.01
-        };
-        assert!((peak(20.0) - 0.5).abs() < 0.02 && (peak(60.0) - 1.5).abs() < 0.02, "{} {}", peak(20.0), peak(60.0));
-        assert_eq!(Spectrogram::new(&record, 0, 100), None);
-    }
-
-    #[test]
-    fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
-        let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * f64::from(k))).collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
-        let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
-        let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
-        let mut pieces = 1;
-        while !windows.advance(&mut || false) {
-            pieces += 1;
-        }
-        assert_eq!(pieces, 1 + (30_000 - 1024) / 256);
-        let density = windows.density();
-        let power: f64 = density.iter().map(|[_, density]| density / (1024.0 * 0.02)).sum();
-        assert!((power - 4.5).abs() < 0.05, "half of the squared amplitude: {power}");
-        let [peak, _] = density.into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
-        assert!((peak - 0.7 / 0.02 / TAU).abs() < 0.05, "{peak} Hz");
     }
 }

@@ -31,7 +31,8 @@ const LANES: usize = 8;
 /// spectral transform.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
-    frequencies: Vec<f64>,
+    /// The frequencies \[rad/s\].
+    pub frequencies: Vec<f64>,
     dt: f64,
     samples: usize,
     groups: Vec<Group>,
@@ -43,11 +44,6 @@ impl Spectrum {
     pub fn new(frequencies: Vec<f64>, dt: f64, longest: f64) -> Self {
         let groups = frequencies.chunks(LANES).map(|chunk| Group::new(chunk, dt, longest)).collect();
         Self { frequencies, dt, samples: 0, groups }
-    }
-
-    /// The frequencies \[rad/s\].
-    pub fn frequencies(&self) -> &[f64] {
-        &self.frequencies
     }
 
     /// Takes in the next samples.
@@ -204,6 +200,3 @@ impl Group {
         std::array::from_fn(|i| self.squares[i] + falling[i] + rising[i])
     }
 }
-
-#[cfg(test)]
-mod tests;

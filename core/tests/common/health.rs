@@ -169,10 +169,6 @@ fn check_remarks(estimates: &Estimates, wound_up: &[(Channel, usize)]) -> Remedy
         let covers = |r: &&kalmanscope_core::Remark| r.what == Trouble::WindUp(channel) && r.sample <= k && k <= r.last;
         require(estimates.remarks().iter().any(|r| covers(&r)), || format!("{} winds up at {k}", channel.key()))?;
     }
-    for sensor in 0..estimates.sensors().len() {
-        let missing = (1..estimates.len()).filter(|&k| estimates.innovation(k)[sensor].is_nan()).count();
-        require(estimates.missing(sensor) == missing, || format!("{missing} measurements of {sensor} are missing"))?;
-    }
     Ok(())
 }
 
@@ -252,8 +248,8 @@ impl Dice<'_> {
     }
 
     fn plant(&mut self, kind: &PlantKind) -> Plant {
-        let usual = Plant::default();
-        let mut plant = usual.of_kind(kind.clone()).with(Channel::NATURAL_FREQUENCY, 6.0);
+        let mut plant = Plant::default().with(Channel::NATURAL_FREQUENCY, 6.0);
+        plant.kind = kind.clone();
         for channel in kind.parameters() {
             let usual = plant.parameter(channel).map_or(1.0, |signal| signal.at(0.0));
             let mut signal = self.signal(usual);

@@ -172,7 +172,7 @@ pub(crate) fn after_events(scenario: &Scenario, record: &Record) -> EventFilter 
 
 pub(crate) fn bound(scenario: &Scenario, filter: usize, record: &Record) -> CramerRao {
     let mut bound = CramerRao::new(scenario, filter, scenario.dt).expect("there is a bound");
-    bound.follow(record);
+    bound.follow_to(record.len(), record);
     bound
 }
 

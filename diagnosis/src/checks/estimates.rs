@@ -26,7 +26,7 @@ pub(super) static DIVERGENCE: Test = Test {
 
 fn divergence(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let all = Evidence::new(test, Subject::All, case);
-    if let Some(stop) = case.diagnostics.stop() {
+    if let Some(stop) = case.diagnostics.stop {
         let time = short(case.record.time_of(stop.sample));
         let sentence = format!("{}; the filter stopped at {time} s", stop.reason);
         found.push(all.certain(VerdictKind::Diverged, f64::MAX, f64::MAX, sentence));
@@ -400,7 +400,7 @@ fn diversity(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     if estimates.effective_samples().is_empty() {
         return;
     }
-    let resamples = |size: &&f64| **size < 0.5 * estimates.particles() as f64;
+    let resamples = |size: &&f64| **size < 0.5 * estimates.particles as f64;
     let sizes = &estimates.effective_samples()[case.samples.clone()];
     let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
     for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {

@@ -62,7 +62,7 @@ impl<'a> Observed<'a> {
     fn bound(&self) -> Option<&CramerRao> {
         let bound = self.bound.get_or_init(|| {
             let mut bound = CramerRao::new(self.scenario, self.place, self.record.dt())?;
-            bound.follow(self.record);
+            bound.follow_to(self.record.len(), self.record);
             Some(bound)
         });
         bound.as_ref()

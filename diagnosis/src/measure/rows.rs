@@ -75,7 +75,7 @@ measures! {
         .with_sums(|sums| Value::Flag(sums.whole.outcome.diverged).number())
         => |part| {
             let diagnostics = part.run.diagnostics();
-            Value::Flag(diagnostics.stop().is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
+            Value::Flag(diagnostics.stop.is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
         };
 
     Stopped = row("stopped", "stopped", ValueKind::Flag, MeasureSubject::Filter)
@@ -106,7 +106,7 @@ measures! {
     Autocorrelation = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, MeasureSubject::Filter)
         .best(Best::Zero)
         => |part| {
-            let first = part.run.diagnostics().whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
+            let first = part.run.diagnostics().whiteness.iter().map(|whiteness| whiteness.autocorrelation()[0]);
             number(first.max_by(f64::total_cmp))
         };
 
@@ -306,7 +306,7 @@ fn log_likelihood(part: &Part<'_>) -> (f64, u32) {
 fn probability(part: &Part<'_>) -> Option<f64> {
     let k = part.sample()?;
     let evidence = part.run.all.iter().map(|of| Evidence::new(of).at(k).unwrap_or(f64::NEG_INFINITY));
-    ModelClasses::new(evidence).probabilities().get(part.run.place).copied()
+    ModelClasses::new(evidence).probabilities.get(part.run.place).copied()
 }
 
 fn evaluations(settings: &FilterSettings, truth: &PlantKind) -> f64 {

@@ -42,7 +42,7 @@ fn sums_and_history_tell_the_same() {
     let times = Times::default();
     for (place, estimates) in run.estimates().iter().enumerate() {
         let record = run.record();
-        let outcome = Outcome::of(&scenario, place, record).unwrap();
+        let outcome = Outcome::at(&scenario, place, record, &[]).unwrap();
         let whole = Whole::new(record, &outcome, estimates.channels());
         let observed = Observed::new(&scenario, place, record, estimates);
         let all = Measure::of_sums(estimates.channels());

@@ -108,7 +108,7 @@ impl<'a> FilterOutcome<'a> {
             main,
             others: all.collect(),
             outside,
-            stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
+            stop: diagnostics.stop.map(|stop| (stop, record.time_of(stop.sample))),
             long_steps: long_steps(run.scenario(), filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
             is_settling: happening.is_recent(run, now),

@@ -100,7 +100,7 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     let classes = ModelClasses::new(diagnostics.iter().map(Diagnostics::log_evidence));
     let best = classes.likeliest()?;
     let estimates = &run.estimates()[best];
-    let p = classes.probabilities()[best];
+    let p = classes.probabilities[best];
     let text = Writer::default();
     if p < FOUND {
         let text = text.say("The readings do not separate the models yet: the probability is ");

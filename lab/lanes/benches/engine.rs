@@ -103,7 +103,7 @@ fn measure(
     let mut least = [f64::INFINITY; 3];
     for repeat in 0..REPEATS {
         let one = &runs[repeat % RUNS];
-        least[0] = least[0].min(time(|| Outcome::of(one.scenario, one.place, one.record)));
+        least[0] = least[0].min(time(|| Outcome::at(one.scenario, one.place, one.record, &[])));
         for (least, level) in least[1..].iter_mut().zip([InstructionSet::Baseline, InstructionSet::Avx2]) {
             *least = least.min(time(|| outcomes_with(level, &runs, &[])) / RUNS as f64);
         }

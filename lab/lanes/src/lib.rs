@@ -59,7 +59,7 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
 
 /// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in
 /// numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
-/// [`Outcome::of`], whatever the other runs.
+/// [`Outcome::at`], whatever the other runs.
 ///
 /// # Errors
 /// Those of [`Setup::new`], for the first run that has one.

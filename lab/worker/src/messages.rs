@@ -96,7 +96,7 @@ impl Portioned for FilterWork {
 
 /// The samples of a message.
 pub fn tape(value: &JsValue) -> Option<Tape> {
-    value.dyn_ref::<Float64Array>().map(|numbers| Tape::from_numbers(numbers.to_vec()))
+    value.dyn_ref::<Float64Array>().map(|numbers| Tape(numbers.to_vec()))
 }
 
 /// The message that asks a worker for start values of a scenario on a record.

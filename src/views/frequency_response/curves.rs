@@ -40,7 +40,7 @@ impl ResponseCurves {
             let k = k.min(estimates.len().checked_sub(1)?);
             let numbers = estimates.mean(k).iter().chain(estimates.cov(k)).chain([&low, &high]);
             let numbers: Vec<u64> = numbers.map(|number| number.to_bits()).collect();
-            let of = (numbers, format!("{:?}", estimates.plant()));
+            let of = (numbers, format!("{:?}", estimates.plant));
             let id = Id::unique(("frequency response", estimates.id()));
             let make = || Some(believed(estimates, k, &frequencies));
             is_shown(estimates.id()).then(|| cached(ui.ctx(), id, of, make))
@@ -87,7 +87,7 @@ impl ForceSpectrum {
         let density = spectrum.density();
         let most = density.iter().copied().fold(0.0, f64::max);
         let height = |(&w, density): (&f64, f64)| (w, (density / most).sqrt());
-        (most > 0.0 && most.is_finite()).then(|| spectrum.frequencies().iter().zip(density).map(height).collect())
+        (most > 0.0 && most.is_finite()).then(|| spectrum.frequencies.iter().zip(density).map(height).collect())
     }
 }
 
@@ -99,7 +99,7 @@ fn range(session: &Session) -> (f64, f64) {
     let of_filter = |estimates: &Estimates| {
         let first = (!estimates.is_empty()).then(|| estimates.mean(0))?;
         let value = |channel| estimates.place(channel).map_or(0.0, |place| first[place]);
-        transfer_function(estimates.plant(), value).natural_span()
+        transfer_function(&estimates.plant, value).natural_span()
     };
     let filters = || run.estimates().iter().filter_map(of_filter).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (least, most) = truth.and_then(|truth| truth.natural_span()).or_else(filters).unwrap_or((1.0, 10.0));

@@ -148,7 +148,7 @@ fn ranges_ui(ui: &mut Ui, choice: &mut MapChoice, part: &Scenario, graphics: Opt
 fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     let before = axis.clone();
     ui.label(setting_name(&axis.key, part));
-    let unit = Address::parse(part, &axis.key).map_or("", |setting| unit_in(part, setting.unit()));
+    let unit = Address::parse(part, &axis.key).map_or("", |setting| unit_in(part, setting.unit));
     let size = vec2(72.0, ui.spacing().interact_size.y);
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);

@@ -30,7 +30,7 @@ pub(super) fn contour_on(plot: &mut PlotUi<'_>, graph: &Graph, counts: [usize; 2
 }
 
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
-    let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table() == Some(&INITIAL_MEAN))?;
+    let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table == Some(&INITIAL_MEAN))?;
     match scenario.plant.parameter(guess.channel()?)? {
         Signal::Constant(value) => Some(value),
         _ => None,
@@ -113,8 +113,8 @@ fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palet
 pub(super) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
     let scenario = survey.ensemble.scenario();
     let Ok(address) = Address::parse(scenario, &axis.key) else { return String::new() };
-    let unit = unit_in(scenario, address.unit());
-    format!("{} {} {unit}", address.name(), significant(value, 4)).trim_end().to_owned()
+    let unit = unit_in(scenario, address.unit);
+    format!("{} {} {unit}", address.name, significant(value, 4)).trim_end().to_owned()
 }
 
 /// The value for a dot dragged to a share of an axis' scale: at most three digits, and not beyond the middles of the

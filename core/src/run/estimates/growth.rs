@@ -47,7 +47,8 @@ impl Estimates {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let of = |does: bool, width: usize| if does { width } else { 0 };
         let own = of(self.kind.has_own_likelihood(), 1);
-        let (weights, learnt, scales) = (of(self.weighs, m), of(self.learns, 2 * m), of(self.scales, 2));
+        let (weights, learnt, scales) =
+            (of(self.weighs, m), of(self.learns_sensor_noise, 2 * m), of(self.has_process_scale, 2));
         [n * n, n * m, n, m, m * m, 1, own, own, weights, learnt, scales].into_iter().chain(repeat(1))
     }
 
@@ -120,10 +121,10 @@ impl Estimates {
         }
         self.history.weights.extend_from_slice(sample.weights);
         if let Some(noise) = sample.noise {
-            if self.learns {
+            if self.learns_sensor_noise {
                 self.history.learnt.extend(noise.sensors.iter().chain(noise.uncertainty));
             }
-            if self.scales {
+            if self.has_process_scale {
                 self.history.process_scale.extend(noise.process_scale);
             }
         }
@@ -212,74 +213,5 @@ impl Estimates {
     /// The log likelihood of the measurements, as in [`Self::log_likelihood`]; NaN where there was none.
     pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
         (0..self.len()).map(|k| self.log_likelihood(k))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::{Pass, Run, Scenario};
-    use kalmanscope_filters::FilterKind;
-
-    #[test]
-    fn matrices_that_are_dropped_are_empty_and_later_ones_are_right() {
-        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
-        (scenario.filters[1].kind, scenario.filters[1].ensemble_size) = (FilterKind::PF, 50);
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
-        for (place, whole) in run.estimates().iter().enumerate() {
-            let mut pass = Pass::new(&scenario, place, run.record()).unwrap();
-            let mut history = Pass::history(&scenario, place).unwrap();
-            pass.follow(run.record(), 100, &mut history);
-            history.drop_matrices();
-            pass.follow(run.record(), 201, &mut history);
-            for forgotten in [0, 40, 100] {
-                history.forget(forgotten - history.forgotten());
-                for k in forgotten..201 {
-                    let (cov, gain) = (history.cov(k - forgotten), history.gain(k - forgotten));
-                    let keeps_gain = k >= 99 || whole.kind() == FilterKind::PF;
-                    assert_eq!(cov, if k < 99 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
-                    assert_eq!(gain, if keeps_gain { whole.gain(k) } else { &[][..] }, "{forgotten} {k}");
-                    assert_eq!(history.mean(k - forgotten), whole.mean(k));
-                    assert_eq!(history.std(k - forgotten, 2), whole.std(k, 2));
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn columns_have_the_numbers_of_each_sample() {
-        let mut run = Run::new(&Scenario { duration: 1.0, ..Scenario::default() }).unwrap();
-        run.advance_to(80);
-        run.forget(30);
-        let estimates = &run.estimates()[1];
-        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
-        assert_eq!((n, m, estimates.len(), estimates.forgotten()), (4, 2, 50, 30));
-        let same = |column: &mut dyn Iterator<Item = f64>, of: &dyn Fn(usize) -> f64| {
-            let column: Vec<u64> = column.map(f64::to_bits).collect();
-            assert_eq!(column, (0..50).map(|k| of(k).to_bits()).collect::<Vec<_>>());
-        };
-        for i in 0..n {
-            same(&mut estimates.means(i), &|k| estimates.mean(k)[i]);
-            same(&mut estimates.stds(i), &|k| estimates.std(k, i));
-            for j in 0..m {
-                same(&mut estimates.gains(i, j), &|k| estimates.gain(k)[j * n + i]);
-            }
-        }
-        for j in 0..m {
-            same(&mut estimates.innovations(j), &|k| estimates.innovation(k)[j]);
-            same(&mut estimates.innovation_stds(j), &|k| estimates.innovation_cov(k)[j * m + j].sqrt());
-        }
-        same(&mut estimates.log_likelihoods(), &|k| estimates.log_likelihood(k));
-    }
-
-    #[test]
-    fn gains_that_are_dropped_are_not_numbers() {
-        let mut run = Run::new(&Scenario { duration: 0.2, ..Scenario::default() }).unwrap();
-        run.finish();
-        let mut estimates = run.estimates()[0].clone();
-        assert!(estimates.gains(0, 1).skip(1).all(|gain| gain != 0.0 && gain.is_finite()));
-        estimates.drop_matrices();
-        let gains: Vec<f64> = estimates.gains(0, 1).collect();
-        assert!(gains[..20].iter().all(|gain| gain.is_nan()) && gains.len() == 21 && !gains[20].is_nan());
     }
 }

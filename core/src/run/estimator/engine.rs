@@ -30,7 +30,7 @@ struct FollowedEngine {
     prior: GaussianBelief<f64>,
     update: SensorUpdate,
     part: SensorUpdate,
-    in_units: Option<Box<InUnits>>,
+    in_units: Option<Box<InUnits<f64>>>,
     learnt: LearntNoise,
     sample: usize,
 }
@@ -328,7 +328,7 @@ fn condition(
 }
 
 #[inline(always)]
-fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+fn push(sample: Sample<'_>, in_units: Option<&mut InUnits<f64>>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     match in_units {
         Some(in_units) => sink.push(&in_units.convert_finite(sample).ok_or(FilterError::NotFinite)?),
         None => sink.push(&sample),

@@ -2,6 +2,7 @@
 
 use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::columns::{factor, square};
+use kalmanscope_filters::engine::number::Number;
 use kalmanscope_filters::filter::robust::Robust;
 use kalmanscope_filters::gaussian_likelihood::{LogSum, part_of};
 use kalmanscope_filters::lists::{numbers, places};
@@ -123,24 +124,32 @@ impl SensorUpdate {
     }
 }
 
+/// Beliefs of a filter of logarithms in the channels' units, of one run or of several in lanes.
 #[derive(Clone, Debug)]
-pub(crate) struct InUnits {
+pub(crate) struct InUnits<T> {
     logarithms: Vec<usize>,
     /// The size of each component's unit in its channel's unit.
-    unit: Vec<f64>,
-    belief: GaussianBelief<f64>,
-    prior: GaussianBelief<f64>,
+    unit: Vec<T>,
+    pub(crate) belief: GaussianBelief<T>,
+    prior: GaussianBelief<T>,
     /// K, n × m.
-    gain: Vec<f64>,
+    gain: Vec<T>,
 }
 
-impl InUnits {
+impl<T: Number> InUnits<T> {
     pub(crate) fn new(logarithms: &[usize], n: usize, sensors: usize) -> Option<Box<Self>> {
-        let belief = GaussianBelief { mean: vec![0.0; n], cov: vec![0.0; n * n] };
-        let (unit, gain, prior) = (vec![1.0; n], vec![0.0; n * sensors], belief.clone());
+        let zeros = |count| vec![T::of(0.0); count];
+        let belief = GaussianBelief { mean: zeros(n), cov: zeros(n * n) };
+        let (unit, gain, prior) = (vec![T::of(1.0); n], zeros(n * sensors), belief.clone());
         (!logarithms.is_empty()).then(|| Box::new(Self { logarithms: logarithms.to_vec(), unit, belief, prior, gain }))
     }
 
+    pub(crate) fn convert(&mut self, belief: &GaussianBelief<T>) {
+        convert(&self.logarithms, &mut self.unit, [&belief.mean, &belief.cov], &mut self.belief);
+    }
+}
+
+impl InUnits<f64> {
     /// Converts a belief in the channels' units to those of the state.
     pub(super) fn back(&mut self, mean: &[f64], cov: &[f64]) -> &GaussianBelief<f64> {
         let Self { logarithms, unit, belief, .. } = self;

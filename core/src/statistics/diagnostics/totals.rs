@@ -1,9 +1,6 @@
-//! Sums over any range of samples, each added up from its own terms; those of normalised squares, and of log likelihoods.
+//! Sums over any range of samples, each added up from its own terms, and those of normalised squares.
 
 use std::ops::{Range, RangeInclusive};
-
-use kalmanscope_filters::FilterKind;
-use kalmanscope_filters::gaussian_likelihood::{LogSum, log_likelihood};
 
 use super::chi_squared;
 
@@ -19,13 +16,6 @@ pub struct Total {
 }
 
 impl Total {
-    #[inline]
-    pub(crate) fn add(&mut self, square: f64, degrees: u32) {
-        self.sum += if degrees > 0 { square } else { 0.0 };
-        self.degrees += degrees;
-        self.samples += u32::from(degrees > 0);
-    }
-
     /// The mean over the samples that contribute; NaN if none does.
     pub fn mean(self) -> f64 {
         self.sum / f64::from(self.samples)
@@ -55,11 +45,6 @@ impl MeanSquare {
         let scaled = (expected * f64::from(independent)).round() as u32;
         Some(Self { mean: total.mean(), expected, interval: chi_squared::interval(scaled, independent)? })
     }
-
-    /// Whether the mean is inside its interval.
-    pub fn is_inside(&self) -> bool {
-        self.interval.contains(&self.mean)
-    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -69,10 +54,12 @@ pub(super) struct Totals {
 }
 
 impl Totals {
+    /// Takes in the square of a sample, NaN where there is none, and the total up to it.
     #[inline]
-    pub(super) fn push(&mut self, square: f64, degrees: u32) {
-        self.whole.add(square, degrees);
-        self.squares.push(if degrees > 0 { square } else { 0.0 }, (self.whole.degrees, self.whole.samples));
+    pub(super) fn push(&mut self, square: f64, whole: Total) {
+        let is_counted = whole.samples > self.whole.samples;
+        self.whole = whole;
+        self.squares.push(if is_counted { square } else { 0.0 }, (whole.degrees, whole.samples));
     }
 
     pub(super) fn clear(&mut self) {
@@ -119,39 +106,6 @@ impl Totals {
     pub(super) fn within(&self, range: Range<usize>) -> Total {
         let (sum, (degrees, samples)) = self.squares.within(range, self.whole.sum);
         Total { sum, degrees, samples }
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Likelihood {
-    ln_determinants: LogSum,
-    own: Option<f64>,
-}
-
-impl Default for Likelihood {
-    fn default() -> Self {
-        Self { ln_determinants: LogSum::ZERO, own: None }
-    }
-}
-
-impl Likelihood {
-    pub(super) fn new(kind: FilterKind) -> Self {
-        Self { own: kind.has_own_likelihood().then_some(0.0), ..Self::default() }
-    }
-
-    #[inline]
-    pub(super) fn push(&mut self, determinant: f64, ln: impl FnOnce() -> f64, own: impl FnOnce() -> f64) {
-        match &mut self.own {
-            _ if determinant.is_nan() => {}
-            Some(sum) => *sum += own(),
-            None => self.ln_determinants.add(determinant, ln),
-        }
-    }
-
-    pub(super) fn value(self, nis: Total) -> f64 {
-        let of_gaussian =
-            || if nis.degrees == 0 { 0.0 } else { log_likelihood(nis.sum, self.ln_determinants.value(), nis.degrees) };
-        self.own.unwrap_or_else(of_gaussian)
     }
 }
 
@@ -237,13 +191,19 @@ impl RangeSums {
 mod tests {
     use super::*;
 
+    fn totals(squares: impl IntoIterator<Item = (f64, u32)>) -> Totals {
+        let mut totals = Totals::default();
+        for (square, degrees) in squares {
+            let Total { sum, degrees: before, samples } = totals.whole;
+            let sum = if degrees > 0 { sum + square } else { sum };
+            totals.push(square, Total { sum, degrees: before + degrees, samples: samples + u32::from(degrees > 0) });
+        }
+        totals
+    }
+
     #[test]
     fn a_range_has_the_sum_of_its_samples() {
-        let mut totals = Totals::default();
-        totals.clear();
-        for (square, degrees) in [(f64::NAN, 0), (1.0, 1), (2.0, 2), (f64::NAN, 0), (5.0, 2)] {
-            totals.push(square, degrees);
-        }
+        let totals = totals([(f64::NAN, 0), (1.0, 1), (2.0, 2), (f64::NAN, 0), (5.0, 2)]);
         assert_eq!(totals.whole, Total { sum: 8.0, degrees: 5, samples: 3 });
         assert_eq!(totals.within(2..4), Total { sum: 2.0, degrees: 2, samples: 1 });
         assert_eq!(totals.within(4..99), Total { sum: 5.0, degrees: 2, samples: 1 });
@@ -253,12 +213,7 @@ mod tests {
 
     #[test]
     fn moving_means_are_those_of_each_window() {
-        let mut totals = Totals::default();
-        totals.clear();
-        for k in 0..97 {
-            let degrees = [1, 2, 0, 1, 3][k % 5];
-            totals.push(if k == 40 { 1e18 } else { 0.1 + k as f64 }, degrees);
-        }
+        let totals = totals((0..97).map(|k| (if k == 40 { 1e18 } else { 0.1 + k as f64 }, [1, 2, 0, 1, 3][k % 5])));
         for (window, range) in [
             (1, 0..97),
             (7, 0..97),
@@ -285,7 +240,7 @@ mod tests {
         let total = Total { sum: 410.0, degrees: 400, samples: 100 };
         let one = MeanSquare::new(total, 1).unwrap();
         assert_eq!((one.mean, one.expected), (4.1, 4.0));
-        assert!((one.interval.end() - 11.1433).abs() < 1e-4 && one.is_inside());
+        assert!((one.interval.end() - 11.1433).abs() < 1e-4 && one.interval.contains(&one.mean));
         let all = MeanSquare::new(total, 100).unwrap();
         assert!((all.interval.end() - 4.573).abs() < 1e-3, "{all:?}");
         assert_eq!(MeanSquare::new(Total::default(), 1), None);

@@ -67,11 +67,6 @@ impl Whiteness {
         past[*newest + LAGS] = innovation;
     }
 
-    /// The number of measurements.
-    pub fn samples(&self) -> u32 {
-        self.samples
-    }
-
     /// r at the lags 1 to [`LAGS`]; zero at lags without enough measurements, and where all innovations are zero.
     pub fn autocorrelation(&self) -> [f64; LAGS] {
         if self.square > 0.0 { self.products.map(|product| product / self.square) } else { [0.0; LAGS] }

@@ -12,39 +12,40 @@ use crate::statistics::diagnostics::accuracy::Tracked;
 use crate::statistics::score::{ChannelSums, Outcome, SampleScore};
 
 #[derive(Clone, Copy, Debug)]
-struct Squares<T> {
+pub(crate) struct Squares<T> {
     sum: T,
-    degrees: T,
+    pub(crate) degrees: T,
     samples: T,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct ScoreSums<T> {
+pub(crate) struct ScoreSums<T> {
     frequency: Option<usize>,
     last_fifth: usize,
-    samples: usize,
-    tracked: Vec<Tracked<T>>,
+    /// Counted from the record's beginning.
+    pub(crate) samples: usize,
+    pub(crate) tracked: Vec<Tracked<T>>,
     square: ErrorSquare<T>,
-    nees: Squares<T>,
-    nis: Squares<T>,
+    pub(crate) nees: Squares<T>,
+    pub(crate) nis: Squares<T>,
     /// NEES and NIS of the last sample; NaN where there is none.
-    last: [T; 2],
+    pub(crate) last: [T; 2],
     ln_determinants: LogProducts<T>,
     mean: Vec<T>,
     variance: Vec<T>,
 }
 
 impl<T: Number> ScoreSums<T> {
-    pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
+    pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, all: usize, first: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
-        let track = |(place, &channel)| Tracked::new(channel, place, 0);
+        let track = |(place, &channel)| Tracked::new(channel, place, first);
         let known = channels.iter().enumerate().filter(|(_, channel)| is_known(**channel));
         let tracked: Vec<_> = known.map(track).collect();
         let squares = Squares { sum: zero, degrees: zero, samples: zero };
         Self {
             frequency: Channel::NATURAL_FREQUENCY.place_in(channels),
-            last_fifth: samples * 4 / 5,
-            samples: 0,
+            last_fifth: all * 4 / 5,
+            samples: first,
             square: ErrorSquare::new(mapped(&tracked, &|tracked| tracked.place)),
             tracked,
             nees: squares,
@@ -104,10 +105,6 @@ impl<T: Number> ScoreSums<T> {
         }
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.samples
-    }
-
     /// NIS zero and det S one stand for no measurement. `ln_determinant` is for a lane whose det S is too large or too small for a number.
     #[inline(always)]
     pub(super) fn take_update(
@@ -134,13 +131,11 @@ impl<T: Number> ScoreSums<T> {
 
     pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
         let sums: Vec<_> = mapped(&self.tracked, &|tracked| (tracked.channel, self.sums(tracked, lane)));
-        let nis = self.nis.total(lane);
-        let ln_determinants = self.ln_determinants.value(lane);
         Outcome {
             samples: self.samples,
             nees: self.nees.total(lane),
-            nis,
-            log_likelihood: if nis.degrees > 0 { log_likelihood(nis.sum, ln_determinants, nis.degrees) } else { 0.0 },
+            nis: self.nis.total(lane),
+            log_likelihood: self.log_likelihood(lane),
             stop,
             diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
             channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(self.samples)?))).collect(),
@@ -148,6 +143,11 @@ impl<T: Number> ScoreSums<T> {
             std: mapped(&self.variance, &|variance| variance.lane(lane).sqrt()),
             sample_scores: Vec::new(),
         }
+    }
+
+    pub(super) fn log_likelihood(&self, lane: usize) -> f64 {
+        let Total { sum, degrees, .. } = self.nis.total(lane);
+        if degrees > 0 { log_likelihood(sum, self.ln_determinants.value(lane), degrees) } else { 0.0 }
     }
 
     fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
@@ -173,7 +173,7 @@ impl<T: Number> Squares<T> {
         self.samples = self.samples + T::select(T::of(0.0).lt(degrees), T::of(1.0), T::of(0.0));
     }
 
-    fn total(&self, lane: usize) -> Total {
+    pub(crate) fn total(&self, lane: usize) -> Total {
         let Self { sum, degrees, samples } = *self;
         Total { sum: sum.lane(lane), degrees: degrees.lane(lane) as u32, samples: samples.lane(lane) as u32 }
     }

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use kalmanscope_filters::engine::belief::{GaussianBelief, convert};
 use kalmanscope_filters::engine::level::Level;
 use kalmanscope_filters::engine::number::{Mask, Number};
 use kalmanscope_filters::engine::update::UpdateResult;
@@ -12,6 +11,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
+use crate::run::estimator::update::InUnits;
 use crate::statistics::score::lane_sums::{LogProducts, ScoreSums};
 use crate::statistics::score::{Outcome, SampleScore};
 
@@ -53,8 +53,9 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
     let inputs = LaneInputs::new(runs, is_shared, T::LANES);
     let filter = filter(&|lane| of(lane).setup);
-    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
-    let in_units = LanesInUnits::new(&first.setup.design.model.logarithms, &filter.belief);
+    let scores = ScoreSums::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len(), 0);
+    let mut in_units = InUnits::new(&first.setup.design.model.logarithms, filter.belief.mean.len(), 0);
+    in_units.iter_mut().for_each(|in_units| in_units.convert(&filter.belief));
     let batch = LaneBatch {
         level,
         count: runs.len(),
@@ -126,30 +127,11 @@ impl<'a> LaneInputs<'a> {
     }
 }
 
-struct LanesInUnits<T> {
-    logarithms: Vec<usize>,
-    unit: Vec<T>,
-    belief: GaussianBelief<T>,
-}
-
-impl<T: Number> LanesInUnits<T> {
-    fn new(logarithms: &[usize], belief: &GaussianBelief<T>) -> Option<Self> {
-        let unit = vec![T::of(1.0); belief.mean.len()];
-        let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
-        in_units.take(belief);
-        (!logarithms.is_empty()).then_some(in_units)
-    }
-
-    fn take(&mut self, belief: &GaussianBelief<T>) {
-        convert(&self.logarithms, &mut self.unit, [&belief.mean, &belief.cov], &mut self.belief);
-    }
-}
-
 struct LaneBatch<T: Number, L> {
     level: L,
     count: usize,
     filter: PlantFilter<T>,
-    in_units: Option<LanesInUnits<T>>,
+    in_units: Option<Box<InUnits<T>>>,
     scores: ScoreSums<T>,
     stopped: T,
     of_parts: LogProducts<T>,
@@ -242,7 +224,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         let has_stopped = T::of(0.5).le(self.stopped);
         let mut fits = T::Mask::of(true);
         if let Some(in_units) = &mut self.in_units {
-            in_units.take(&self.filter.belief);
+            in_units.convert(&self.filter.belief);
             [fits, _] = in_units.belief.check(self.level);
         }
         if !((update.holds & fits) | has_stopped).all() {

@@ -207,7 +207,7 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let mut tally = Tally::default();
     for (scenario, outcome) in scenarios.iter().zip(&outcomes) {
         let class = |outcome: &Outcome| (outcome.stop.is_some(), outcome.diverged);
-        let exact = Outcome::of(scenario, 0, &record).unwrap();
+        let exact = Outcome::at(scenario, 0, &record, &[]).unwrap();
         tally.take([outcome.as_ref().unwrap(), &exact], class, |class| class == (false, false));
     }
     let Tally { runs, same, kept, close, worst: (worst, score), .. } = &tally;

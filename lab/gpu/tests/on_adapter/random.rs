@@ -93,7 +93,7 @@ fn tally(seed: u64) -> Tally {
         assert!(runs.iter().all(serves), "{scenario:?}");
         let outcomes = pollster::block_on(gpu().outcomes(&runs, &|| true)).unwrap();
         for (place, outcome) in outcomes.iter().enumerate() {
-            let exact = Outcome::of(&scenario, place, &record).unwrap();
+            let exact = Outcome::at(&scenario, place, &record, &[]).unwrap();
             let frequency = scenario.plant.parameter(CHANNELS[2]).unwrap().at(0.0);
             let near = |outcome: &Outcome| (outcome.mean[2].abs() - frequency).abs() <= 0.05 * frequency;
             let class = |outcome: &Outcome| (outcome.stop.is_some(), outcome.diverged, near(outcome));
@@ -123,7 +123,7 @@ fn a_filter_that_overflows_stops() {
     scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = -1.0;
     let record = simulate(&scenario);
     let run = GpuRun { scenario: &scenario, place: 0, record: &record };
-    let exact = Outcome::of(&scenario, 0, &record).unwrap();
+    let exact = Outcome::at(&scenario, 0, &record, &[]).unwrap();
     let outcome = pollster::block_on(gpu().outcomes(&[run], &|| true)).unwrap().remove(0).unwrap();
     assert!(exact.stop.is_some_and(|stop| stop.sample == 1), "{exact:?}");
     assert_eq!((outcome.stop, outcome.samples, outcome.diverged), (exact.stop, 1, true));

@@ -1,9 +1,8 @@
 //! The settings of a scenario besides its filters that are one number each: its own, and those of the force's shape.
 
-use super::Allowed;
-use super::info::{Field, SettingInfo, row};
-use crate::scenario::Scenario;
-use crate::scenario::filter::MAX_DELAY;
+use super::Scenario;
+use super::filter::MAX_DELAY;
+use super::row::{Allowed, Field, SettingInfo, row};
 use crate::signal::Force;
 
 type Row = SettingInfo<Scenario>;
@@ -158,27 +157,3 @@ pub static FORCE: [Row; 11] = [
         slider: (0.0, 60.0),
     },
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::setting::{Address, CHOICES_OF_SCENARIO, Edit};
-
-    #[test]
-    fn every_number_of_every_shape_is_read_and_set_at_its_address() {
-        let shape = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force").unwrap();
-        let mut found = 0;
-        for place in 0..(shape.options)().len() {
-            let mut scenario = Edit::new("force", (shape.value)(place)).apply(&Scenario::default()).unwrap();
-            for info in &FORCE {
-                let address = Address::parse(&scenario, info.key);
-                assert_eq!(address.is_ok(), !(info.get)(&scenario).is_nan(), "{info:?} of {:?}", scenario.force);
-                let Ok(address) = address else { continue };
-                address.set(&mut scenario, 7.5);
-                assert_eq!((address.get(&scenario), (info.get)(&scenario)), (7.5, 7.5), "{info:?}");
-                found += 1;
-            }
-        }
-        assert_eq!(found, FORCE.len(), "each serves in one shape");
-    }
-}

@@ -9,14 +9,11 @@
 
 use kalmanscope_filters::lists::mapped;
 
-use super::{FilterSettings, Scenario};
+use crate::scenario::{ALL, FilterSettings, Scenario};
 
 const BY_ID: &str = "filters#";
 
 const BY_NAME: &str = "filters.";
-
-/// The name that stands for all filters in keys; no filter has it.
-pub(super) const ALL: &str = "*";
 
 impl FilterSettings {
     /// The address of one of its settings, by its id.
@@ -26,15 +23,15 @@ impl FilterSettings {
     /// assert_eq!(scenario.filters[1].address("fading"), "filters#2.fading");
     /// ```
     pub fn address(&self, key: &str) -> String {
-        of_filter(self.id, key)
+        address(self.id, key)
     }
 }
 
-pub(crate) fn of_filter(id: u32, key: &str) -> String {
+pub(super) fn address(id: u32, key: &str) -> String {
     format!("{BY_ID}{id}.{key}")
 }
 
-pub(crate) fn split_id(address: &str) -> Option<(u32, &str)> {
+pub(super) fn split_id(address: &str) -> Option<(u32, &str)> {
     let (id, key) = address.strip_prefix(BY_ID)?.split_once('.')?;
     Some((id.parse().ok()?, key))
 }
@@ -104,49 +101,6 @@ impl Scenario {
     }
 }
 
-pub(crate) fn is_of_all(address: &str, key: &str) -> bool {
+pub(super) fn is_of_all(address: &str, key: &str) -> bool {
     address.strip_suffix(key).is_some_and(|begin| begin == "filters.*.")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn scenario() -> Scenario {
-        let mut scenario = Scenario::default();
-        scenario.filters[1].name = "EKF.2".to_owned();
-        scenario
-    }
-
-    #[test]
-    fn filters_are_found_by_id_by_name_and_all_at_once() {
-        let scenario = scenario();
-        for (address, places, key) in [
-            ("filters#1.fading", &[0][..], "fading"),
-            ("filters#2.process_std.velocity", &[1], "process_std.velocity"),
-            ("filters.EKF.fading", &[0], "fading"),
-            ("filters.EKF.2.fading", &[1], "fading"),
-            ("filters.2.sensor_std.velocity", &[1], "sensor_std.velocity"),
-            ("filters.*.eta", &[0, 1], "eta"),
-        ] {
-            assert_eq!(scenario.filters_at(address), Some((places.to_vec(), key)), "{address}");
-        }
-        let unknown = "filters#3.fading filters.3.fading filters.0.fading filters#x.fading filters.UKF.fading filters#1 seed filters. ";
-        for address in unknown.split(' ') {
-            assert_eq!(scenario.filters_at(address), None, "{address}");
-        }
-    }
-
-    #[test]
-    fn an_address_by_id_survives_a_new_name() {
-        let mut scenario = scenario();
-        let address = scenario.address_by_id("filters.EKF.2.sensor_std.velocity");
-        assert_eq!(address, "filters#2.sensor_std.velocity");
-        scenario.filters[1].name = "filters#1.x".to_owned();
-        assert_eq!(scenario.filters_at(&address), Some((vec![1], "sensor_std.velocity")));
-        assert_eq!(scenario.address_by_name(&address), "filters.filters#1.x.sensor_std.velocity");
-        for same in ["filters.*.fading", "seed", "filters.KF.fading", "filters#9.fading"] {
-            assert_eq!((scenario.address_by_id(same), scenario.address_by_name(same)), (same.into(), same.into()));
-        }
-    }
 }

@@ -2,34 +2,8 @@
 
 use kalmanscope_filters::Quantity;
 use kalmanscope_records::document::{self, Document, DocumentError};
-use thiserror::Error;
 
-use super::{Scenario, Sensor, Values};
-
-/// The reason why a scenario cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum ScenarioError {
-    /// The text is not a scenario: the message has the line, the key and the reason.
-    #[error("{0}")]
-    Syntax(String),
-    /// A value is impossible.
-    #[error("`{key}` is {value}, but must be {allowed}")]
-    Value {
-        /// The key's path in the file.
-        key: String,
-        /// The value.
-        value: String,
-        /// The allowed values.
-        allowed: String,
-    },
-}
-
-impl From<DocumentError> for ScenarioError {
-    fn from(error: DocumentError) -> Self {
-        Self::Syntax(error.to_string())
-    }
-}
+use crate::scenario::{Scenario, ScenarioError, Sensor, Values};
 
 impl Scenario {
     /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
@@ -43,7 +17,6 @@ impl Scenario {
     /// let by_hand = json!({ "duration": 20, "plant": { "natural_frequency": 6.0 }, "filters": [{ "kind": "ckf" }] });
     /// let scenario = Scenario::from_document(&text)?;
     /// assert_eq!(scenario, Scenario::from_document(&by_hand)?);
-    /// assert_eq!(scenario, Scenario::from_document(&scenario.to_document()?)?);
     /// # Ok(())
     /// # }
     /// ```
@@ -52,23 +25,7 @@ impl Scenario {
     /// [`ScenarioError::Syntax`] where the document has an unknown key or a value of the wrong type, with the path of the key;
     /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
     pub fn from_document(document: &Document) -> Result<Self, ScenarioError> {
-        Self::from_document_with_remarks(document).map(|(scenario, _)| scenario)
-    }
-
-    /// The same, with a sentence for each filter that has another name than in the document, where two had the same.
-    ///
-    /// # Errors
-    /// Those of [`Self::from_document`].
-    pub fn from_document_with_remarks(document: &Document) -> Result<(Self, Vec<String>), ScenarioError> {
-        Self::read(document, |error| error)
-    }
-
-    /// The scenario as a document that [`Self::from_document`] reads back to an equal one.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Syntax`] where a document cannot express it, which no valid scenario causes.
-    pub fn to_document(&self) -> Result<Document, ScenarioError> {
-        Ok(document::of(&self.as_written())?)
+        Self::read(document, |error| error).map(|(scenario, _)| scenario)
     }
 
     /// Reads a document; `locate` adds to an error its place in the text that the document was read from.

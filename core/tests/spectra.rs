@@ -1,6 +1,12 @@
+//! Power over frequency: densities against their definition, for white noise, lines and blows; spectrograms of tones.
+
+use std::f64::consts::{PI, TAU};
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Hold, InputKind, Quantity, Record, Spectrogram, Spectrum, Task as _, Windows};
 use kalmanscope_filters::random::{Normal, Purpose};
 
-use super::*;
+use crate::numbers::mean;
 
 const DT: f64 = 0.01;
 
@@ -17,10 +23,6 @@ fn density(samples: &[f64], frequencies: &[f64], longest: f64) -> Vec<f64> {
 fn white(samples: usize) -> Vec<f64> {
     let mut normal = Normal::new(3, Purpose::Force);
     (0..samples).map(|_| 4.0 * normal.sample()).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 #[test]
@@ -121,5 +123,39 @@ fn portions_do_not_matter() {
         portions.density();
     }
     assert_eq!(portions.density(), density(&samples, &frequencies, 10.0));
-    assert_eq!(portions.frequencies(), frequencies);
+    assert_eq!(portions.frequencies, frequencies);
+}
+
+#[test]
+fn a_tone_that_jumps_is_found_before_and_after() {
+    let tone = |k: usize| if k < 4000 { 0.5 } else { 1.5 };
+    let measured: Vec<f64> = (0..8000).map(|k| libm::sin(tone(k) * k as f64)).collect();
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 8000] };
+    let record = Record::new(0.01, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+    let spectrogram = Spectrogram::windows(&record, 0, 8000).unwrap().run();
+    let peak = |time: f64| {
+        let column = &spectrogram.decibels[((time - spectrogram.start) / spectrogram.step) as usize];
+        let place = (0..column.len()).max_by(|&a, &b| column[a].total_cmp(&column[b])).unwrap();
+        place as f64 * spectrogram.resolution * 0.01
+    };
+    assert!((peak(20.0) - 0.5).abs() < 0.02 && (peak(60.0) - 1.5).abs() < 0.02, "{} {}", peak(20.0), peak(60.0));
+    assert!(Spectrogram::windows(&record, 0, 100).is_none());
+}
+
+#[test]
+fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
+    let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * f64::from(k))).collect();
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
+    let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+    let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
+    let mut pieces = 1;
+    while !windows.advance(&mut || false) {
+        pieces += 1;
+    }
+    assert_eq!(pieces, 1 + (30_000 - 1024) / 256);
+    let density = windows.density();
+    let power: f64 = density.iter().map(|[_, density]| density / (1024.0 * 0.02)).sum();
+    assert!((power - 4.5).abs() < 0.05, "half of the squared amplitude: {power}");
+    let [peak, _] = density.into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    assert!((peak - 0.7 / 0.02 / TAU).abs() < 0.05, "{peak} Hz");
 }

@@ -4,9 +4,8 @@ use kalmanscope_filters::channel::Channel;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::quantity::Quantity;
 
-use super::Allowed;
-use super::info::by_key;
-use crate::scenario::{FilterSettings, Sensor, Values};
+use super::row::{Allowed, by_key};
+use super::{FilterSettings, Sensor, Values};
 
 /// A table of a filter.
 #[non_exhaustive]
@@ -135,7 +134,7 @@ impl TableInfo {
         TABLES.into_iter().find(|table| table.key == key)
     }
 
-    pub(super) fn entry(
+    pub(crate) fn entry(
         key: &str,
         channel: &dyn Fn(&str) -> Option<Channel>,
         sensor: &dyn Fn(&str) -> Option<Quantity>,
@@ -206,7 +205,7 @@ impl TableInfo {
     }
 
     /// The common factor of a filter's numbers over those of its base; NaN where they do not have one.
-    pub(super) fn factor_over(&self, base: &FilterSettings, filter: &FilterSettings) -> f64 {
+    pub(crate) fn factor_over(&self, base: &FilterSettings, filter: &FilterSettings) -> f64 {
         let (base, now) = (self.numbers(base), self.numbers(filter));
         let at = base.iter().position(|value| *value > 0.0);
         let Some(factor) = at.and_then(|at| Some(now.get(at)? / base[at])) else { return f64::NAN };
@@ -214,7 +213,7 @@ impl TableInfo {
         if base.len() == now.len() && base.iter().zip(&now).all(is_common) { factor } else { f64::NAN }
     }
 
-    pub(super) fn scale(&self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
+    pub(crate) fn scale(&self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
         match self.column {
             SettingColumn::Channels(of, of_mut) => {
                 for (channel, std) in of(base).iter() {

@@ -218,25 +218,3 @@ impl fmt::Display for Allowed {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limits_are_kept_and_said() {
-        for (allowed, inside, outside, words) in [
-            (Allowed::Finite, -1e300, f64::INFINITY, "a finite number"),
-            (Allowed::Above(0.0), 1e-300, 0.0, "a finite number above 0"),
-            (Allowed::AtLeast(1.0), 1.0, 0.999, "a finite number, at least 1"),
-            (Allowed::Between(0.0, 1.0), 0.5, 1.0, "between 0 and 1"),
-            (Allowed::Within(0.0, 1.0), 1.0, 1.001, "from 0 to 1"),
-            (Allowed::Whole(2, 9), 9.0, 10.0, "from 2 to 9"),
-            (Allowed::Flag, 1.0, 2.0, "true or false"),
-        ] {
-            assert!(allowed.admits(inside) && !allowed.admits(outside) && !allowed.admits(f64::NAN), "{allowed:?}");
-            assert_eq!(allowed.to_string(), words);
-            assert!(allowed == Allowed::Finite || allowed.admits(allowed.least()), "{allowed:?}");
-        }
-    }
-}

@@ -1,9 +1,9 @@
-use kalmanscope_filters::FilterKind;
+//! Frequency responses: against textbook formulas, impedances of chains, and truths that are drawn from a belief.
+
+use kalmanscope_core::frequency_response::{Believed, believed, transfer_function, true_transfer_function};
+use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal, Values};
 use kalmanscope_filters::random::{Normal, Purpose};
 use nalgebra::Complex;
-
-use super::*;
-use crate::{FilterSettings, Run, Scenario, Signal, Values};
 
 fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from * libm::pow(to / from, i as f64 / (count - 1) as f64)).collect()
@@ -158,7 +158,7 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
     let frequencies = spaced(1.0, 50.0, 60);
     for kind in PlantKind::ALL {
         let estimates = estimates(&scenario(kind.clone()));
-        assert_eq!(*estimates.plant(), kind);
+        assert_eq!(estimates.plant, kind);
         for k in [0, 30, 500] {
             let Believed { mean, band } = believed(&estimates, k, &frequencies);
             let of_mean = |c| estimates.mean(k)[estimates.place(c).unwrap()];
@@ -252,31 +252,4 @@ fn the_truth_is_that_of_its_sample() {
     assert_eq!(found(3500), Some(transfer_function(&PlantKind::SDOF, sdof(4.8, 0.05))));
     assert_eq!(found(9999), None);
     assert_eq!(true_transfer_function(&PlantKind::SHEAR_2, run.record(), 0), None);
-}
-
-#[test]
-fn draws_have_the_moments_of_the_standard_normal() {
-    assert!((ROOT.powi(7) - ROOT - 1.0).abs() < 1e-14);
-    assert!((root(USUAL) - ROOT).abs() < 1e-15);
-    for j in 0..5 {
-        let moment = |p: i32| (0..DRAWS).map(|i| normal(i, j, 5).powi(p)).sum::<f64>() / DRAWS as f64;
-        assert!(moment(1).abs() < 0.06, "mean {}", moment(1));
-        assert!((moment(2) - 1.0).abs() < 0.1, "variance {}", moment(2));
-        for other in 0..j {
-            let product = (0..DRAWS).map(|i| normal(i, j, 5) * normal(i, other, 5)).sum::<f64>() / DRAWS as f64;
-            assert!(product.abs() < 0.08, "correlation {product} of {j} and {other}");
-        }
-    }
-}
-
-#[test]
-fn quantiles_are_those_of_the_sorted_values() {
-    let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0, 5)).collect();
-    let mut extremes = Extremes::new(2);
-    values.iter().for_each(|&x| extremes.push(&[x, f64::INFINITY]));
-    values.sort_by(f64::total_cmp);
-    let (low, high) = extremes.quantiles();
-    assert!((low[0] - (values[1] + 0.9 * (values[2] - values[1]))).abs() < 1e-15);
-    assert!((high[0] - (values[DRAWS - 2] - 0.9 * (values[DRAWS - 2] - values[DRAWS - 3]))).abs() < 1e-15);
-    assert_eq!((low[1], high[1]), (f64::INFINITY, f64::INFINITY));
 }
