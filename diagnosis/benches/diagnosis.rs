@@ -72,7 +72,7 @@ impl Outcome {
             let record: &Record = if known { &whole } else { &without_truth(&whole) };
             let estimates = &run.estimates()[0];
             let diagnostics = Diagnostics::new(estimates, record);
-            let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
+            let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record) else { continue };
             verdicts[place] = diagnosis.verdict.as_ref().map(|verdict| verdict.kind);
             let is_good = verdicts[place].is_some_and(VerdictKind::is_good);
             let wants_causes = verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty();

@@ -249,7 +249,7 @@ impl Analysis {
             let done = estimates.forgotten() + estimates.len();
             let is_old = done >= *of + estimates.len() / 2 || subject.whole;
             if !*waits && *of != done && (diagnosis.is_none() || is_old) {
-                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record);
                 *of = done;
             }
         }

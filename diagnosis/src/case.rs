@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Record};
+use kalmanscope_core::{Diagnostics, Estimates, Record};
 
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
@@ -24,13 +24,12 @@ const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 const FORGIVEN: usize = 3;
 
-pub(crate) type Inputs<'a> = (&'a Diagnostics, &'a Estimates, &'a Record, Option<&'a CramerRao>);
+pub(crate) type Inputs<'a> = (&'a Diagnostics, &'a Estimates, &'a Record);
 
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
     pub(crate) estimates: &'a Estimates,
     pub(crate) record: &'a Record,
-    pub(crate) bound: Option<&'a CramerRao>,
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) pairs: Vec<Pair>,
@@ -49,15 +48,14 @@ pub(crate) struct Span {
 
 impl<'a> Case<'a> {
     pub(crate) fn new(
-        (diagnostics, estimates, record, bound): Inputs<'a>,
+        (diagnostics, estimates, record): Inputs<'a>,
         samples: Range<usize>,
         sensors: Vec<SensorInnovations>,
         errors: Vec<ChannelErrors>,
     ) -> Self {
         let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
         let pairs = Vec::new();
-        let mut case =
-            Self { diagnostics, estimates, record, bound, samples, sensors, pairs, errors, bad, forgiven, kept };
+        let mut case = Self { diagnostics, estimates, record, samples, sensors, pairs, errors, bad, forgiven, kept };
         let bad = chosen(&|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();

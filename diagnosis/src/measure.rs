@@ -3,8 +3,6 @@
 mod info;
 mod observed;
 mod rows;
-#[cfg(test)]
-mod tests;
 
 use std::fmt;
 use std::str::FromStr;
@@ -287,7 +285,7 @@ impl FirstCause {
     /// Before a search. There is none where the verdict is good or not known.
     pub fn new(scenario: &Scenario, place: usize, estimates: &Estimates, record: &Record) -> Self {
         let diagnostics = Diagnostics::new(estimates, record);
-        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record);
         let is_bad = |diagnosis: &Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
         let diagnosis = diagnosis.filter(is_bad);
         let search = diagnosis.and_then(|one| one.search(scenario, place, &diagnostics, estimates, record).ok());

@@ -242,26 +242,3 @@ impl Writer {
         self.0
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_share_of_the_stiffness_is_a_natural_frequency() {
-        let loss = Adjustable::stiffness("plant.natural_frequency.step.to", 6.0, 4.8);
-        assert_eq!((loss.to_string().as_str(), loss.value(loss.shown)), ("36 %", 4.8));
-        assert!((loss.value(75.0) - 3.0).abs() < 1e-12 && loss.value(100.0) == 0.0);
-        let gain = Adjustable::stiffness("plant.natural_frequency.step.to", 4.0, 6.0);
-        assert_eq!((gain.to_string().as_str(), gain.value(gain.shown)), ("125 %", 6.0));
-        assert_eq!(loss.showing(50.0).to_string(), "50 %");
-        assert!((loss.at(3.0).shown - 75.0).abs() < 1e-12 && (gain.at(4.0).shown).abs() < 1e-12);
-        assert_eq!(Adjustable::new("filters#1.fading", 1.005, (1.0, 1.05), "").to_string(), "1.005");
-    }
-
-    #[test]
-    fn words_in_a_row_are_one_phrase() {
-        let sentence = Writer::default().say("a").say("").say("b").result("c").done();
-        assert_eq!(sentence, [Phrase::Words("ab".to_owned()), Phrase::Result("c".to_owned())]);
-    }
-}

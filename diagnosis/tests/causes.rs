@@ -7,8 +7,7 @@ use kalmanscope_core::{
     Channel, Diagnostics, FilterKind, Force, Hold, Quantity, Record, Scenario, Sensor, Signal, Task as _, Values,
     signal, simulate,
 };
-use kalmanscope_diagnosis::Remedy;
-use kalmanscope_diagnosis::VerdictKind;
+use kalmanscope_diagnosis::{Remedy, VerdictKind, in_percent};
 
 use crate::judgement::{diagnosis, remedies};
 use crate::run::{finished_on, forced, last, one_filter, oscillator, with_fault, with_input};
@@ -334,17 +333,6 @@ fn noise_that_changes_is_named_with_its_time() {
 }
 
 #[test]
-fn a_wave_that_nobody_records_is_named_with_its_frequency() {
-    let mut scenario = Scenario { seed: 9, ..tuned("") };
-    let wave = signal::Sine { mean: 0.0, amplitude: 4.0, period: std::f64::consts::TAU / 4.0 };
-    scenario.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(wave));
-    let remedies = judged(&scenario, &measured(&scenario)).1;
-    let force = remedies.iter().flat_map(Remedy::causes).find(|likely| likely.cause.key == "unknown_force");
-    let sentence = &force.unwrap_or_else(|| panic!("{}", told(&remedies))).sentence;
-    assert!(sentence.contains("it is a wave of 4.0 rad/s with an amplitude of "), "{sentence}");
-}
-
-#[test]
 fn a_remedy_that_does_not_end_well_does_not_explain() {
     let scenario = Scenario { seed: 4, ..tuned("") };
     // A reading in fifty is far off: no setting of a filter takes that away.
@@ -383,4 +371,20 @@ fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
             }
         }
     }
+}
+
+#[test]
+fn a_lead_makes_a_cause_probable_and_others_less_so() {
+    let mut likely = found(&Scenario { seed: 5, ..tuned("input_gain = 1.5") }).remove(0);
+    (likely.then, likely.edits, likely.after, likely.first.certain) = (Vec::new(), Vec::new(), None, false);
+    let with = |gain: &f64| Remedy { gain: *gain, ..likely.clone() };
+    let of = |gains: &[f64]| Remedy::probabilities(&gains.iter().map(with).collect::<Vec<_>>());
+    let (near, far) = (of(&[100.0, 90.0]), of(&[1000.0, 90.0]));
+    assert!(far[0] > near[0] && far[1] < near[1] && near[0] > near[1], "{near:?} {far:?}");
+    for gains in [&[f64::NAN, 5.0][..], &[f64::INFINITY], &[1e300, -1e300, f64::NAN], &[]] {
+        let all = of(gains);
+        assert!(all.len() == gains.len() && all.iter().all(|p| *p >= 0.0), "{gains:?}: {all:?}");
+        assert!(all.iter().sum::<f64>() <= 1.0, "{gains:?}: {all:?}");
+    }
+    assert_eq!([0.001, 0.5, 0.999].map(in_percent), ["< 1 %", "50 %", "> 99 %"]);
 }

@@ -5,7 +5,7 @@ use kalmanscope_diagnosis::{Diagnosis, Remedy, VerdictKind};
 
 pub(crate) fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
     let diagnostics = Diagnostics::new(estimates, record);
-    Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge")
+    Diagnosis::new(&diagnostics, estimates, record).expect("there is something to judge")
 }
 
 pub(crate) fn verdict(run: &Run, filter: usize) -> VerdictKind {

@@ -23,7 +23,7 @@ const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_R
 fn verdict_on(run: &Run) -> Option<Verdict> {
     let estimates = &run.estimates()[0];
     let diagnostics = Diagnostics::new(estimates, run.record());
-    Diagnosis::new(&diagnostics, estimates, run.record(), None)?.verdict
+    Diagnosis::new(&diagnostics, estimates, run.record())?.verdict
 }
 
 fn verdict(scenario: &Scenario) -> Option<Verdict> {
@@ -332,7 +332,7 @@ fn a_verdict_needs_readings_and_diagnostics_of_all_depth_and_names_the_mirror_im
     scenario.filters[0].initial_mean = values([0.0, 0.0, -7.0, -0.1]);
     let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
-    let of = |diagnostics: &Diagnostics| Diagnosis::new(diagnostics, estimates, record, None)?.verdict;
+    let of = |diagnostics: &Diagnostics| Diagnosis::new(diagnostics, estimates, record)?.verdict;
     let reason = of(&Diagnostics::new(estimates, record)).unwrap().reason;
     assert!(reason.contains("the mirror image"), "{reason}");
     let mut consistency = Diagnostics::empty(Depth::Consistency);

@@ -1,7 +1,10 @@
-use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Run, Scenario};
+//! Measures: their words, and numbers from sums and from all estimates.
 
-use super::*;
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Channel, Quantity, Scenario};
+use kalmanscope_diagnosis::{Measure, MeasureKind, Observed, Times, Whole};
+
+use crate::run::finished;
 
 const CHANNELS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
@@ -14,7 +17,7 @@ fn measures_are_written_and_read() {
         assert_eq!(measure.to_string().parse(), Ok(*measure));
     }
     let words: std::collections::BTreeSet<&str> = all.iter().map(|measure| measure.info().word).collect();
-    assert_eq!(words.len(), ROWS.len(), "each has its own row");
+    assert_eq!(words.len(), MeasureKind::all().count(), "each has its own row");
     assert_eq!("inside.damping_ratio".parse::<Measure>().unwrap().name(), "share of ζ inside ±2σ");
     let unit = |text: &str| text.parse::<Measure>().unwrap().unit();
     assert_eq!(
@@ -37,8 +40,7 @@ fn sums_and_history_tell_the_same() {
     scenario.filters[1].fading = 1e60;
     let mirrored = scenario.filters[0].initial_mean.clone().with([(Channel::NATURAL_FREQUENCY, -7.0)]);
     scenario.filters[0].initial_mean = mirrored;
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let times = Times::default();
     for (place, estimates) in run.estimates().iter().enumerate() {
         let record = run.record();
@@ -59,8 +61,7 @@ fn sums_and_history_tell_the_same() {
 #[test]
 fn a_time_a_range_and_other_filters_narrow_a_measure() {
     let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let observed = Observed::new(&scenario, 0, run.record(), &run.estimates()[0]);
     let of = |text: &str, times: Times| text.parse::<Measure>().unwrap().of(&observed, times).number();
     let whole = Times::default();
