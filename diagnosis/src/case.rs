@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use kalmanscope_core::diagnostics::chi_squared;
+use kalmanscope_core::internals::mapped;
 use kalmanscope_core::{Diagnostics, Estimates, Record};
 
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
 use super::parts::{self, ALL, Chosen, PARTS, chosen};
+use super::periodogram::Periodogram;
 
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
@@ -23,8 +25,6 @@ const ABOVE: f64 = 1.96;
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 const FORGIVEN: usize = 3;
-
-pub(crate) type Inputs<'a> = (&'a Diagnostics, &'a Estimates, &'a Record);
 
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
@@ -48,13 +48,17 @@ pub(crate) struct Span {
 
 impl<'a> Case<'a> {
     pub(crate) fn new(
-        (diagnostics, estimates, record): Inputs<'a>,
         samples: Range<usize>,
-        sensors: Vec<SensorInnovations>,
-        errors: Vec<ChannelErrors>,
+        diagnostics: &'a Diagnostics,
+        estimates: &'a Estimates,
+        record: &'a Record,
     ) -> Self {
-        let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
-        let pairs = Vec::new();
+        let end = samples.end.min(estimates.len()).min(record.len());
+        let samples = samples.start.min(end)..end;
+        let start = samples.start;
+        let (sensors, series) = SensorInnovations::of_all(&samples, estimates, record);
+        let errors = ChannelErrors::of_all(&samples, estimates, record);
+        let (bad, forgiven, kept, pairs) = ([false; PARTS], [false; PARTS], ALL, Vec::new());
         let mut case = Self { diagnostics, estimates, record, samples, sensors, pairs, errors, bad, forgiven, kept };
         let bad = chosen(&|part| case.is_bad(part));
         case.bad = bad;
@@ -68,6 +72,13 @@ impl<'a> Case<'a> {
                 case.forgiven = both;
             }
             case.kept = chosen(&|part| !case.forgiven[part]);
+        }
+        let ranges = mapped(&case.ranges(|part| case.kept[part]), &|of| of.start - start..of.end - start);
+        for (one, periodogram) in case.sensors.iter_mut().zip(Periodogram::of_all(&series, &ranges)) {
+            one.periodogram = periodogram;
+        }
+        if series.len() > 1 {
+            case.pairs = Pair::of_all(&case.sensors, &series, &ranges);
         }
         case
     }

@@ -10,14 +10,11 @@
 use std::ops::Range;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::internals::{mapped, sort_items};
+use kalmanscope_core::internals::sort_items;
 use kalmanscope_core::{Diagnostics, Estimates, FilterSettings, Record, Scenario};
 
-use super::case::{Case, Inputs};
+use super::case::Case;
 use super::cause::{ALTERNATIVES, BadFilter};
-use super::errors::ChannelErrors;
-use super::innovations::{Pair, SensorInnovations};
-use super::periodogram::Periodogram;
 use super::{CAUSES, Evidence, LikelyCause, TESTS, Verdict, VerdictKind, checks};
 
 /// The diagnosis of one filter: a verdict and its evidence.
@@ -51,7 +48,7 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = case_of((diagnostics, estimates, record), samples.clone());
+        let case = Case::new(samples.clone(), diagnostics, estimates, record);
         let mut evidence = Vec::new();
         for test in TESTS {
             (test.run)(&case, test, &mut evidence);
@@ -72,7 +69,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<LikelyCause> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = case_of((diagnostics, estimates, record), self.samples.clone());
+        let case = Case::new(self.samples.clone(), diagnostics, estimates, record);
         let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut likely_causes = Vec::new();
         let causes = match self.verdict.as_ref().map(|verdict| verdict.kind) {
@@ -87,22 +84,4 @@ impl Diagnosis {
         sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
         likely_causes
     }
-}
-
-fn case_of(inputs: Inputs<'_>, samples: Range<usize>) -> Case<'_> {
-    let (_, estimates, record) = inputs;
-    let end = samples.end.min(estimates.len()).min(record.len());
-    let samples = samples.start.min(end)..end;
-    let start = samples.start;
-    let (sensors, series) = SensorInnovations::of_all(&samples, estimates, record);
-    let errors = ChannelErrors::of_all(&samples, estimates, record);
-    let mut case = Case::new(inputs, samples, sensors, errors);
-    let ranges = mapped(&case.ranges(|part| case.kept[part]), &|of| of.start - start..of.end - start);
-    for (one, periodogram) in case.sensors.iter_mut().zip(Periodogram::of_all(&series, &ranges)) {
-        one.periodogram = periodogram;
-    }
-    if series.len() > 1 {
-        case.pairs = Pair::of_all(&case.sensors, &series, &ranges);
-    }
-    case
 }

@@ -19,6 +19,7 @@ pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
 
 use info::MeasureSubject;
+use observed::ObservedSums;
 use rows::{ROWS, Row};
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
@@ -176,7 +177,7 @@ impl Measure {
 
     /// The number of a run from its sums; NaN where it needs more than they have, or is not known.
     pub fn of_whole(self, whole: &Whole<'_>) -> f64 {
-        self.info().whole.map_or(f64::NAN, |of| of(&whole.of(self)))
+        self.info().whole.map_or(f64::NAN, |of| of(&ObservedSums { whole, channel: self.channel }))
     }
 
     /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.

@@ -18,7 +18,6 @@ use kalmanscope_core::{Diagnostics, Run};
 
 use crate::Diagnosis;
 use crate::words::{percent_to_a_tenth, plain, with_band};
-use happening::Happening;
 use outcome::FilterOutcome;
 
 const TOLD: usize = 3;
@@ -41,9 +40,10 @@ impl Story {
     /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
     /// diagnosis at the same place. Filters without diagnostics are left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
-        let happening = Happening::of(run.scenario());
+        let changes = happening::changes_of(run.scenario());
         let is_measured = run.source().is_measured();
-        let mut sentences = vec![if is_measured { sentences::of_record(run) } else { happening.sentence(run) }];
+        let mut sentences =
+            vec![if is_measured { sentences::of_record(run) } else { happening::sentence(&changes, run) }];
         if !is_measured {
             sentences.extend(happening::faults(run.scenario()));
         }
@@ -51,17 +51,16 @@ impl Story {
         let filters = run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters).enumerate();
         for (place, ((estimates, diagnostics), filter)) in filters.filter(|(_, ((one, _), _))| !one.is_empty()) {
             let diagnosis = diagnoses.get(place).copied().flatten();
-            outcomes.push(FilterOutcome::new(run, filter, (estimates, diagnostics, diagnosis), &happening));
+            outcomes.push(FilterOutcome::new(run, filter, (estimates, diagnostics, diagnosis), &changes));
         }
-        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change())));
+        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(changes.first())));
         sentences.extend(sentences::of_belief(&outcomes, TOLD));
         sentences.extend(sentences::of_classes(run, diagnostics));
         if is_measured && !sentences::has_input(run) {
             sentences.extend(sentences::of_swing(&outcomes));
         }
         sentences.retain(|sentence| !sentence.is_empty());
-        let aside =
-            outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change().is_some())).collect();
+        let aside = outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(!changes.is_empty())).collect();
         Self { sentences, aside }
     }
 

@@ -45,7 +45,7 @@ fn sums_and_history_tell_the_same() {
     for (place, estimates) in run.estimates().iter().enumerate() {
         let record = run.record();
         let outcome = Outcome::of(&scenario, place, record).unwrap();
-        let whole = Whole::new(record, &outcome, estimates.channels());
+        let whole = Whole { record, outcome: &outcome, channels: estimates.channels() };
         let observed = Observed::new(&scenario, place, record, estimates);
         let all = Measure::of_sums(estimates.channels());
         assert!(all.len() > 20);

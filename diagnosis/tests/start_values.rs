@@ -148,24 +148,6 @@ pub(crate) fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String
     (error(guess, truth.natural_frequency) < 0.1, ends && ekf.stop().is_none(), text)
 }
 
-/// The shares \[%\] of guesses and of ends that are right, over all excitations, sensors and dampings. The others are printed.
-pub(crate) fn shares_of_grid(hertz: f64, rate: f64) -> [f64; 2] {
-    let mut counts = [0; 3];
-    for excitation in Excitation::ALL {
-        for sensor in SENSORS {
-            for damping_ratio in [0.005, 0.02, 0.1] {
-                let truth = Oscillator { natural_frequency: std::f64::consts::TAU * hertz, damping_ratio };
-                let (is_right, is_end, text) = outcome(&record(truth, excitation, sensor, 1.0 / rate, 8192, 0), truth);
-                if !(is_right && is_end) {
-                    println!("{excitation:?} {} ζ {damping_ratio}: {text}", sensor.key());
-                }
-                counts = [counts[0] + usize::from(is_right), counts[1] + usize::from(is_end), counts[2] + 1];
-            }
-        }
-    }
-    [0, 1].map(|i| 100.0 * counts[i] as f64 / counts[2] as f64)
-}
-
 fn gain(filter: &FilterSettings) -> f64 {
     if filter.augment.contains(&Channel::INPUT_GAIN) { filter.initial_mean[Channel::INPUT_GAIN] } else { 1.0 }
 }
@@ -218,7 +200,7 @@ pub(crate) struct RingDown {
 }
 
 impl RingDown {
-    fn of(seed: u64) -> Self {
+    pub(crate) fn of(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
         Self {
@@ -252,85 +234,27 @@ impl RingDown {
     }
 }
 
-pub(crate) fn right_of_decays(seeds: std::ops::Range<u64>) -> [usize; 2] {
-    count(seeds.map(|seed| RingDown::of(seed).outcome()))
-}
-
-/// A short record of an oscillator under a force whose column has another unit, drawn from its seed.
-#[derive(Clone, Copy, Debug)]
-struct Short {
-    samples: usize,
-    /// \[Hz\]
-    rate: f64,
-    /// The force over the number that is recorded for it.
-    gain: f64,
-    is_coloured: bool,
-    per_period: f64,
-    damping_ratio: f64,
-    sensor: Quantity,
-    noise: f64,
-    hold: Hold,
-    seed: u64,
-}
-
-impl Short {
-    fn of(samples: usize, rate: f64, gain: f64, seed: u64) -> Self {
-        let mut random = Random::new(seed);
-        let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
-        Self {
-            samples,
-            rate,
-            gain,
-            // From 3 samples a period on, and 8 periods at least.
-            per_period: log(3.0, 40.0_f64.min(samples as f64 / 8.0)),
-            damping_ratio: log(0.005, 0.1),
-            noise: log(0.005, 0.1),
-            is_coloured: seed % 2 == 1,
-            hold: if seed / 2 % 2 == 1 { Hold::Zero } else { Hold::First },
-            sensor: SENSORS[(seed / 4 % 3) as usize],
-            seed,
-        }
-    }
-
-    fn natural_frequency(&self) -> f64 {
-        std::f64::consts::TAU * self.rate / self.per_period
-    }
-
-    fn record(&self) -> Record {
-        let Self { samples, rate, gain, is_coloured, damping_ratio: zeta, sensor, noise, hold, seed, .. } = *self;
-        let (wn, dt, mut random) = (self.natural_frequency(), 1.0 / rate, Random::new(seed + 200_000));
-        let (mut state, share) = (0.0, 1.0 - (-0.7 * wn * dt).exp());
-        let mut draw = || {
-            state += if is_coloured { share } else { 1.0 } * (random.normal() - state);
-            state
-        };
-        let input: Vec<f64> = (0..samples).map(|_| draw()).collect();
-        let force: Vec<f64> = input.iter().map(|input| gain * input).collect();
-        let columns = measured(sensor, &motion([wn, zeta], dt, hold, &force, [0.0; 2]), noise, rms, &mut random);
-        forced(dt, hold, input, columns)
-    }
-
-    fn outcome(&self) -> (bool, String) {
-        let filter = &suggestion(&self.record()).scenario.filters[0];
-        let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency();
-        let text = format!("{self:?}: ωₙ {guess:.3}, gain {:.3}", gain(filter) / self.gain);
-        ((guess - 1.0).abs() < 0.1, text)
-    }
-}
-
-/// A grid of lengths, rates and gains.
-pub(crate) fn right_of_short(lengths: &[usize], rates: &[f64], gains: &[f64]) -> [usize; 2] {
-    let of = |samples: usize, rate: f64| gains.iter().map(move |gain| (samples, rate, *gain));
-    let all = lengths.iter().flat_map(|samples| rates.iter().flat_map(move |rate| of(*samples, *rate)));
-    count(all.enumerate().map(|(seed, (samples, rate, gain))| Short::of(samples, rate, gain, seed as u64).outcome()))
-}
-
-/// The records whose start values are right, and all. The others are printed.
-fn count(outcomes: impl Iterator<Item = (bool, String)>) -> [usize; 2] {
-    outcomes.fold([0; 2], |[right, all], (is_right, text)| {
-        if !is_right {
-            println!("{text}");
-        }
-        [right + usize::from(is_right), all + 1]
-    })
+/// Whether the guess is right for a short record, drawn from its seed, whose input has another unit: the force is `force_gain` times it.
+pub(crate) fn outcome_of_short(samples: usize, rate: f64, force_gain: f64, seed: u64) -> (bool, String) {
+    let mut random = Random::new(seed);
+    let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
+    // From 3 samples a period on, and 8 periods at least.
+    let per_period = log(3.0, 40.0_f64.min(samples as f64 / 8.0));
+    let (damping_ratio, noise) = (log(0.005, 0.1), log(0.005, 0.1));
+    let (sensor, is_coloured) = (SENSORS[(seed / 4 % 3) as usize], seed % 2 == 1);
+    let hold = if seed / 2 % 2 == 1 { Hold::Zero } else { Hold::First };
+    let (wn, dt, mut random) = (std::f64::consts::TAU * rate / per_period, 1.0 / rate, Random::new(seed + 200_000));
+    let (mut state, share) = (0.0, 1.0 - (-0.7 * wn * dt).exp());
+    let mut draw = || {
+        state += if is_coloured { share } else { 1.0 } * (random.normal() - state);
+        state
+    };
+    let input: Vec<f64> = (0..samples).map(|_| draw()).collect();
+    let force: Vec<f64> = input.iter().map(|input| force_gain * input).collect();
+    let motion = motion([wn, damping_ratio], dt, hold, &force, [0.0; 2]);
+    let record = forced(dt, hold, input, measured(sensor, &motion, noise, rms, &mut random));
+    let filter = &suggestion(&record).scenario.filters[0];
+    let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / wn;
+    let text = format!("{samples} at {rate} Hz, {seed}: ωₙ {guess:.3}, gain {:.3}", gain(filter) / force_gain);
+    ((guess - 1.0).abs() < 0.1, text)
 }

@@ -13,7 +13,7 @@ use kalmanscope_diagnosis::VerdictKind::{
 };
 use kalmanscope_diagnosis::{Diagnosis, Verdict};
 
-use crate::judgement::remedies;
+use crate::judgement::{diagnosis, remedies};
 use crate::run::{built_in, finished, finished_on, oscillator, values, with_fault};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
@@ -21,9 +21,7 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 fn verdict_on(run: &Run) -> Option<Verdict> {
-    let estimates = &run.estimates()[0];
-    let diagnostics = Diagnostics::new(estimates, run.record());
-    Diagnosis::new(&diagnostics, estimates, run.record())?.verdict
+    diagnosis(&run.estimates()[0], run.record()).verdict
 }
 
 fn verdict(scenario: &Scenario) -> Option<Verdict> {

@@ -7,7 +7,7 @@ use kalmanscope_core::internals::mapped;
 use kalmanscope_core::scenario::cost::turn_at;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
-use super::happening::{Happening, TrueChange};
+use super::happening::TrueChange;
 use super::{Adjustable, Form, Phrase, Writer};
 use crate::Subject;
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
@@ -64,9 +64,9 @@ struct Truth {
 type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
 
 impl<'a> FilterOutcome<'a> {
-    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, happening: &Happening) -> Self {
+    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, changes: &[TrueChange]) -> Self {
         let (estimates, diagnostics, diagnosis) = results;
-        let (record, change) = (run.record(), happening.change());
+        let (record, change) = (run.record(), changes.first());
         let is_uncertain = |place: usize, channel: Channel| {
             let is_taken = filter.knows(channel) || filter.consider.contains(&channel);
             !is_taken && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
@@ -111,7 +111,7 @@ impl<'a> FilterOutcome<'a> {
             stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
             long_steps: long_steps(run.scenario(), filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
-            is_settling: happening.is_recent(run, now),
+            is_settling: changes.iter().any(|change| change.is_recent(run, now)),
             now,
             is_whole: run.done() == run.samples(),
         }
