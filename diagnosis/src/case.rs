@@ -8,7 +8,7 @@ use kalmanscope_core::{Diagnostics, Estimates, Record};
 
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
-use super::parts::{self, ALL, Chosen, PARTS, chosen};
+use super::parts::{self, ALL, Chosen, PARTS};
 use super::periodogram::Periodogram;
 
 /// Limits the innovations² of a good part, relative to their expectation.
@@ -60,18 +60,18 @@ impl<'a> Case<'a> {
         let errors = ChannelErrors::of_all(&samples, estimates, record);
         let (bad, forgiven, kept, pairs) = ([false; PARTS], [false; PARTS], ALL, Vec::new());
         let mut case = Self { diagnostics, estimates, record, samples, sensors, pairs, errors, bad, forgiven, kept };
-        let bad = chosen(&|part| case.is_bad(part));
+        let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
         if count <= FORGIVEN && !bad[PARTS - 1] {
             case.forgiven = bad;
-            let slack = chosen(&|part| case.is_slack(part));
-            let both = chosen(&|part| bad[part] || slack[part]);
+            let slack: Chosen = std::array::from_fn(|part| case.is_slack(part));
+            let both: Chosen = std::array::from_fn(|part| bad[part] || slack[part]);
             let count = both.iter().filter(|&&one| one).count();
-            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&chosen(&|part| !both[part])) {
+            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&std::array::from_fn(|part| !both[part])) {
                 case.forgiven = both;
             }
-            case.kept = chosen(&|part| !case.forgiven[part]);
+            case.kept = std::array::from_fn(|part| !case.forgiven[part]);
         }
         let ranges = mapped(&case.ranges(|part| case.kept[part]), &|of| of.start - start..of.end - start);
         for (one, periodogram) in case.sensors.iter_mut().zip(Periodogram::of_all(&series, &ranges)) {
@@ -132,7 +132,7 @@ impl<'a> Case<'a> {
     /// All kept parts, and the last fifth alone: in all samples, a late change is diluted by those before it.
     pub(crate) fn spans(&self) -> [Span; 2] {
         let first = PARTS - 2;
-        let late = chosen(&|part| part >= first && self.kept[part]);
+        let late = std::array::from_fn(|part| part >= first && self.kept[part]);
         let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
@@ -196,7 +196,7 @@ impl<'a> Case<'a> {
     }
 
     fn is_slack(&self, part: usize) -> bool {
-        let only = chosen(&|other| other == part);
+        let only: Chosen = std::array::from_fn(|other| other == part);
         self.sensors.iter().any(|one| {
             let (level, count) = (one.level(&only), one.count(&only));
             level < SLACK && chi_squared_score(level, count) < -NOT_CHANCE
@@ -204,7 +204,7 @@ impl<'a> Case<'a> {
     }
 
     fn is_bad(&self, part: usize) -> bool {
-        let only = chosen(&|other| other == part);
+        let only: Chosen = std::array::from_fn(|other| other == part);
         let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
         let surprises =
             |level: f64, degrees: f64| degrees > 0.0 && exceeds(level, SURPRISE) && is_no_chance(level, degrees);

@@ -2,4 +2,4 @@
 
 pub use crate::cause::{Agreement, Readings, change_point, still_part};
 pub use crate::periodogram::Periodogram;
-pub use crate::words::{percent, percent_to_a_tenth, plain, seconds, short, with_band};
+pub use crate::words::{percent, percent_to_a_tenth, plain, seconds, short};

@@ -37,3 +37,4 @@ pub use story::{Adjustable, Phrase, Story};
 pub use study::{Job, Progress, Study};
 pub use summary::{Final, Score, Summary};
 pub use verdict::Verdict;
+pub use words::with_band;

@@ -14,10 +14,6 @@ pub(crate) type Chosen = [bool; PARTS];
 
 pub(crate) const ALL: Chosen = [true; PARTS];
 
-pub(crate) fn chosen(is_so: &dyn Fn(usize) -> bool) -> Chosen {
-    std::array::from_fn(is_so)
-}
-
 pub(crate) fn sum(chosen: &Chosen, of: impl Fn(usize) -> f64) -> f64 {
     (0..PARTS).filter(|&part| chosen[part]).map(of).sum()
 }

@@ -77,18 +77,14 @@ impl Diagnosis {
     ) -> Result<Search, RunError> {
         let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
-        Ok(Search::new(Trials::new(scenario, place, estimates, record, likely_causes)?))
+        let trials = Trials::new(scenario, place, estimates, record, likely_causes)?;
+        let origin = Path::new(&trials.scenario);
+        let (stage, alone, paths) = (Stage::Causes(None), Vec::new(), Vec::new());
+        Ok(Search { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters: 1 })
     }
 }
 
 impl Search {
-    pub(super) fn new(trials: Trials) -> Self {
-        let origin = Path::new(&trials.scenario);
-        let (stage, filters) = (Stage::Causes(None), 1);
-        let (alone, paths) = (Vec::new(), Vec::new());
-        Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters }
-    }
-
     /// Whether there is nothing left to try.
     pub fn is_done(&self) -> bool {
         matches!(self.stage, Stage::Done)
@@ -105,15 +101,16 @@ impl Search {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.ranked().into_iter().map(|ranked| ranked.remedy).collect();
         }
-        let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { priced(rank) } else { rank };
-        let with_price = |one: &Ranked| (one.remedy.clone(), price(one.remedy.first.cause.key, one.rank), one.achieved);
+        let with_price = |Ranked { remedy, rank, achieved }: &Ranked| {
+            (remedy.clone(), priced(*rank, remedy.first.cause.key == UNKNOWN_FORCE), *achieved)
+        };
         let mut all: Vec<(Remedy, f64, f64)> = mapped(&self.alone, &with_price);
         for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
             if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
                 continue;
             }
             let Some(remedy) = path.remedy() else { continue };
-            let (key, path_rank) = (remedy.first.cause.key, self.rank(path));
+            let (key, path_rank) = (remedy.first.cause.key, path.priced_rank());
             match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
                 // Remedies that begin with the same cause are compared by their own gain, not that with all noise fitted.
                 Some((other, rank, gain)) if compare((&remedy, path.gain), (other, *gain)).is_gt() => {
@@ -232,7 +229,7 @@ impl Search {
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
-            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
+            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| path.priced_rank()).reduce(f64::max)
         };
         // A free force ends in a good verdict whatever the cause is: other paths not far behind are tried too.
         let well = best_of(&|path| !path.has(UNKNOWN_FORCE));
@@ -242,20 +239,20 @@ impl Search {
             !path.is_tried
                 && path.steps.len() < STEPS
                 && !ends_well(path)
-                && least.is_none_or(|least| self.rank(path) > least)
+                && least.is_none_or(|least| path.priced_rank() > least)
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
         // A path with more causes is likelier, even after a wrong one: so the best first causes are tried first.
         let single = || self.paths.iter().filter(|path| path.steps.len() == 1);
-        let mut firsts: Vec<f64> = single().map(|path| self.rank(path)).collect();
+        let mut firsts: Vec<f64> = single().map(|path| path.priced_rank()).collect();
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
         let most = single().map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
-        let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
+        let is_first = |path: &Path| path.steps.len() == 1 && (path.priced_rank() >= least_first || path.gain >= most);
         // A cause that the record shows without a model is listed first, so its remedy must be complete.
         let is_seen = |path: &Path| path.steps.len() == 1 && path.steps[0].likely.certain;
-        let order = |path: &Path| (is_seen(path), is_first(path), self.rank(path));
+        let order = |path: &Path| (is_seen(path), is_first(path), path.priced_rank());
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
         let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
         match best.filter(|_| self.filters < limit).or_else(|| self.first_untried()) {
@@ -277,14 +274,10 @@ impl Search {
         let is_open = after.as_ref()?.kind == VerdictKind::Consistent && !is_tried && steps.len() < STEPS;
         (is_open && self.filters < FILTERS).then_some(place)
     }
-
-    fn rank(&self, path: &Path) -> f64 {
-        if path.has(UNKNOWN_FORCE) { priced(path.rank) } else { path.rank }
-    }
 }
 
-fn priced(rank: f64) -> f64 {
-    if rank > 0.0 { (1.0 - PRICE) * rank } else { rank }
+fn priced(rank: f64, is_force: bool) -> f64 {
+    if is_force && rank > 0.0 { (1.0 - PRICE) * rank } else { rank }
 }
 
 impl Task for Search {
@@ -373,6 +366,10 @@ impl Path {
             path.steps.push(step);
         }
         Some(path)
+    }
+
+    fn priced_rank(&self) -> f64 {
+        priced(self.rank, self.has(UNKNOWN_FORCE))
     }
 
     fn has(&self, key: &str) -> bool {

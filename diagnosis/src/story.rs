@@ -17,7 +17,7 @@ use std::fmt;
 use kalmanscope_core::{Diagnostics, Run};
 
 use crate::Diagnosis;
-use crate::words::{percent_to_a_tenth, plain, with_band};
+use crate::words::{percent_to_a_tenth, plain};
 use outcome::FilterOutcome;
 
 const TOLD: usize = 3;
@@ -32,11 +32,6 @@ pub struct Story {
 }
 
 impl Story {
-    /// An estimate with its band in some unit, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
-    pub fn estimate(mean: f64, band: f64, unit: &str) -> String {
-        with_band(mean, band, unit)
-    }
-
     /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
     /// diagnosis at the same place. Filters without diagnostics are left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {

@@ -3,8 +3,8 @@
 use kalmanscope_core::filter::Normal;
 use kalmanscope_diagnosis::internals::{
     Agreement, Periodogram, Readings, change_point, percent, percent_to_a_tenth, plain, seconds, short, still_part,
-    with_band,
 };
+use kalmanscope_diagnosis::with_band;
 
 #[test]
 fn white_noise_is_flat_and_a_wave_is_a_line() {

@@ -297,9 +297,8 @@ impl Readings {
     /// The readings that repeat the last one.
     pub fn stuck(&self) -> Option<Marked> {
         // A sensor that is clipped repeats the end of its range.
-        let known = || self.values.iter().copied().filter(|value| !value.is_nan());
-        let ends = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let is_end = |value: f64| value <= ends.0 || value >= ends.1;
+        let [low, high] = ends(&self.values);
+        let is_end = |value: f64| value <= low || value >= high;
         let repeats = |pair: &[f64]| pair[0].to_bits() == pair[1].to_bits() && !is_end(pair[0]);
         let same: Vec<bool> = self.values.windows(2).map(repeats).collect();
         let mut marks = vec![false; self.values.len()];
@@ -320,8 +319,7 @@ impl Readings {
 
     /// Their number and size. `None` where the readings move far in other ways.
     fn turns(&self) -> Option<(usize, f64)> {
-        let known: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
-        let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        let (known, [low, high]) = (known(&self.values).collect::<Vec<f64>>(), ends(&self.values));
         let (mut jumps, mut sum) = (0, 0.0);
         for four in known.windows(4) {
             let [before, jump, after] = [four[1] - four[0], four[2] - four[1], four[3] - four[2]];
@@ -340,7 +338,7 @@ impl Readings {
 
     /// The step to which readings are rounded.
     pub fn step(&self) -> Option<f64> {
-        let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
+        let mut values: Vec<f64> = known(&self.values).collect();
         let count = values.len();
         sort_numbers(&mut values);
         values.dedup();
@@ -382,10 +380,17 @@ impl Readings {
     }
 }
 
+fn known(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.iter().copied().filter(|value| !value.is_nan())
+}
+
+fn ends(values: &[f64]) -> [f64; 2] {
+    known(values).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+}
+
 /// An end is clipped where it has many readings, in several spells.
 pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
-    let known = || values.iter().copied().filter(|value| !value.is_nan());
-    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let known = || known(values);
     let count = known().count();
     let is_end = |end: &f64| {
         let is_there = |value: &f64| value == end;
@@ -397,7 +402,7 @@ pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
         let spells = spells(values.iter().map(is_there));
         there >= FEWEST && there as f64 >= SHARE * count as f64 && spells >= SPELLS && there > 3 * next
     };
-    [low, high].into_iter().filter(is_end).collect()
+    ends(values).into_iter().filter(is_end).collect()
 }
 
 const FEWEST: usize = 10;

@@ -9,9 +9,8 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagat
 
 use super::happening::TrueChange;
 use super::{Adjustable, Form, Phrase, Writer};
-use crate::Subject;
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
-use crate::{Diagnosis, VerdictKind};
+use crate::{Diagnosis, Evidence, Subject, VerdictKind};
 
 const FOUND: f64 = 0.05;
 
@@ -87,24 +86,14 @@ impl<'a> FilterOutcome<'a> {
         let main = all.next();
         let last = estimates.len().saturating_sub(1);
         let now = record.time(last);
-        let undetermined = diagnosis.map_or(Vec::new(), |diagnosis| {
-            let speaking =
-                diagnosis.evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
-            let mut channels: Vec<Channel> = Vec::new();
-            for one in speaking {
-                if let Subject::Channel(channel) = one.subject
-                    && !channels.contains(&channel)
-                {
-                    channels.push(channel);
-                }
-            }
-            channels
-        });
+        let evidence = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.evidence);
+        let unlearnt = evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
+        let channel = |one: &Evidence| if let Subject::Channel(channel) = one.subject { Some(channel) } else { None };
         Self {
             filter,
             name: estimates.name(),
             kind: diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref()).map(|verdict| verdict.kind),
-            undetermined,
+            undetermined: unlearnt.filter_map(channel).collect(),
             main,
             others: all.collect(),
             outside,
