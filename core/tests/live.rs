@@ -6,16 +6,12 @@ use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::record::{LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Source, Trouble, simulate,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Source, Trouble,
 };
 
 use crate::numbers::Random;
 use crate::phone::{Phone, USUAL};
-use crate::run::{assert_same_estimates, finished_on, last, readings};
-
-fn measured(scenario: &Scenario) -> Record {
-    simulate(scenario).without_truth()
-}
+use crate::run::{assert_same_estimates, finished_on, last, measured, readings};
 
 fn scenario(hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };

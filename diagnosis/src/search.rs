@@ -229,7 +229,7 @@ impl Search {
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
-            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| path.priced_rank()).reduce(f64::max)
+            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(Path::priced_rank).reduce(f64::max)
         };
         // A free force ends in a good verdict whatever the cause is: other paths not far behind are tried too.
         let well = best_of(&|path| !path.has(UNKNOWN_FORCE));
@@ -244,7 +244,7 @@ impl Search {
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
         // A path with more causes is likelier, even after a wrong one: so the best first causes are tried first.
         let single = || self.paths.iter().filter(|path| path.steps.len() == 1);
-        let mut firsts: Vec<f64> = single().map(|path| path.priced_rank()).collect();
+        let mut firsts: Vec<f64> = single().map(Path::priced_rank).collect();
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);

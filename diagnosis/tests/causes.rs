@@ -10,11 +10,7 @@ use kalmanscope_core::{
 use kalmanscope_diagnosis::{Remedy, VerdictKind, in_percent};
 
 use crate::judgement::{diagnosis, remedies};
-use crate::run::{finished_on, forced, last, one_filter, oscillator, with_fault, with_input};
-
-fn measured(scenario: &Scenario) -> Record {
-    simulate(scenario).without_truth()
-}
+use crate::run::{finished_on, forced, last, measured, one_filter, oscillator, with_fault, with_input};
 
 fn found(scenario: &Scenario) -> Vec<Remedy> {
     on_record(scenario, measured(scenario))

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
-    Channel, Evidence, FilterKind, FilterSettings, Hold, InputKind, Pass, Quantity, Record, Run, RunError, Scenario,
-    ScenarioError, Sensor, Signal, Source, Tape, Update, simulate,
+    Channel, Evidence, FilterKind, FilterSettings, Hold, InputKind, Pass, Quantity, Run, RunError, Scenario,
+    ScenarioError, Sensor, Signal, Source, Tape, Update,
 };
 use kalmanscope_diagnosis::{Hindsight, Job, Study, Wanted};
 
-use crate::run::{assert_same_estimates, finished, finished_on, of_all_kinds};
+use crate::run::{assert_same_estimates, finished, finished_on, measured, of_all_kinds};
 
 const WINDOW: usize = 100_000;
 
@@ -183,14 +183,10 @@ fn a_study_with_a_window_keeps_the_same_samples_however_it_comes_there() {
     assert_eq!(run.checksum(), jumped.run().checksum());
 }
 
-fn measured(scenario: &Scenario) -> Arc<Record> {
-    Arc::new(simulate(scenario).without_truth())
-}
-
 #[test]
 fn a_measured_record_stays_when_settings_change() {
     let mut current = scenario();
-    let record = measured(&current);
+    let record = Arc::new(measured(&current));
     let mut run = finished_on(&current, Arc::clone(&record));
     let is_measured = |run: &Run| matches!(run.source(), Source::Measured(same) if Arc::ptr_eq(&same, &record));
     let fresh = |scenario: &Scenario| finished_on(scenario, Arc::clone(&record)).checksum();
@@ -227,7 +223,7 @@ fn a_measured_record_stays_when_settings_change() {
 #[test]
 fn a_study_goes_from_a_simulation_to_a_record_and_back() {
     let current = scenario();
-    let record = measured(&current);
+    let record = Arc::new(measured(&current));
     let mut study = study(&current, Source::Simulated, 300);
     let source = Some(Source::Measured(Arc::clone(&record)));
     assert_eq!(turn(&mut study, &current, source, record.len(), 2), Update::Everything);

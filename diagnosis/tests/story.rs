@@ -10,8 +10,8 @@ fn change(from: f64, to: f64) -> Adjustable {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from, to, at: 1.0 }));
     let story = Story::of(&finished(&scenario), &[], &[]);
-    let settings = story.sentences.iter().flatten().filter_map(Phrase::setting);
-    settings.filter(|one| one.address == "plant.natural_frequency.step.to").next().unwrap().clone()
+    let mut settings = story.sentences.iter().flatten().filter_map(Phrase::setting);
+    settings.find(|one| one.address == "plant.natural_frequency.step.to").unwrap().clone()
 }
 
 #[test]

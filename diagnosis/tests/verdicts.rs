@@ -14,7 +14,7 @@ use kalmanscope_diagnosis::VerdictKind::{
 use kalmanscope_diagnosis::{Diagnosis, Verdict};
 
 use crate::judgement::{diagnosis, remedies};
-use crate::run::{built_in, finished, finished_on, oscillator, values, with_fault};
+use crate::run::{built_in, finished, finished_on, measured, oscillator, values, with_fault};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
@@ -29,7 +29,7 @@ fn verdict(scenario: &Scenario) -> Option<Verdict> {
 }
 
 fn without_truth(scenario: &Scenario) -> Run {
-    finished_on(scenario, simulate(scenario).without_truth())
+    finished_on(scenario, measured(scenario))
 }
 
 fn well_tuned(kind: FilterKind) -> Scenario {

@@ -65,6 +65,10 @@ pub(crate) fn simulated(scenario: &Scenario) -> Record {
     record
 }
 
+pub(crate) fn measured(scenario: &Scenario) -> Record {
+    simulate(scenario).without_truth()
+}
+
 pub(crate) fn truth(record: &Record, channel: Channel) -> &[f64] {
     record.truth(channel).expect("its truth is known")
 }
