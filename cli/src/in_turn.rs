@@ -52,7 +52,7 @@ fn one(
         diagnostics.follow(&history, record);
         history.drop_matrices();
     }
-    let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
+    let diagnosis = Diagnosis::new(&diagnostics, &history, record);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
     let causes = causes_of(scenario, place, diagnosis.as_ref(), &diagnostics, &history, record);
     drop(diagnostics);

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, PlantKind, Run, Scenario};
-use kalmanscope_diagnosis::Diagnosis;
 
 fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
@@ -67,9 +66,6 @@ fn benchmarks(c: &mut Criterion) {
             diagnostics.restart(&whole.estimates()[0], whole.record());
             black_box(diagnostics.len())
         });
-    });
-    c.bench_function("diagnosis of a whole record of 6001 samples", |b| {
-        b.iter(|| black_box(Diagnosis::new(&diagnostics, &whole.estimates()[0], whole.record(), None)));
     });
     c.bench_function("whole record, EKF and UKF", |b| {
         b.iter(|| {

@@ -3,14 +3,13 @@
 use kalmanscope_core::signal::{Signal, Step};
 use kalmanscope_core::{
     Channel, Estimates, Evidence, FilterKind, FilterSettings, ModelClasses, Quantity, Record, Run, Scenario, Sensor,
-    Source, simulate,
+    simulate,
 };
-use kalmanscope_diagnosis::{Study, Wanted};
 use nalgebra::{DMatrix, DVector};
 
 use crate::numbers::{ADAPTIVE, apart, joint_motion, log_normal};
 use crate::oracles::textbook::Textbook;
-use crate::run::{finished, finished_on, knowing, last, one_filter, oscillator, values, verdict};
+use crate::run::{finished, finished_on, knowing, last, one_filter, oscillator, values};
 
 fn scenario(kind: FilterKind, walk: f64) -> Scenario {
     let mut scenario = Scenario { duration: 20.0, ..one_filter(kind) };
@@ -123,7 +122,8 @@ fn a_sudden_loss_is_found_and_the_band_is_right() {
         let estimates = &run.estimates()[0];
         let jumps: Vec<usize> = estimates.jumps().filter(|&k| k > 100).collect();
         assert!(jumps.first().is_some_and(|k| (1000..1100).contains(k)), "seed {seed}: {jumps:?}");
-        good += usize::from(verdict(&run, 0).is_good());
+        let (mean, std) = last(estimates, Channel::NATURAL_FREQUENCY);
+        good += usize::from((mean - 4.5).abs() < 2.0 * std);
     }
     assert!(good >= 18, "{good} of 20");
 }
@@ -241,26 +241,8 @@ fn the_evidence_of_linear_models_is_the_density_of_the_readings() {
 }
 
 #[test]
-fn a_study_has_the_evidence_however_it_goes_on() {
-    let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-    let whole = finished(&scenario);
-    let all: Vec<Evidence> = whole.estimates().iter().map(Evidence::new).collect();
-    for window in [usize::MAX, 200] {
-        let mut study = Study::new(&scenario, Source::Simulated, window).expect("it is possible");
-        study.want(Wanted::EVIDENCE);
-        for done in [7, 500, 2001] {
-            while !study.advance_to(done, &mut || false) {}
-            let (run, evidence) = (study.run(), study.analysis().evidence());
-            assert_eq!(evidence.len(), 2);
-            for (evidence, all) in evidence.iter().zip(&all) {
-                let forgotten = run.record().forgotten();
-                assert_eq!(evidence.len(), run.len());
-                assert!((0..run.len()).all(|k| evidence.at(k) == all.at(forgotten + k)));
-                assert_eq!(evidence.at(run.len()), None);
-            }
-        }
-    }
-    let mut broken = scenario;
+fn a_filter_that_stops_has_no_evidence_from_there() {
+    let mut broken = Scenario { duration: 20.0, ..Scenario::default() };
     broken.filters[0].fading = 1e30;
     let run = finished(&broken);
     let stop = run.estimates()[0].stop().expect("so much fading is too much").sample;

@@ -9,23 +9,7 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{apart, bits, distance, mean};
-use crate::run::{
-    after_events, finished_on, one_filter, oscillator, readings, remedies, with_fault, with_input, with_times,
-};
-
-const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
-
-/// The default oscillator without a change, under white noise, with an EKF; the plant feels the input this many samples late.
-fn scenario(delay: i32, seed: u64) -> Scenario {
-    let mut scenario = Scenario { seed, duration: 20.0, plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
-    scenario.plant.input_delay = delay;
-    scenario.filters[0].fading = 1.0;
-    scenario
-}
-
-fn with_holes(record: &Record) -> Record {
-    record.clone().without_truth().with_gaps(|place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
-}
+use crate::run::{after_events, finished_on, one_filter, oscillator, readings, with_fault, with_input, with_times};
 
 fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
     let run = finished_on(scenario, record.clone());
@@ -34,9 +18,12 @@ fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
 
 #[test]
 fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
-    for delay in DELAYS {
-        let mut scenario = scenario(delay, 7);
-        let late = with_holes(&simulate(&scenario));
+    for delay in -3_i32..=3 {
+        // The plant feels the input this many samples late.
+        let mut scenario = Scenario { duration: 20.0, plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
+        (scenario.plant.input_delay, scenario.filters[0].fading) = (delay, 1.0);
+        let is_lost = |place: usize, k: usize| (k + place).is_multiple_of(3) || (300..360).contains(&k);
+        let late = simulate(&scenario).without_truth().with_gaps(is_lost);
         scenario.filters[0].input_delay = delay;
         let known = estimates(&scenario, &late);
         scenario.filters[0].input_delay = 0;
@@ -47,30 +34,6 @@ fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
         let expected = estimates(&scenario, &moved);
         for k in 0..late.len() {
             assert_eq!(known.mean(k), expected.mean(k), "delay {delay}, sample {k}");
-        }
-    }
-}
-
-#[test]
-fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
-    for delay in DELAYS {
-        for seed in 1_000_000..1_000_003 {
-            let scenario = scenario(delay, seed);
-            let whole = simulate(&scenario);
-            for record in [with_holes(&whole), whole] {
-                let found = remedies(&finished_on(&scenario, record.clone()), 0, &record);
-                let named = found.iter().position(|remedy| remedy.first.cause.key == "input_delay");
-                if delay == 0 {
-                    assert_eq!(named, None, "seed {seed}: {:?}", found[0].first.sentence);
-                    continue;
-                }
-                let place = named.unwrap_or_else(|| panic!("delay {delay}, seed {seed}: {found:?}"));
-                assert!(place < 2, "delay {delay}, seed {seed}: place {place}");
-                let likely = &found[place].first;
-                assert_eq!(likely.edits[0].toml_line(), format!("input_delay = {delay}"), "seed {seed}");
-                let word = if delay > 0 { "early" } else { "late" };
-                assert!(likely.sentence.ends_with(word), "delay {delay}: {}", likely.sentence);
-            }
         }
     }
 }

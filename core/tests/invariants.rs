@@ -2,10 +2,16 @@
 
 use kalmanscope_core::{Aspect, Channel, FilterKind, PlantKind, Quantity, Scenario, Sensor, Trouble, simulate};
 use proptest::prelude::*;
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 use crate::health::{check_file, check_scenario, scenario_of};
 use crate::numbers::beliefs;
-use crate::run::{cases, finished, finished_on, oscillator, shrinking};
+use crate::run::{finished, finished_on, oscillator, shrinking};
+
+/// The same random cases every time, so that a failure is reproducible.
+pub(crate) fn cases(seed: u64, cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
+}
 
 /// Any scenario of the generator, and how many of 256 readings it lacks.
 fn any_scenario() -> impl Strategy<Value = (Scenario, u8)> {

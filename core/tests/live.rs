@@ -6,17 +6,12 @@ use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::record::{LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Source, Trouble, simulate,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Source, Trouble,
 };
-use kalmanscope_diagnosis::{Hindsight, Job, Study, Wanted};
 
 use crate::numbers::Random;
 use crate::phone::{Phone, USUAL};
-use crate::run::{assert_same_estimates, finished_on, last, readings};
-
-fn measured(scenario: &Scenario) -> Record {
-    simulate(scenario).without_truth()
-}
+use crate::run::{assert_same_estimates, finished_on, last, measured, readings};
 
 fn scenario(hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };
@@ -77,31 +72,6 @@ fn what_is_no_longer_record_changes_nothing() {
     }
     let mut ended = Run::on_record(&scenario, Arc::new(record.part(0..200))).expect("it can be run");
     assert!(!ended.lengthen(Arc::new(record)), "a measured record has ended");
-}
-
-#[test]
-fn an_edit_of_a_live_record_gives_the_bits_of_a_new_run() {
-    let mut scenario = scenario(Hold::First);
-    let record = measured(&scenario);
-    let part = |length: usize| Arc::new(record.part(0..length));
-    let mut study = Study::new(&scenario, Source::Live(part(100)), 1000).expect("it can be run");
-    study.want(Wanted { smoothed: Hindsight::All, ..Wanted::NOTHING });
-    let everything = usize::MAX;
-    study.advance_to(everything, &mut || true);
-    assert!(study.lengthen(part(250)));
-    study.advance_to(everything, &mut || true);
-    scenario.filters[1].fading = 1.02;
-    let done = study.run().done();
-    let mut job = Job::new(&mut study, &scenario, None, done).expect("it is possible");
-    while !job.advance(&study, &mut || false).is_done() {}
-    assert!(study.lengthen(part(300)), "it grows while the job is under way");
-    job.finish(&mut study);
-    study.advance_to(everything, &mut || true);
-    assert_eq!(study.run().done(), 297);
-    assert!(study.analysis().smoothed().is_empty(), "a smoother needs the end, which has not come");
-    let mut whole = Run::on_record(&scenario, part(300)).expect("it can be run");
-    whole.advance_to(297);
-    assert_same(study.run(), &whole);
 }
 
 #[test]

@@ -10,7 +10,8 @@ use proptest::prelude::*;
 use proptest::test_runner::{TestError, TestRunner};
 
 use crate::health::{check_file, check_scenario, scenario_of};
-use crate::run::{asset, built_in, cases, finished, finished_on, values};
+use crate::invariants::cases;
+use crate::run::{asset, built_in, finished, finished_on, values};
 
 /// The same cases every time, and other ones with another `KALMANSCOPE_TEST_SEED`.
 fn config(count: u32) -> ProptestConfig {

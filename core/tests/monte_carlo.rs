@@ -9,7 +9,7 @@ use kalmanscope_core::{Channel, Diagnostics, FilterKind, FilterSettings, Force, 
 
 use crate::numbers::ADAPTIVE;
 use crate::run::{bound, finished};
-use crate::situations::on_two_threads;
+use crate::threads::on_two_threads;
 
 const SEEDS: u64 = 200;
 

@@ -1,9 +1,7 @@
 //! What a tenth of outliers in one sensor does to plain and to robust filters.
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::scenario::Fault;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Robust, Scenario, simulate};
-use kalmanscope_diagnosis::{Analysis, Wanted};
+use kalmanscope_core::{Channel, Diagnostics, FilterKind, FilterSettings, Quantity, Robust, Scenario, simulate};
 
 use crate::numbers::{ADAPTIVE, rms};
 use crate::run::{finished, finished_on, oscillator};
@@ -34,7 +32,6 @@ fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scen
 fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) {
     let run = finished(&scenario(seed, kind, robust, is_clean));
     let clean = finished(&scenario(seed, kind, robust, true));
-    let analysis = Analysis::new(&run, Wanted::diagnostics(Depth::All));
     let estimates = &run.estimates()[0];
     assert_eq!(estimates.stop(), None, "seed {seed}");
     let late = 2 * estimates.len() / 3..estimates.len();
@@ -44,7 +41,7 @@ fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: b
         let errors = late.clone().map(|k| estimates.canonical_mean(k, place) - truth);
         *square += rms(&errors.collect::<Vec<_>>()).powi(2);
     }
-    sums.nees += analysis.diagnostics()[0].nees()[estimates.len() - 1];
+    sums.nees += Diagnostics::new(estimates, run.record()).nees()[estimates.len() - 1];
     sums.seeds += 1;
     for k in late {
         let is_outlier = run.record().measured(0)[k] != clean.record().measured(0)[k];

@@ -63,13 +63,8 @@ impl Analysis {
     /// The analysis of the part of a run that is done so far.
     pub fn new(run: &Run, wanted: Wanted) -> Self {
         let mut analysis = Self { wanted, ..Self::default() };
-        analysis.follow(run);
+        analysis.advance(&AnalysisSubject::of(run), &mut || true);
         analysis
-    }
-
-    /// The results that are computed.
-    pub fn wanted(&self) -> Wanted {
-        self.wanted
     }
 
     /// The diagnostics, one per filter; empty until they are complete.
@@ -103,11 +98,6 @@ impl Analysis {
     /// The bound of the filter with an id.
     pub fn bound(&self, id: u32) -> Option<&CramerRao> {
         self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
-    }
-
-    /// Takes in all new samples of a run.
-    pub fn follow(&mut self, run: &Run) {
-        self.advance(&AnalysisSubject::of(run), &mut || true);
     }
 
     pub(crate) fn want(&mut self, wanted: Wanted) {
@@ -249,7 +239,7 @@ impl Analysis {
             let done = estimates.forgotten() + estimates.len();
             let is_old = done >= *of + estimates.len() / 2 || subject.whole;
             if !*waits && *of != done && (diagnosis.is_none() || is_old) {
-                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record);
                 *of = done;
             }
         }

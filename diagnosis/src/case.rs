@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Record};
+use kalmanscope_core::internals::mapped;
+use kalmanscope_core::{Diagnostics, Estimates, Record};
 
 use super::errors::ChannelErrors;
 use super::innovations::{Pair, SensorInnovations};
-use super::parts::{self, ALL, Chosen, PARTS, chosen};
+use super::parts::{self, ALL, Chosen, PARTS};
+use super::periodogram::Periodogram;
 
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
@@ -24,13 +26,10 @@ const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 const FORGIVEN: usize = 3;
 
-pub(crate) type Inputs<'a> = (&'a Diagnostics, &'a Estimates, &'a Record, Option<&'a CramerRao>);
-
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
     pub(crate) estimates: &'a Estimates,
     pub(crate) record: &'a Record,
-    pub(crate) bound: Option<&'a CramerRao>,
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) pairs: Vec<Pair>,
@@ -49,27 +48,37 @@ pub(crate) struct Span {
 
 impl<'a> Case<'a> {
     pub(crate) fn new(
-        (diagnostics, estimates, record, bound): Inputs<'a>,
         samples: Range<usize>,
-        sensors: Vec<SensorInnovations>,
-        errors: Vec<ChannelErrors>,
+        diagnostics: &'a Diagnostics,
+        estimates: &'a Estimates,
+        record: &'a Record,
     ) -> Self {
-        let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
-        let pairs = Vec::new();
-        let mut case =
-            Self { diagnostics, estimates, record, bound, samples, sensors, pairs, errors, bad, forgiven, kept };
-        let bad = chosen(&|part| case.is_bad(part));
+        let end = samples.end.min(estimates.len()).min(record.len());
+        let samples = samples.start.min(end)..end;
+        let start = samples.start;
+        let (sensors, series) = SensorInnovations::of_all(&samples, estimates, record);
+        let errors = ChannelErrors::of_all(&samples, estimates, record);
+        let (bad, forgiven, kept, pairs) = ([false; PARTS], [false; PARTS], ALL, Vec::new());
+        let mut case = Self { diagnostics, estimates, record, samples, sensors, pairs, errors, bad, forgiven, kept };
+        let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
         if count <= FORGIVEN && !bad[PARTS - 1] {
             case.forgiven = bad;
-            let slack = chosen(&|part| case.is_slack(part));
-            let both = chosen(&|part| bad[part] || slack[part]);
+            let slack: Chosen = std::array::from_fn(|part| case.is_slack(part));
+            let both: Chosen = std::array::from_fn(|part| bad[part] || slack[part]);
             let count = both.iter().filter(|&&one| one).count();
-            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&chosen(&|part| !both[part])) {
+            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&std::array::from_fn(|part| !both[part])) {
                 case.forgiven = both;
             }
-            case.kept = chosen(&|part| !case.forgiven[part]);
+            case.kept = std::array::from_fn(|part| !case.forgiven[part]);
+        }
+        let ranges = mapped(&case.ranges(|part| case.kept[part]), &|of| of.start - start..of.end - start);
+        for (one, periodogram) in case.sensors.iter_mut().zip(Periodogram::of_all(&series, &ranges)) {
+            one.periodogram = periodogram;
+        }
+        if series.len() > 1 {
+            case.pairs = Pair::of_all(&case.sensors, &series, &ranges);
         }
         case
     }
@@ -123,7 +132,7 @@ impl<'a> Case<'a> {
     /// All kept parts, and the last fifth alone: in all samples, a late change is diluted by those before it.
     pub(crate) fn spans(&self) -> [Span; 2] {
         let first = PARTS - 2;
-        let late = chosen(&|part| part >= first && self.kept[part]);
+        let late = std::array::from_fn(|part| part >= first && self.kept[part]);
         let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
@@ -187,7 +196,7 @@ impl<'a> Case<'a> {
     }
 
     fn is_slack(&self, part: usize) -> bool {
-        let only = chosen(&|other| other == part);
+        let only: Chosen = std::array::from_fn(|other| other == part);
         self.sensors.iter().any(|one| {
             let (level, count) = (one.level(&only), one.count(&only));
             level < SLACK && chi_squared_score(level, count) < -NOT_CHANCE
@@ -195,7 +204,7 @@ impl<'a> Case<'a> {
     }
 
     fn is_bad(&self, part: usize) -> bool {
-        let only = chosen(&|other| other == part);
+        let only: Chosen = std::array::from_fn(|other| other == part);
         let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
         let surprises =
             |level: f64, degrees: f64| degrees > 0.0 && exceeds(level, SURPRISE) && is_no_chance(level, degrees);

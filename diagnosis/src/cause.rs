@@ -7,6 +7,11 @@ mod noise;
 mod plant;
 mod sensors;
 
+pub use changes::change_point;
+pub use disagreement::Agreement;
+pub use input::still_part;
+pub use sensors::Readings;
+
 use std::ops::{Range, RangeInclusive};
 
 use kalmanscope_core::setting::Edit;

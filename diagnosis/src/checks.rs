@@ -28,7 +28,6 @@ pub static TESTS: &[&Test] = &[
     &innovations::MEAN,
     &innovations::LINES,
     &estimates::UNLEARNT,
-    &estimates::BOUND,
     &estimates::RECOVERY,
 ];
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use kalmanscope_core::internals::{mapped, places};
 use kalmanscope_core::{Estimates, Quantity, Record};
 
-use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
+use super::parts::{self, CROSS_LAGS, Chosen, FIRST_CROSS_LAG, LAGS, PARTS};
 use super::periodogram::Periodogram;
 
 /// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.
@@ -30,8 +30,36 @@ pub(crate) struct InnovationSums {
 }
 
 impl SensorInnovations {
-    pub(crate) fn new(sensor: Quantity, by_part: [InnovationSums; PARTS]) -> Self {
-        Self { sensor, by_part, periodogram: Periodogram::default() }
+    /// Of all sensors in a window of kept samples, before their periodograms; and ν of each one, limited, 0 where nothing was measured.
+    pub(super) fn of_all(window: &Range<usize>, estimates: &Estimates, record: &Record) -> (Vec<Self>, Vec<Vec<f64>>) {
+        let input = around(INPUT_BEFORE, limited_input(&record.input()[window.clone()]), AFTER);
+        let first = window.start + record.forgotten();
+        let m = estimates.sensors().len();
+        let of = |(place, &sensor): (usize, &Quantity)| {
+            let normalised =
+                |k: usize| estimates.innovation(k)[place] / estimates.innovation_cov(k)[place * (m + 1)].sqrt();
+            let values: Vec<f64> = window.clone().map(normalised).collect();
+            let limited = mapped(&values, &|value| if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) });
+            let before = around(BEFORE, limited.clone(), 0);
+            let by_part = std::array::from_fn(|part| {
+                let range = parts::range(part, &(0..values.len()));
+                let input_square = sum_of(&input[INPUT_BEFORE..][range.clone()], |f| f * f);
+                let mut sums = InnovationSums { input_square, ..InnovationSums::default() };
+                for Range { start, end } in granules(range, first) {
+                    for value in values[start..end].iter().filter(|value| !value.is_nan()) {
+                        sums.count += 1.0;
+                        sums.square += value * value;
+                    }
+                    let limited = &limited[start..end];
+                    sums.sum += limited.iter().sum::<f64>();
+                    add_products(&mut sums.products, limited, &before[start..end + BEFORE]);
+                    add_products(&mut sums.cross, limited, &input[start..end + CROSS_LAGS - 1]);
+                }
+                sums
+            });
+            (Self { sensor, by_part, periodogram: Periodogram::default() }, limited)
+        };
+        estimates.sensors().iter().enumerate().map(of).unzip()
     }
 
     pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
@@ -105,165 +133,29 @@ impl Pair {
     }
 }
 
-#[derive(Debug)]
-pub(super) struct LiveInnovations {
-    known: Range<usize>,
-    sensors: Vec<LiveSensor>,
-}
-
-#[derive(Debug)]
-struct LiveSensor {
-    sensor: Quantity,
-    /// ν of every sample; NaN where nothing was measured.
-    values: Series<f64>,
-    /// The sums of whole granules. In those with the input, its first number in the granule is subtracted.
-    granules: Series<InnovationSums>,
-}
-
-impl LiveInnovations {
-    pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
-        let (values, granules) = (Series::starting_at(start), Series::starting_at(first_in(start)));
-        let one = |&sensor: &Quantity| LiveSensor { sensor, values: values.clone(), granules: granules.clone() };
-        Self { known: start..start, sensors: mapped(estimates.sensors(), &one) }
-    }
-
-    pub(super) fn reaches(&self, start: usize) -> bool {
-        (self.known.start..=self.known.end).contains(&start)
-    }
-
-    /// ν of some samples of each sensor, limited; 0 where nothing was measured.
-    pub(super) fn values(&self, samples: &Range<usize>) -> Vec<Vec<f64>> {
-        let of = |one: &LiveSensor| mapped(one.values.items(samples.clone()), &|value| limited(*value));
-        mapped(&self.sensors, &of)
-    }
-
-    pub(super) fn extend(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
-        self.known = window.start..self.known.end.max(window.end);
-        let m = self.sensors.len();
-        for (place, LiveSensor { values, .. }) in self.sensors.iter_mut().enumerate() {
-            for k in values.end() - record.forgotten()..(window.end.max(values.end())) - record.forgotten() {
-                values.push(estimates.innovation(k)[place] / estimates.innovation_cov(k)[place * (m + 1)].sqrt());
-            }
-        }
-    }
-
-    pub(super) fn follow(&mut self, window: &Range<usize>, record: &Record) {
-        let input = Input::new(window, record);
-        for LiveSensor { values, granules, .. } in &mut self.sensors {
-            granules.follow(window, |samples| {
-                let mut sums = InnovationSums::default();
-                sums.add_samples(values, samples, &Input { mean: input.at(samples.start), ..input });
-                sums
-            });
-            values.forget_before(window.start);
-        }
-    }
-
-    pub(super) fn by_part(&self, window: &Range<usize>, record: &Record) -> Vec<SensorInnovations> {
-        let input = Input::new(window, record).centred();
-        let of_part = |sensor: &LiveSensor, part: usize| {
-            let range = parts::range(part, window);
-            let mut sums = InnovationSums { input_square: input.square(&range), ..InnovationSums::default() };
-            for Piece { samples, granule } in pieces(&range, window) {
-                match granule.and_then(|number| sensor.granules.get(number)).filter(|_| !input.is_limited(&samples)) {
-                    Some(granule) => sums.add(granule, input.at(samples.start) - input.mean),
-                    None => sums.add_samples(&sensor.values, &samples, &input),
-                }
-            }
-            sums
-        };
-        let one = |of: &LiveSensor| SensorInnovations::new(of.sensor, std::array::from_fn(|part| of_part(of, part)));
-        mapped(&self.sensors, &one)
-    }
-}
-
-impl InnovationSums {
-    fn add_samples(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
-        let begin = samples.start.saturating_sub(BEFORE).max(input.first);
-        let known = values.items(begin..samples.end);
-        let mut near = [0.0; BEFORE + GRANULE];
-        for (near, value) in near[BEFORE + begin - samples.start..].iter_mut().zip(known) {
-            *near = limited(*value);
-        }
-        let values = &near[BEFORE..][..samples.len()];
-        for value in known[samples.start - begin..].iter().filter(|value| !value.is_nan()) {
-            self.count += 1.0;
-            self.square += value * value;
-        }
-        self.sum += values.iter().sum::<f64>();
-        add_products(&mut self.products, values, &near);
-        add_products(&mut self.cross, values, &input.near(samples));
-    }
-
-    /// Adds those of a granule, from whose input a number was subtracted that is larger than the window's mean by `above`.
-    fn add(&mut self, of: &Self, above: f64) {
-        self.count += of.count;
-        self.square += of.square;
-        self.sum += of.sum;
-        for (sum, product) in self.products.iter_mut().zip(&of.products) {
-            *sum += product;
-        }
-        for (sum, cross) in self.cross.iter_mut().zip(&of.cross) {
-            *sum += cross + above * of.sum;
-        }
-    }
-}
-
-fn limited(value: f64) -> f64 {
-    if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
-}
-
+const BEFORE: usize = LAGS - 1;
+const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 const INPUT_BEFORE: usize = CROSS_LAGS - 1 - AFTER;
 
-#[derive(Clone, Copy)]
-struct Input<'a> {
-    values: &'a [f64],
-    first: usize,
-    mean: f64,
-    limit: f64,
+/// Zeros stand for the numbers outside a window.
+fn around(before: usize, values: Vec<f64>, after: usize) -> Vec<f64> {
+    [vec![0.0; before], values, vec![0.0; after]].concat()
 }
 
-impl<'a> Input<'a> {
-    fn new(window: &Range<usize>, record: &'a Record) -> Self {
-        let values = &record.input()[window.start - record.forgotten()..window.end - record.forgotten()];
-        Self { values, first: window.start, mean: 0.0, limit: f64::INFINITY }
-    }
+/// Less its mean, up to a multiple of its root mean square.
+fn limited_input(values: &[f64]) -> Vec<f64> {
+    let count = values.len().max(1) as f64;
+    let mean = sum_of(values, |f| f) / count;
+    let limit = LARGEST * (sum_of(values, |f| (f - mean) * (f - mean)) / count).sqrt();
+    mapped(values, &|f| (f - mean).max(-limit).min(limit))
+}
 
-    fn centred(self) -> Self {
-        let count = self.values.len().max(1) as f64;
-        let mean = sum_of(self.values, |f| f) / count;
-        let limit = LARGEST * (sum_of(self.values, |f| (f - mean) * (f - mean)) / count).sqrt();
-        Self { mean, limit, ..self }
-    }
-
-    fn at(&self, sample: usize) -> f64 {
-        self.values[sample - self.first]
-    }
-
-    fn of(&self, value: f64) -> f64 {
-        (value - self.mean).max(-self.limit).min(self.limit)
-    }
-
-    fn square(&self, samples: &Range<usize>) -> f64 {
-        sum_of(&self.values[samples.start - self.first..samples.end - self.first], |f| self.of(f) * self.of(f))
-    }
-
-    fn is_limited(&self, samples: &Range<usize>) -> bool {
-        let near = &self.values[samples.start - INPUT_BEFORE - self.first..samples.end + AFTER - self.first];
-        near.iter().map(|f| u32::from((f - self.mean).abs() > self.limit)).sum::<u32>() > 0
-    }
-
-    /// The input that the products of some samples reach, at most a granule of them; 0 outside the window.
-    fn near(&self, samples: &Range<usize>) -> [f64; INPUT_BEFORE + GRANULE + AFTER] {
-        let mut near = [0.0; INPUT_BEFORE + GRANULE + AFTER];
-        let begin = samples.start.saturating_sub(INPUT_BEFORE).max(self.first) - self.first;
-        let end = (samples.end + AFTER - self.first).min(self.values.len());
-        let skipped = INPUT_BEFORE + self.first + begin - samples.start;
-        for (near, f) in near[skipped..].iter_mut().zip(&self.values[begin..end]) {
-            *near = self.of(*f);
-        }
-        near
-    }
+/// Samples are added up in groups that begin with sample 16 i of the run: sums of few numbers lose fewer digits.
+fn granules(samples: Range<usize>, first: usize) -> impl Iterator<Item = Range<usize>> {
+    const SIZE: usize = 16;
+    let (start, end) = (first + samples.start, first + samples.end);
+    let of = move |i: usize| start.max(SIZE * i) - first..end.min(SIZE * (i + 1)) - first;
+    (start / SIZE..end.div_ceil(SIZE)).map(of)
 }
 
 /// The sum of a function of each value; four side by side, for vector instructions.
@@ -288,65 +180,5 @@ fn add_products<const N: usize>(sums: &mut [f64; N], a: &[f64], b: &[f64]) {
     }
     for (sum, added) in sums.iter_mut().zip(reversed.iter().rev()) {
         *sum += added;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::parts::{ALL, FIRST_CROSS_LAG};
-    use kalmanscope_core::{Run, Scenario};
-
-    #[test]
-    fn every_part_has_the_sums_of_its_samples() {
-        let mut run = Run::new(&Scenario { duration: 4.0, ..Scenario::default() }).unwrap();
-        run.finish();
-        let (estimates, record, window) = (&run.estimates()[0], run.record(), 7..333);
-        let mut live = LiveInnovations::new(estimates, window.start);
-        live.extend(&window, estimates, record);
-        let (values, direct) = (live.values(&window), live.by_part(&window, record));
-        live.follow(&window, record);
-        let input = &record.input()[window.clone()];
-        let mean = input.iter().sum::<f64>() / input.len() as f64;
-        let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / input.len() as f64).sqrt();
-        let input: Vec<f64> = input.iter().map(|f| (f - mean).clamp(-LARGEST * rms, LARGEST * rms)).collect();
-        for (one, values) in [direct, live.by_part(&window, record)].iter().flat_map(|all| all.iter().zip(&values)) {
-            for (part, sums) in one.by_part.iter().enumerate() {
-                let range = parts::range(part, &(0..window.len()));
-                let product = |others: &[f64], lag: i64| {
-                    let one = |k: usize| Some(values[k] * others.get(usize::try_from(k as i64 - lag).ok()?)?);
-                    range.clone().filter_map(one).sum::<f64>()
-                };
-                let of_lags = (0..).zip(&sums.products).map(|(lag, sum)| (*sum, product(values, lag)));
-                let of_input =
-                    (i64::from(FIRST_CROSS_LAG)..).zip(&sums.cross).map(|(lag, sum)| (*sum, product(&input, lag)));
-                let others = [
-                    (sums.count, range.len() as f64),
-                    (sums.sum, values[range.clone()].iter().sum()),
-                    (sums.square, product(values, 0)),
-                    (sums.input_square, input[range.clone()].iter().map(|f| f * f).sum()),
-                ];
-                for (sum, plain) in of_lags.chain(of_input).chain(others) {
-                    assert!((sum - plain).abs() < 1e-9 * (1.0 + plain.abs()), "part {part}: {sum}, not {plain}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_part_after_a_much_louder_one_is_correlated_by_one_at_most() {
-        let mut by_part = [InnovationSums::default(); PARTS];
-        for (part, sums) in by_part.iter_mut().enumerate() {
-            let (size, before) = if part == 0 { (5.0, 5.0) } else { (1e-40, if part == 1 { 5.0 } else { 1e-40 }) };
-            sums.products = [size * before; LAGS];
-            sums.products[0] = size * size;
-            (sums.cross, sums.input_square) = ([-size * before; CROSS_LAGS], size * size);
-        }
-        let quiet = std::array::from_fn(|part| part > 0);
-        let innovations = SensorInnovations::new(Quantity::DISPLACEMENT, by_part);
-        for chosen in [ALL, quiet] {
-            assert!(innovations.autocorrelation(&chosen).iter().all(|r| (r - 1.0).abs() < 1e-12));
-            assert!(innovations.cross_correlation(&chosen).iter().all(|r| (r + 1.0).abs() < 1e-12));
-        }
     }
 }

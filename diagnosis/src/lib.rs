@@ -8,7 +8,8 @@ mod checks;
 mod diagnosis;
 mod errors;
 mod innovations;
-mod law;
+#[doc(hidden)]
+pub mod internals;
 mod measure;
 mod parts;
 mod periodogram;
@@ -25,7 +26,7 @@ pub use analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use case::VerdictKind;
 pub use cause::{CAUSES, Cause, LikelyCause};
 pub use checks::{Evidence, Subject, TESTS, Test};
-pub use diagnosis::{Diagnosis, LiveDiagnosis};
+pub use diagnosis::Diagnosis;
 pub use measure::{
     Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
 };
@@ -36,3 +37,4 @@ pub use story::{Adjustable, Phrase, Story};
 pub use study::{Job, Progress, Study};
 pub use summary::{Final, Score, Summary};
 pub use verdict::Verdict;
+pub use words::with_band;

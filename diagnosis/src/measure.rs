@@ -3,8 +3,6 @@
 mod info;
 mod observed;
 mod rows;
-#[cfg(test)]
-mod tests;
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,6 +19,7 @@ pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
 
 use info::MeasureSubject;
+use observed::ObservedSums;
 use rows::{ROWS, Row};
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
@@ -178,7 +177,7 @@ impl Measure {
 
     /// The number of a run from its sums; NaN where it needs more than they have, or is not known.
     pub fn of_whole(self, whole: &Whole<'_>) -> f64 {
-        self.info().whole.map_or(f64::NAN, |of| of(&whole.of(self)))
+        self.info().whole.map_or(f64::NAN, |of| of(&ObservedSums { whole, channel: self.channel }))
     }
 
     /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.
@@ -287,7 +286,7 @@ impl FirstCause {
     /// Before a search. There is none where the verdict is good or not known.
     pub fn new(scenario: &Scenario, place: usize, estimates: &Estimates, record: &Record) -> Self {
         let diagnostics = Diagnostics::new(estimates, record);
-        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record);
         let is_bad = |diagnosis: &Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
         let diagnosis = diagnosis.filter(is_bad);
         let search = diagnosis.and_then(|one| one.search(scenario, place, &diagnostics, estimates, record).ok());

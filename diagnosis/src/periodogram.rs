@@ -6,8 +6,6 @@ use std::ops::Range;
 use kalmanscope_core::internals::Transform;
 use kalmanscope_core::internals::{mapped, numbers};
 
-use super::parts::Series;
-
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
 
@@ -21,13 +19,13 @@ const WINDOWS: usize = 4;
 /// ```
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Periodogram {
+pub struct Periodogram {
     length: usize,
     pub(crate) windows: usize,
     pub(crate) power: Vec<f64>,
 }
 
-pub(super) fn window_length(samples: usize) -> Option<usize> {
+fn window_length(samples: usize) -> Option<usize> {
     (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
 }
 
@@ -36,19 +34,14 @@ const FIRST: usize = 2;
 
 impl Periodogram {
     /// Of several series of one length, over windows with no sample outside some ranges, of which no two are adjacent.
-    pub(crate) fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
+    pub fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
         let samples = series.first().map_or(0, Vec::len);
         let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
         let length = windows.length;
         let begins = kept.iter().flat_map(|run| run.clone().step_by(length).take(run.len() / length));
-        let powers: Vec<_> = begins.map(|begin| windows.powers(series, begin)).collect();
-        Self::averaged(&windows, series.len(), powers.iter())
-    }
-
-    fn averaged<'a>(windows: &WelchWindows, series: usize, powers: impl Iterator<Item = &'a Powers>) -> Vec<Self> {
-        let length = windows.length;
-        let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series];
-        for pairs in powers {
+        let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series.len()];
+        for begin in begins {
+            let pairs = windows.powers(series, begin);
             for (i, one) in all.iter_mut().enumerate() {
                 one.windows += 1;
                 for (sum, pair) in one.power.iter_mut().zip(&pairs[i / 2]) {
@@ -66,12 +59,13 @@ impl Periodogram {
         all.into_iter().map(mean).collect()
     }
 
-    pub(crate) fn mean(&self) -> f64 {
+    /// The mean over all frequencies.
+    pub fn mean(&self) -> f64 {
         self.power.iter().sum::<f64>() / self.power.len() as f64
     }
 
     /// The largest power and its frequency in radians a sample, by a parabola. `None` if the series is too short.
-    pub(crate) fn peak(&self) -> Option<(f64, f64)> {
+    pub fn peak(&self) -> Option<(f64, f64)> {
         let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
         let (below, above) = (at(place.checked_sub(1)), at(Some(place + 1)));
@@ -81,9 +75,6 @@ impl Periodogram {
     }
 }
 
-type Powers = Vec<Vec<[f64; 2]>>;
-
-#[derive(Debug)]
 struct WelchWindows {
     length: usize,
     transform: Transform,
@@ -102,7 +93,7 @@ impl WelchWindows {
     }
 
     /// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
-    fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Powers {
+    fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Vec<Vec<[f64; 2]>> {
         let Self { length, transform, weights, buffer, .. } = self;
         let of_pair = |pair: &[Vec<f64>]| {
             for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(&*weights)) {
@@ -119,60 +110,5 @@ impl WelchWindows {
             (FIRST..*length / 2 - 1).map(power).collect()
         };
         series.chunks(2).map(of_pair).collect()
-    }
-}
-
-#[derive(Debug, Default)]
-pub(super) struct LiveSpectra {
-    windows: Option<WelchWindows>,
-    powers: Option<Series<Powers>>,
-}
-
-impl LiveSpectra {
-    pub(super) fn follow(&mut self, samples: &Range<usize>, values: impl Fn(&Range<usize>) -> Vec<Vec<f64>>) {
-        let length = window_length(samples.len());
-        if self.windows.as_ref().map(|windows| windows.length) != length {
-            *self = Self { windows: WelchWindows::of(samples.len()), powers: None };
-        }
-        let Some(windows) = &mut self.windows else { return };
-        let first = samples.start.div_ceil(windows.length);
-        let kept = self.powers.take().filter(|powers| (powers.first()..=powers.end()).contains(&first));
-        let powers = self.powers.insert(kept.unwrap_or_else(|| Series::starting_at(first)));
-        while (powers.end() + 1) * windows.length <= samples.end {
-            let begin = powers.end() * windows.length;
-            powers.push(windows.powers(&values(&(begin..begin + windows.length)), 0));
-        }
-        powers.forget_before(first);
-    }
-
-    pub(super) fn of(&self, kept: &[Range<usize>], sensors: usize) -> Vec<Periodogram> {
-        let (Some(windows), Some(powers)) = (&self.windows, &self.powers) else {
-            return vec![Periodogram::default(); sensors];
-        };
-        let numbers = kept.iter().flat_map(|run| run.start.div_ceil(windows.length)..run.end / windows.length);
-        Periodogram::averaged(windows, sensors, numbers.filter_map(|number| powers.get(number)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_core::filter::Normal;
-
-    #[test]
-    fn white_noise_is_flat_and_a_wave_is_a_line() {
-        let mut normal = Normal::from_seed(3);
-        let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
-        let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
-        let [flat, line] = &Periodogram::of_all(&[noise.clone(), wave.clone()], std::slice::from_ref(&(0..8192)))[..]
-        else {
-            panic!()
-        };
-        assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
-        let (power, frequency) = line.peak().unwrap();
-        assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
-        let alone = &Periodogram::of_all(&[wave], std::slice::from_ref(&(0..8192)))[0];
-        assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
-        assert_eq!(Periodogram::of_all(&[noise[..100].to_vec()], std::slice::from_ref(&(0..100)))[0].peak(), None);
     }
 }

@@ -209,27 +209,3 @@ pub fn in_percent(probability: f64) -> String {
         usual => format!("{usual:.0} %"),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{CAUSES, LikelyCause};
-
-    fn remedy(gain: f64) -> Remedy {
-        let first = LikelyCause::new(CAUSES[0], 0.5, 1.0, Vec::new(), String::new());
-        Remedy { first, then: Vec::new(), edits: Vec::new(), gain, after: None }
-    }
-
-    #[test]
-    fn a_lead_makes_a_cause_probable_and_others_less_so() {
-        let of = |gains: &[f64]| Remedy::probabilities(&gains.iter().map(|gain| remedy(*gain)).collect::<Vec<_>>());
-        let (near, far) = (of(&[100.0, 90.0]), of(&[1000.0, 90.0]));
-        assert!(far[0] > near[0] && far[1] < near[1] && near[0] > near[1], "{near:?} {far:?}");
-        for gains in [&[f64::NAN, 5.0][..], &[f64::INFINITY], &[1e300, -1e300, f64::NAN], &[]] {
-            let all = of(gains);
-            assert!(all.len() == gains.len() && all.iter().all(|p| *p >= 0.0), "{gains:?}: {all:?}");
-            assert!(all.iter().sum::<f64>() <= 1.0, "{gains:?}: {all:?}");
-        }
-        assert_eq!([0.001, 0.5, 0.999].map(in_percent), ["< 1 %", "50 %", "> 99 %"]);
-    }
-}

@@ -17,7 +17,6 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, Record, RunError, Scenar
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
 use super::diagnosis::Diagnosis;
-use super::law::{ForceInHindsight, Law};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
@@ -33,7 +32,7 @@ const FIRSTS: usize = 3;
 
 const FILTERS_ENOUGH: usize = 4;
 
-/// A force without a law pays this share of its gain, since it fits any record; one with a law is ahead of noise by it.
+/// A force pays this share of its gain, since it fits any record.
 const PRICE: f64 = 0.05;
 
 /// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
@@ -49,7 +48,6 @@ pub struct Search {
     origin: Path,
     paths: Vec<Path>,
     filters: usize,
-    law: Option<Law>,
 }
 
 enum Stage {
@@ -59,10 +57,6 @@ enum Stage {
         path: usize,
         step: usize,
         shorter: Box<Path>,
-    },
-    Force {
-        force: ForceInHindsight,
-        is_last: bool,
     },
     Done,
 }
@@ -83,18 +77,14 @@ impl Diagnosis {
     ) -> Result<Search, RunError> {
         let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
-        Ok(Search::new(Trials::new(scenario, place, estimates, record, likely_causes)?))
+        let trials = Trials::new(scenario, place, estimates, record, likely_causes)?;
+        let origin = Path::new(&trials.scenario);
+        let (stage, alone, paths) = (Stage::Causes(None), Vec::new(), Vec::new());
+        Ok(Search { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters: 1 })
     }
 }
 
 impl Search {
-    pub(super) fn new(trials: Trials) -> Self {
-        let origin = Path::new(&trials.scenario);
-        let (stage, filters) = (Stage::Causes(None), 1);
-        let (alone, paths) = (Vec::new(), Vec::new());
-        Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters, law: None }
-    }
-
     /// Whether there is nothing left to try.
     pub fn is_done(&self) -> bool {
         matches!(self.stage, Stage::Done)
@@ -111,15 +101,16 @@ impl Search {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.ranked().into_iter().map(|ranked| ranked.remedy).collect();
         }
-        let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { self.priced(rank) } else { rank };
-        let with_price = |one: &Ranked| (one.remedy.clone(), price(one.remedy.first.cause.key, one.rank), one.achieved);
+        let with_price = |Ranked { remedy, rank, achieved }: &Ranked| {
+            (remedy.clone(), priced(*rank, remedy.first.cause.key == UNKNOWN_FORCE), *achieved)
+        };
         let mut all: Vec<(Remedy, f64, f64)> = mapped(&self.alone, &with_price);
         for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
             if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
                 continue;
             }
             let Some(remedy) = path.remedy() else { continue };
-            let (key, path_rank) = (remedy.first.cause.key, self.rank(path));
+            let (key, path_rank) = (remedy.first.cause.key, path.priced_rank());
             match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
                 // Remedies that begin with the same cause are compared by their own gain, not that with all noise fitted.
                 Some((other, rank, gain)) if compare((&remedy, path.gain), (other, *gain)).is_gt() => {
@@ -139,11 +130,6 @@ impl Search {
             known.push(keys);
             is_new
         });
-        if let Some(law) = &self.law {
-            let causes = remedies.iter_mut().flat_map(|one| std::iter::once(&mut one.first).chain(&mut one.then));
-            let forces = causes.filter(|likely| likely.cause.key == UNKNOWN_FORCE);
-            forces.for_each(|likely| likely.sentence = format!("{}; {}", likely.sentence, law.text));
-        }
         if let Some(first) = remedies.first_mut().filter(|remedy| remedy.changes_plant()) {
             let key = first.first.cause.key;
             let plants = self.alone.iter().map(|ranked| &ranked.remedy).filter(|one| one.changes_plant());
@@ -184,7 +170,6 @@ impl Search {
                         self.alone.truncate(1);
                         return;
                     }
-                    return self.find_law_of_force(false);
                 }
                 self.try_next();
             }
@@ -205,12 +190,6 @@ impl Search {
                     self.shorten(path, step + 1);
                 }
             }
-            Stage::Force { force, is_last } => {
-                self.law = force.law(self.trials.record.dt());
-                if !is_last {
-                    self.try_next();
-                }
-            }
             Stage::Done => {}
         }
     }
@@ -218,24 +197,12 @@ impl Search {
     fn shorten_first(&mut self) {
         match self.remedies().first().and_then(|first| self.place_of(first)) {
             Some(path) => self.shorten(path, 0),
-            None => self.find_law_of_force(true),
+            None => self.stage = Stage::Done,
         }
     }
 
     fn place_of(&self, remedy: &Remedy) -> Option<usize> {
         self.paths.iter().position(|path| path.remedy().is_some_and(|other| other.edits == remedy.edits))
-    }
-
-    fn find_law_of_force(&mut self, is_last: bool) {
-        let has_force = |remedy: &Remedy| remedy.causes().any(|likely| likely.cause.key == UNKNOWN_FORCE);
-        let place = self.remedies().iter().find(|one| has_force(one)).and_then(|remedy| self.place_of(remedy));
-        let place = place.filter(|_| self.law.is_none());
-        let force = place.and_then(|path| ForceInHindsight::new(&self.paths[path].scenario, &self.trials.record));
-        match force {
-            Some(force) => self.stage = Stage::Force { force, is_last },
-            None if is_last => self.stage = Stage::Done,
-            None => self.try_next(),
-        }
     }
 
     fn shorten(&mut self, path: usize, step: usize) {
@@ -248,7 +215,7 @@ impl Search {
                 self.run(&shorter, false);
                 self.stage = Stage::Without { path, step, shorter: Box::new(shorter) };
             }
-            None => self.find_law_of_force(true),
+            None => self.stage = Stage::Done,
         }
     }
 
@@ -262,30 +229,30 @@ impl Search {
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
-            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
+            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(Path::priced_rank).reduce(f64::max)
         };
         // A free force ends in a good verdict whatever the cause is: other paths not far behind are tried too.
-        let well = best_of(&|path| self.has_own_law() || !path.has(UNKNOWN_FORCE));
+        let well = best_of(&|path| !path.has(UNKNOWN_FORCE));
         let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
         let is_open = |path: &Path| {
             !path.is_tried
                 && path.steps.len() < STEPS
                 && !ends_well(path)
-                && least.is_none_or(|least| self.rank(path) > least)
+                && least.is_none_or(|least| path.priced_rank() > least)
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
         // A path with more causes is likelier, even after a wrong one: so the best first causes are tried first.
         let single = || self.paths.iter().filter(|path| path.steps.len() == 1);
-        let mut firsts: Vec<f64> = single().map(|path| self.rank(path)).collect();
+        let mut firsts: Vec<f64> = single().map(Path::priced_rank).collect();
         sort_numbers(&mut firsts);
         firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
         let most = single().map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
-        let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
+        let is_first = |path: &Path| path.steps.len() == 1 && (path.priced_rank() >= least_first || path.gain >= most);
         // A cause that the record shows without a model is listed first, so its remedy must be complete.
         let is_seen = |path: &Path| path.steps.len() == 1 && path.steps[0].likely.certain;
-        let order = |path: &Path| (is_seen(path), is_first(path), self.rank(path));
+        let order = |path: &Path| (is_seen(path), is_first(path), path.priced_rank());
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
         let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
         match best.filter(|_| self.filters < limit).or_else(|| self.first_untried()) {
@@ -307,19 +274,10 @@ impl Search {
         let is_open = after.as_ref()?.kind == VerdictKind::Consistent && !is_tried && steps.len() < STEPS;
         (is_open && self.filters < FILTERS).then_some(place)
     }
+}
 
-    fn rank(&self, path: &Path) -> f64 {
-        if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
-    }
-
-    fn has_own_law(&self) -> bool {
-        self.law.as_ref().is_some_and(|law| law.is_own)
-    }
-
-    fn priced(&self, rank: f64) -> f64 {
-        let share = if self.has_own_law() { 1.0 + PRICE } else { 1.0 - PRICE };
-        if rank > 0.0 { share * rank } else { rank }
-    }
+fn priced(rank: f64, is_force: bool) -> f64 {
+    if is_force && rank > 0.0 { (1.0 - PRICE) * rank } else { rank }
 }
 
 impl Task for Search {
@@ -328,19 +286,14 @@ impl Task for Search {
     fn progress(&self) -> f64 {
         match self.stage {
             Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
-            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
+            Stage::Without { .. } => NEARLY,
             Stage::Done => 1.0,
         }
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
-            let is_ready = match &mut self.stage {
-                Stage::Force { force, .. } => force.advance(&self.trials.record, while_time),
-                _ => self.trials.advance(while_time),
-            };
-            if !is_ready {
+            if !self.trials.advance(while_time) {
                 break;
             }
             self.conclude();
@@ -413,6 +366,10 @@ impl Path {
             path.steps.push(step);
         }
         Some(path)
+    }
+
+    fn priced_rank(&self) -> f64 {
+        priced(self.rank, self.has(UNKNOWN_FORCE))
     }
 
     fn has(&self, key: &str) -> bool {

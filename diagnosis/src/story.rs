@@ -17,8 +17,7 @@ use std::fmt;
 use kalmanscope_core::{Diagnostics, Run};
 
 use crate::Diagnosis;
-use crate::words::{percent_to_a_tenth, plain, with_band};
-use happening::Happening;
+use crate::words::{percent_to_a_tenth, plain};
 use outcome::FilterOutcome;
 
 const TOLD: usize = 3;
@@ -33,17 +32,13 @@ pub struct Story {
 }
 
 impl Story {
-    /// An estimate with its band in some unit, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
-    pub fn estimate(mean: f64, band: f64, unit: &str) -> String {
-        with_band(mean, band, unit)
-    }
-
     /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
     /// diagnosis at the same place. Filters without diagnostics are left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
-        let happening = Happening::of(run.scenario());
+        let changes = happening::changes_of(run.scenario());
         let is_measured = run.source().is_measured();
-        let mut sentences = vec![if is_measured { sentences::of_record(run) } else { happening.sentence(run) }];
+        let mut sentences =
+            vec![if is_measured { sentences::of_record(run) } else { happening::sentence(&changes, run) }];
         if !is_measured {
             sentences.extend(happening::faults(run.scenario()));
         }
@@ -51,17 +46,16 @@ impl Story {
         let filters = run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters).enumerate();
         for (place, ((estimates, diagnostics), filter)) in filters.filter(|(_, ((one, _), _))| !one.is_empty()) {
             let diagnosis = diagnoses.get(place).copied().flatten();
-            outcomes.push(FilterOutcome::new(run, filter, (estimates, diagnostics, diagnosis), &happening));
+            outcomes.push(FilterOutcome::new(run, filter, (estimates, diagnostics, diagnosis), &changes));
         }
-        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change())));
+        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(changes.first())));
         sentences.extend(sentences::of_belief(&outcomes, TOLD));
         sentences.extend(sentences::of_classes(run, diagnostics));
         if is_measured && !sentences::has_input(run) {
             sentences.extend(sentences::of_swing(&outcomes));
         }
         sentences.retain(|sentence| !sentence.is_empty());
-        let aside =
-            outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change().is_some())).collect();
+        let aside = outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(!changes.is_empty())).collect();
         Self { sentences, aside }
     }
 
@@ -240,28 +234,5 @@ impl Writer {
 
     fn done(self) -> Vec<Phrase> {
         self.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_share_of_the_stiffness_is_a_natural_frequency() {
-        let loss = Adjustable::stiffness("plant.natural_frequency.step.to", 6.0, 4.8);
-        assert_eq!((loss.to_string().as_str(), loss.value(loss.shown)), ("36 %", 4.8));
-        assert!((loss.value(75.0) - 3.0).abs() < 1e-12 && loss.value(100.0) == 0.0);
-        let gain = Adjustable::stiffness("plant.natural_frequency.step.to", 4.0, 6.0);
-        assert_eq!((gain.to_string().as_str(), gain.value(gain.shown)), ("125 %", 6.0));
-        assert_eq!(loss.showing(50.0).to_string(), "50 %");
-        assert!((loss.at(3.0).shown - 75.0).abs() < 1e-12 && (gain.at(4.0).shown).abs() < 1e-12);
-        assert_eq!(Adjustable::new("filters#1.fading", 1.005, (1.0, 1.05), "").to_string(), "1.005");
-    }
-
-    #[test]
-    fn words_in_a_row_are_one_phrase() {
-        let sentence = Writer::default().say("a").say("").say("b").result("c").done();
-        assert_eq!(sentence, [Phrase::Words("ab".to_owned()), Phrase::Result("c".to_owned())]);
     }
 }

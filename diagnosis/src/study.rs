@@ -160,7 +160,8 @@ impl Study {
 pub struct Job {
     revision: Revision,
     analysis: Analysis,
-    goal: usize,
+    /// The number of samples to compute.
+    pub goal: usize,
     stage: usize,
     done: bool,
 }
@@ -208,11 +209,6 @@ impl Job {
     /// The scenario.
     pub fn scenario(&self) -> &Scenario {
         &self.revision.bank.scenario
-    }
-
-    /// The number of samples to compute.
-    pub fn goal(&self) -> usize {
-        self.goal
     }
 
     /// The number of samples of the whole run.

@@ -71,7 +71,7 @@ impl Summary {
     /// Sums up the estimates of a filter against the record that it followed.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let diagnostics = Diagnostics::new(estimates, record);
-        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record);
         Self::of(&diagnostics, diagnosis.as_ref(), estimates, record)
     }
 

@@ -190,7 +190,7 @@ impl Trials {
         let stopped = diagnostics.stop.is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
-        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record, None) } else { None };
+        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record) } else { None };
         let achieved = log_likelihood;
         let anew = self.current().filter(|one| one.begins_anew);
         let anew = anew.and_then(|likely| self.begun_anew(likely.samples.as_ref()?.start.checked_sub(self.first)?));

@@ -181,7 +181,7 @@ pub(crate) fn numbers(
     (outcome, history): (&Outcome, Option<&Estimates>),
 ) -> Vec<f64> {
     let model = scenario.filters[place].model(&scenario.plant.kind, scenario.input);
-    let whole = Whole::new(record, outcome, model.channels());
+    let whole = Whole { record, outcome, channels: model.channels() };
     let observed = history.map(|estimates| Observed::new(scenario, place, record, estimates));
     let number = |measure: &Measure| match &observed {
         Some(_) if *measure == Measure::CAUSE => f64::NAN,

@@ -26,7 +26,7 @@ impl<'a> PartialRun<'a> {
         let all = run.estimates().iter();
         let diagnostics: Vec<Diagnostics> = all.map(|estimates| Diagnostics::new(estimates, run.record())).collect();
         let diagnoses = diagnostics.iter().zip(run.estimates());
-        let diagnoses = diagnoses.map(|(one, estimates)| Diagnosis::new(one, estimates, run.record(), None)).collect();
+        let diagnoses = diagnoses.map(|(one, estimates)| Diagnosis::new(one, estimates, run.record())).collect();
         Self { run, diagnostics, diagnoses }
     }
 

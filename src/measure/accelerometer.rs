@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::{Record, Scenario};
-use kalmanscope_diagnosis::Story;
+use kalmanscope_diagnosis::with_band;
 
 use super::health::Health;
 use super::live::{Band, LiveFilter};
@@ -127,6 +127,6 @@ fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
     let hertz = Band { mean: frequency.mean / TAU, band: frequency.band / TAU };
     let percent = Band { mean: 100.0 * damping.mean, band: 100.0 * damping.band };
     for (Band { mean, band }, unit) in [(hertz, "Hz"), (percent, "% damping")] {
-        large_ui(ui, Story::estimate(mean, band, unit), palette);
+        large_ui(ui, with_band(mean, band, unit), palette);
     }
 }

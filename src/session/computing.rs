@@ -103,9 +103,9 @@ impl Session {
         let run = self.study.run();
         let position = self.position() + 1;
         let is_wrong = match (self.mode(), &self.job) {
-            (Mode::Live, Some(job)) => job.goal() > position,
+            (Mode::Live, Some(job)) => job.goal > position,
             (Mode::Live, None) => run.done() > position,
-            (Mode::Whole, Some(job)) => job.goal() < job.samples(),
+            (Mode::Whole, Some(job)) => job.goal < job.samples(),
             (Mode::Whole, None) => run.record().forgotten() > 0 || run.done() < run.samples(),
         };
         if is_wrong {

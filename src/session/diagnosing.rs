@@ -1,6 +1,6 @@
 //! The diagnoses of the filters over the record so far.
 
-use kalmanscope_diagnosis::{Analysis, Diagnosis, LiveDiagnosis};
+use kalmanscope_diagnosis::{Analysis, Diagnosis};
 
 use super::Session;
 
@@ -10,12 +10,12 @@ const EVERY: f64 = 0.3;
 /// The least real time between two diagnoses while a number is dragged \[s\].
 const EVERY_WHILE_HELD: f64 = 0.15;
 
+/// Limits the samples of a diagnosis while a record grows: at most 6 ms a filter.
 const MOST: usize = 20_000;
 
 #[derive(Default)]
 pub(super) struct LiveVerdicts {
     diagnoses: Vec<Option<Diagnosis>>,
-    live: Vec<LiveDiagnosis>,
     of: Option<(u64, usize)>,
     age: f64,
 }
@@ -97,15 +97,8 @@ impl Session {
         if is_due {
             let on_screen = (Self::LIVE_SPAN / run.record().dt()).ceil() as usize;
             let from = run.len().saturating_sub(on_screen.min(MOST));
-            let live = &mut self.judged.live;
-            if self.judged.of.is_none_or(|(generation, _)| generation != now.0) {
-                live.clear();
-            }
-            live.resize_with(run.estimates().len(), LiveDiagnosis::default);
-            let of = |((estimates, diagnostics), live): ((_, _), &mut LiveDiagnosis)| {
-                live.over(from..run.len(), diagnostics, estimates, run.record(), None)
-            };
-            self.judged.diagnoses = run.estimates().iter().zip(diagnostics).zip(live).map(of).collect();
+            let of = |(estimates, diagnostics)| Diagnosis::over(from..run.len(), diagnostics, estimates, run.record());
+            self.judged.diagnoses = run.estimates().iter().zip(diagnostics).map(of).collect();
             (self.judged.of, self.judged.age) = (Some(now), 0.0);
         }
     }

@@ -82,6 +82,6 @@ fn alone() {
     assert_eq!(forgotten + last, 8_640_000);
     let ekf = &run.estimates()[0];
     assert_eq!((ekf.stop(), ekf.len()), (None, last + 1));
-    let verdict = Diagnosis::new(&session.diagnostics()[0], ekf, run.record(), None).unwrap().verdict.unwrap();
+    let verdict = Diagnosis::new(&session.diagnostics()[0], ekf, run.record()).unwrap().verdict.unwrap();
     assert!(verdict.kind == VerdictKind::Consistent && !verdict.reason.contains("at first"), "{verdict}");
 }

@@ -43,19 +43,6 @@ pub(crate) fn apart((one, k): (&Estimates, usize), (other, at): (&Estimates, usi
     distance([one.mean(k), one.cov(k)], other, at)
 }
 
-pub(crate) fn runge_kutta(
-    y: Vector2<f64>,
-    t: f64,
-    h: f64,
-    rate: impl Fn(Vector2<f64>, f64) -> Vector2<f64>,
-) -> Vector2<f64> {
-    let a = rate(y, t);
-    let b = rate(y + a * (0.5 * h), t + 0.5 * h);
-    let c = rate(y + b * (0.5 * h), t + 0.5 * h);
-    let d = rate(y + c * h, t + h);
-    y + (a + 2.0 * b + 2.0 * c + d) * (h / 6.0)
-}
-
 /// The transition of x and ẋ of an oscillator with ωₙ and ζ < 1 over a time, without a force.
 pub(crate) fn transition([wn, zeta]: [f64; 2], t: f64) -> Matrix2<f64> {
     let wd = wn * (1.0 - zeta * zeta).sqrt();

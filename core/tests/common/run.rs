@@ -7,12 +7,9 @@ use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, CramerRao, Diagnostics, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant,
-    Quantity, Record, Run, Sample, Scenario, Sensor, Signal, Sink, Stop, Task as _, Values, simulate,
+    Channel, CramerRao, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, Quantity,
+    Record, Run, Sample, Scenario, Sensor, Signal, Sink, Stop, Values, simulate,
 };
-use kalmanscope_diagnosis::Remedy;
-use kalmanscope_diagnosis::{Diagnosis, VerdictKind};
-use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 use crate::numbers::{beliefs, bits};
 
@@ -29,13 +26,7 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
-pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) -> Run {
-    let mapping = scenario.record.as_ref().expect("it says what the columns are");
-    let table = read(file, mapping.dialect).expect("it is a table");
-    finished_on(scenario, built(&table, mapping, scenario.input, scenario.hold).record)
-}
-
-fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
+pub(crate) fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
     Builder::new(table, mapping, kind, hold).and_then(Builder::finish).expect("it is a record")
 }
 
@@ -72,6 +63,10 @@ pub(crate) fn simulated(scenario: &Scenario) -> Record {
     let record = simulate(scenario);
     assert_eq!(record.len(), scenario.samples());
     record
+}
+
+pub(crate) fn measured(scenario: &Scenario) -> Record {
+    simulate(scenario).without_truth()
 }
 
 pub(crate) fn truth(record: &Record, channel: Channel) -> &[f64] {
@@ -176,22 +171,6 @@ pub(crate) fn bound(scenario: &Scenario, filter: usize, record: &Record) -> Cram
     bound
 }
 
-pub(crate) fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
-    let diagnostics = Diagnostics::new(estimates, record);
-    Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge")
-}
-
-pub(crate) fn verdict(run: &Run, filter: usize) -> VerdictKind {
-    diagnosis(&run.estimates()[filter], run.record()).verdict.expect("there are enough readings").kind
-}
-
-pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy> {
-    let estimates = &run.estimates()[filter];
-    let diagnostics = Diagnostics::new(estimates, record);
-    let search = diagnosis(estimates, record).search(run.scenario(), filter, &diagnostics, estimates, record);
-    search.expect("it can be run").run()
-}
-
 pub(crate) fn imported(table: &Table, hold: Hold) -> (Imported, Mapping) {
     let (mapping, kind) = Mapping::guess(table);
     (built(table, &mapping, kind, hold), mapping)
@@ -232,11 +211,6 @@ pub(crate) fn shrinking(kind: FilterKind) -> Scenario {
     };
     let force = Force::Step { amplitude: 0.3, at: 1.9 };
     Scenario { dt: 0.2, duration: 40.0, force, sensors: vec![], filters: vec![filter], ..Scenario::default() }
-}
-
-/// The same random cases every time, so that a failure is reproducible.
-pub(crate) fn cases(seed: u64, cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
 }
 
 pub(crate) struct Each<F> {

@@ -195,11 +195,15 @@ const BLOCK: usize = 20;
 
 const FEWEST: usize = 2;
 
+/// A rise of the squares of innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ParameterChange {
-    at: usize,
-    rise: f64,
-    p_value: f64,
+pub struct ParameterChange {
+    /// The first sample after it.
+    pub at: usize,
+    /// The mean after it over that before it.
+    pub rise: f64,
+    /// The probability of such a rise by chance.
+    pub p_value: f64,
 }
 
 /// Finds the largest likelihood of two levels of exponential squares:
@@ -209,7 +213,7 @@ struct ParameterChange {
 /// The likelihood ratio is divided by the dispersion of the squares, so that neither their distribution nor their autocorrelation looks
 /// like a change. Source: Basseville and Nikiforov (1993), *Detection of Abrupt Changes*, section 2.6; McCullagh and Nelder (1989),
 /// *Generalized Linear Models*, section 9.2.
-fn change_point(squares: &[f64]) -> Option<ParameterChange> {
+pub fn change_point(squares: &[f64]) -> Option<ParameterChange> {
     let limited = |x: &f64| if x.is_nan() { 0.0 } else { x.min(LARGEST) };
     let n = squares.len();
     let total: f64 = squares.iter().map(limited).sum();
@@ -256,41 +260,4 @@ fn supremum_p(x: f64) -> f64 {
     // The probability is at least twice the tail at one sample.
     let both = 2.0 * normal_tail(x);
     (x * density * (t * (1.0 - 1.0 / (x * x)) + 4.0 / (x * x))).clamp(both, 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_core::filter::Normal;
-
-    #[test]
-    fn a_change_is_found_where_it_is() {
-        let noise = |k: usize| 1.0 + libm::sin((k * k) as f64);
-        for at in [400, 700, 950] {
-            let squares: Vec<f64> = (0..1000).map(|k| if k < at { noise(k) } else { 3.0 * noise(k) }).collect();
-            let ParameterChange { at: found, rise, p_value } = change_point(&squares).unwrap();
-            assert!(found.abs_diff(at) < 6 && (rise - 3.0).abs() < 0.6, "{found} instead of {at}, {rise} times");
-            assert!(p_value < 1e-4, "{p_value} at {at}");
-        }
-        assert_eq!(change_point(&[]), None);
-        assert_eq!(change_point(&[f64::NAN; 100]), None);
-    }
-
-    #[test]
-    fn squares_of_one_size_have_a_p_value_that_chance_explains() {
-        let mut normal = Normal::from_seed(11);
-        for memory in [0.0, 0.6] {
-            let p_values = (0..200).map(|_| {
-                let mut last = 0.0;
-                let squares = (0..1000).map(|_| {
-                    last = memory * last + normal.sample();
-                    last * last * (1.0 - memory * memory)
-                });
-                change_point(&squares.collect::<Vec<_>>()).map_or(1.0, |change| change.p_value)
-            });
-            let p_values: Vec<f64> = p_values.collect();
-            let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
-            assert!(below(0.1) <= 40 && below(0.001) <= 3, "{memory}: {} {}", below(0.1), below(0.001));
-        }
-    }
 }

@@ -220,13 +220,18 @@ fn without_ends(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| if ends.contains(value) { f64::NAN } else { *value }).collect()
 }
 
+/// Two sensors of one mass compared: the changes of one with the integral of the other.
 #[derive(Clone, Copy, Debug)]
-struct Agreement {
-    factor: f64,
+pub struct Agreement {
+    /// The scale of the first over that of the second, and its standard deviation.
+    pub factor: f64,
     attenuated: f64,
-    std: f64,
-    late: f64,
-    late_std: f64,
+    /// See `factor`.
+    pub std: f64,
+    /// The samples by which the second is late, and their standard deviation.
+    pub late: f64,
+    /// See `late`.
+    pub late_std: f64,
 }
 
 /// Limits the lateness that is looked for, in samples.
@@ -246,7 +251,7 @@ impl Agreement {
     /// x(k + m) - x(k) = c + b ∫ v dt,  x(k + 2 m) - 2 x(k + m) + x(k) = c + b ∬ a dt²
     /// ```
     /// b by least squares, without the attenuation by the rate's noise.
-    fn of(values: &[f64], rates: &[f64], order: usize, dt: f64, noise: f64) -> Option<Self> {
+    pub fn of(values: &[f64], rates: &[f64], order: usize, dt: f64, noise: f64) -> Option<Self> {
         let count = values.len().min(rates.len());
         let integral = (1..order).fold(integral(rates, dt), |once, _| integral(&once, dt));
         let spans = SPANS.into_iter().filter(|span| 20 * order * span < count);
@@ -350,93 +355,5 @@ impl RatioSums {
 
     fn slope(&self) -> f64 {
         self.product / self.squares[1]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_core::filter::Normal;
-
-    fn readings(change: impl Fn(f64) -> [f64; 2], seed: u64) -> [Vec<f64>; 2] {
-        let mut normal = Normal::from_seed(seed);
-        let mut columns = [Vec::new(), Vec::new()];
-        for k in 0..4000 {
-            let [x, v] = change(0.01 * f64::from(k));
-            columns[0].push(x + 0.01 * normal.sample());
-            columns[1].push(v + 0.06 * normal.sample());
-        }
-        columns
-    }
-
-    fn x(t: f64) -> f64 {
-        0.3 * (6.0 * t).sin() + 0.1 * (4.1 * t + 1.0).cos()
-    }
-
-    fn v(t: f64) -> f64 {
-        1.8 * (6.0 * t).cos() - 0.41 * (4.1 * t + 1.0).sin()
-    }
-
-    fn agreement(change: impl Fn(f64) -> [f64; 2], seed: u64) -> Agreement {
-        let [values, rates] = readings(change, seed);
-        Agreement::of(&values, &rates, 1, 0.01, 0.06).unwrap()
-    }
-
-    #[test]
-    fn right_sensors_agree() {
-        for seed in 0..20 {
-            let Agreement { factor, std, late, late_std, .. } = agreement(|t| [x(t), v(t)], seed);
-            assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{factor} ± {std}");
-            assert!(late.abs() < 4.0 * late_std + 0.3, "{late} ± {late_std}");
-        }
-    }
-
-    #[test]
-    fn scale_sign_and_lateness_are_found() {
-        for seed in 0..5 {
-            assert!((agreement(|t| [1.2 * x(t), v(t)], seed).factor / 1.2 - 1.0).abs() < 0.01);
-            assert!((agreement(|t| [x(t), 1.2 * v(t)], seed).factor * 1.2 - 1.0).abs() < 0.01);
-            assert!((agreement(|t| [x(t), -v(t)], seed).factor + 1.0).abs() < 0.01);
-            for late in [-7.0, 3.0, 20.0] {
-                let found = agreement(|t| [x(t), v(t - 0.01 * late)], seed);
-                assert!((found.late - late).abs() < 0.5, "{late}: {found:?}");
-            }
-            assert!((agreement(|t| [x(t), v(t) + 0.5], seed).factor - 1.0).abs() < 0.01, "a bias");
-        }
-    }
-
-    #[test]
-    fn a_displacement_is_compared_with_its_acceleration() {
-        let a = |t: f64| -10.8 * (6.0 * t).sin() - 1.681 * (4.1 * t + 1.0).cos();
-        for (seed, scale) in [(1, 1.0), (2, 0.102), (3, -1.0)] {
-            let [values, _] = readings(|t| [x(t), v(t)], seed);
-            let mut normal = Normal::from_seed(100 + seed);
-            let read: Vec<f64> =
-                (0..4000).map(|k| scale * a(0.01 * f64::from(k)) + 0.1 * normal.sample() + 0.5).collect();
-            let Agreement { factor, .. } = Agreement::of(&values, &read, 2, 0.01, 0.1).unwrap();
-            assert!((factor * scale - 1.0).abs() < 0.03, "{scale}: {factor}");
-        }
-    }
-
-    #[test]
-    fn noise_that_is_taken_for_too_large_turns_no_factor() {
-        for seed in 0..10 {
-            let [values, rates] = readings(|t| [x(t), v(t)], seed);
-            for times in [1.0, 5.0, 100.0] {
-                let Agreement { factor, std, .. } = Agreement::of(&values, &rates, 1, 0.01, 0.06 * times).unwrap();
-                assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{times}: {factor} ± {std}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_compared_is_not() {
-        let mut normal = Normal::from_seed(1);
-        let noise: Vec<f64> = (0..1000).map(|_| normal.sample()).collect();
-        for order in [1, 2] {
-            assert!(Agreement::of(&noise, &noise, order, 0.01, 1.0).is_none());
-            assert!(Agreement::of(&[], &[], order, 0.01, 1.0).is_none());
-            assert!(Agreement::of(&[0.0; 500], &[0.0; 500], order, 0.01, 1.0).is_none());
-        }
     }
 }

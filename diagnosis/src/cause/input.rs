@@ -173,7 +173,8 @@ fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
 }
 
-fn still_part(input: &[f64]) -> Option<Range<usize>> {
+/// The longest part of an input that is constant, where the rest moves.
+pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let (mut longest, mut start) = (0..0, 0);
     for end in 1..=input.len() {
         if end == input.len() || input[end].to_bits() != input[start].to_bits() {
@@ -260,25 +261,5 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
         );
         let likely = LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence);
         found.push(LikelyCause { certain: true, of_record: true, ..likely });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::still_part;
-
-    #[test]
-    fn a_part_without_motion_is_found_beside_motion_only() {
-        let moves = |k: usize| (0.1 * k as f64).sin();
-        let dead: Vec<f64> = (0..1000).map(|k| if k < 750 { moves(k) } else { 0.0 }).collect();
-        assert_eq!(still_part(&dead), Some(750..1000));
-        let hole: Vec<f64> = (0..1000).map(|k| if (300..400).contains(&k) { 0.7 } else { moves(k) }).collect();
-        assert_eq!(still_part(&hole), Some(300..400));
-        let short: Vec<f64> = (0..1000).map(|k| if (300..340).contains(&k) { 0.7 } else { moves(k) }).collect();
-        let step: Vec<f64> = (0..1000).map(|k| f64::from(u8::from(k > 100))).collect();
-        let blows: Vec<f64> = (0..1000).map(|k| f64::from(u8::from(k < 600 && k % 100 == 0))).collect();
-        for input in [short, step, blows, vec![0.0; 1000], Vec::new()] {
-            assert_eq!(still_part(&input), None);
-        }
     }
 }

@@ -246,13 +246,18 @@ pub(super) static WRAPS: Cause = Cause {
     },
 };
 
-struct Readings {
-    values: Vec<f64>,
-    innovations: Vec<f64>,
+/// The readings of one sensor, and its normalised innovations.
+pub struct Readings {
+    /// NaN where nothing was measured.
+    pub values: Vec<f64>,
+    /// As many as `values`.
+    pub innovations: Vec<f64>,
 }
 
-struct Marked {
-    share: f64,
+/// Readings that have something in common.
+pub struct Marked {
+    /// Of all readings.
+    pub share: f64,
     levels: [f64; 2],
 }
 
@@ -282,17 +287,18 @@ impl Readings {
         levels.iter().all(|level| level.is_finite()).then_some(Marked { share, levels })
     }
 
-    fn clipped(&self) -> Option<Marked> {
+    /// The readings at the ends of a range.
+    pub fn clipped(&self) -> Option<Marked> {
         let ends = clipped_ends(&self.values);
         let marks: Vec<bool> = mapped(&self.values, &|value| ends.contains(value));
         if ends.is_empty() { None } else { self.marked(&marks) }
     }
 
-    fn stuck(&self) -> Option<Marked> {
+    /// The readings that repeat the last one.
+    pub fn stuck(&self) -> Option<Marked> {
         // A sensor that is clipped repeats the end of its range.
-        let known = || self.values.iter().copied().filter(|value| !value.is_nan());
-        let ends = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let is_end = |value: f64| value <= ends.0 || value >= ends.1;
+        let [low, high] = ends(&self.values);
+        let is_end = |value: f64| value <= low || value >= high;
         let repeats = |pair: &[f64]| pair[0].to_bits() == pair[1].to_bits() && !is_end(pair[0]);
         let same: Vec<bool> = self.values.windows(2).map(repeats).collect();
         let mut marks = vec![false; self.values.len()];
@@ -313,8 +319,7 @@ impl Readings {
 
     /// Their number and size. `None` where the readings move far in other ways.
     fn turns(&self) -> Option<(usize, f64)> {
-        let known: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
-        let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        let (known, [low, high]) = (known(&self.values).collect::<Vec<f64>>(), ends(&self.values));
         let (mut jumps, mut sum) = (0, 0.0);
         for four in known.windows(4) {
             let [before, jump, after] = [four[1] - four[0], four[2] - four[1], four[3] - four[2]];
@@ -331,8 +336,9 @@ impl Readings {
         (jumps >= LEAST_TURNS).then(|| (jumps, sum / jumps as f64))
     }
 
-    fn step(&self) -> Option<f64> {
-        let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
+    /// The step to which readings are rounded.
+    pub fn step(&self) -> Option<f64> {
+        let mut values: Vec<f64> = known(&self.values).collect();
         let count = values.len();
         sort_numbers(&mut values);
         values.dedup();
@@ -351,7 +357,8 @@ impl Readings {
         (step.is_finite() && multiples as f64 >= 0.99 * values.len() as f64).then_some(step)
     }
 
-    fn outliers(&self) -> Option<Marked> {
+    /// Single readings that are far off.
+    pub fn outliers(&self) -> Option<Marked> {
         let mut sizes: Vec<f64> = self.innovations.iter().map(|e| e.abs()).filter(|e| e.is_finite()).collect();
         if sizes.len() < 200 {
             return None;
@@ -373,10 +380,17 @@ impl Readings {
     }
 }
 
+fn known(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.iter().copied().filter(|value| !value.is_nan())
+}
+
+fn ends(values: &[f64]) -> [f64; 2] {
+    known(values).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+}
+
 /// An end is clipped where it has many readings, in several spells.
 pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
-    let known = || values.iter().copied().filter(|value| !value.is_nan());
-    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let known = || known(values);
     let count = known().count();
     let is_end = |end: &f64| {
         let is_there = |value: &f64| value == end;
@@ -388,7 +402,7 @@ pub(super) fn clipped_ends(values: &[f64]) -> Vec<f64> {
         let spells = spells(values.iter().map(is_there));
         there >= FEWEST && there as f64 >= SHARE * count as f64 && spells >= SPELLS && there > 3 * next
     };
-    [low, high].into_iter().filter(is_end).collect()
+    ends(values).into_iter().filter(is_end).collect()
 }
 
 const FEWEST: usize = 10;
@@ -411,58 +425,4 @@ const LEAST_PART: f64 = 0.06;
 fn spells(marks: impl Iterator<Item = bool>) -> usize {
     let mut before = false;
     marks.filter(|&mark| !std::mem::replace(&mut before, mark) && mark).count()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_core::filter::Normal;
-
-    fn readings(change: impl Fn(usize, f64) -> f64) -> Readings {
-        let mut normal = Normal::from_seed(4);
-        let (mut values, mut innovations) = (Vec::new(), Vec::new());
-        for k in 0..2000_usize {
-            let (x, noise) = ((0.06 * k as f64).sin(), normal.sample());
-            let value = change(k, x + 0.01 * noise);
-            values.push(value);
-            innovations.push((value - x) / 0.01);
-        }
-        Readings { values, innovations }
-    }
-
-    #[test]
-    fn each_fault_is_found_and_no_other() {
-        let none = |_: usize, x: f64| x;
-        let clip = |_: usize, x: f64| x.clamp(-0.8, 0.8);
-        let coarse = |_: usize, x: f64| (x / 0.05).round() * 0.05;
-        let outliers = |k: usize, x: f64| if k % 50 == 7 { x + 0.2 } else { x };
-        let growing = |k: usize, x: f64| if k < 1000 { x } else { x + 0.1 * (1.7 * (k * k) as f64).sin() };
-        let found = |readings: &Readings| {
-            [readings.clipped().is_some(), readings.stuck().is_some(), readings.outliers().is_some()]
-        };
-        assert_eq!(found(&readings(none)), [false; 3]);
-        assert_eq!(found(&readings(clip))[0..2], [true, false]);
-        assert_eq!(found(&readings(outliers)), [false, false, true]);
-        assert!(!found(&readings(growing))[2], "noise that grows once is no outliers");
-        let step = readings(coarse).step().unwrap();
-        assert!((step / 0.05 - 1.0).abs() < 1e-6 && !found(&readings(coarse))[0], "{step}");
-        assert_eq!(readings(none).step(), None);
-        let mut stuck = readings(none);
-        for k in (100..1900).filter(|k| k % 100 < 20 && k % 100 > 0) {
-            stuck.values[k] = stuck.values[k - 1];
-        }
-        assert!(found(&stuck)[1] && !found(&stuck)[0]);
-        let marked = stuck.stuck().unwrap();
-        assert!((marked.share - 0.17).abs() < 0.02, "{}", marked.share);
-    }
-
-    #[test]
-    fn nothing_is_found_in_nothing() {
-        for values in [Vec::new(), vec![f64::NAN; 300], vec![1.0; 300]] {
-            let innovations = vec![f64::NAN; values.len()];
-            let readings = Readings { values, innovations };
-            assert!(readings.clipped().is_none() && readings.stuck().is_none() && readings.outliers().is_none());
-            assert_eq!(readings.step(), None);
-        }
-    }
 }

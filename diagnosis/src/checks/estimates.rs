@@ -188,34 +188,6 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-const BELOW_BOUND: f64 = 3.0;
-
-pub(super) static BOUND: Test = Test {
-    name: "σ against the Cramér-Rao bound",
-    statistic: "the bound over the last σ of a parameter",
-    distribution: "none: it is at most 1 for a filter whose assumptions are true",
-    source: "Tichavský, Muravchik and Nehorai (1998)",
-    reading: "above 1: σ is smaller than the record allows",
-    run: bound,
-};
-
-fn bound(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(bound) = case.bound else { return };
-    let Some(last) = case.last().filter(|last| *last < bound.len()) else { return };
-    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
-        let Some(floor) = bound.place(channel).map(|of_bound| bound.std(last, of_bound)) else { continue };
-        let std = case.estimates.std(last, place);
-        if !(floor > 0.0 && std > 0.0) {
-            continue;
-        }
-        let ratio = floor / std;
-        let sentence =
-            format!("σ of the {} is {} times the least that any filter can reach", channel.name(), short(1.0 / ratio));
-        let one = Evidence::new(test, Subject::Channel(channel), case);
-        found.push(one.certain(VerdictKind::Overconfident, ratio / BELOW_BOUND, ratio, sentence));
-    }
-}
-
 /// Limits σ of a parameter, relative to the initial one, if it still grows or is as large as the parameter.
 const GROWN: f64 = 3.0;
 

@@ -38,15 +38,14 @@ pub(super) static TOGETHER: Test = Test {
     distribution: "χ² with one degree of freedom a measurement, over their number",
     source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
     reading: "1 is right; a sensor that is trusted too much can hide one that is trusted too little",
-    run: together,
+    run: |case, test, found| {
+        let (level, degrees) = case.nis(&case.kept);
+        if degrees > 0.0 && case.sensors.len() > 1 {
+            let evidence = Evidence::new(test, Subject::All, case);
+            found.push(sized(case, evidence, (level, degrees), "of all sensors together"));
+        }
+    },
 };
-
-fn together(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let (level, degrees) = case.nis(&case.kept);
-    if degrees > 0.0 && case.sensors.len() > 1 {
-        found.push(sized(case, Evidence::new(test, Subject::All, case), (level, degrees), "of all sensors together"));
-    }
-}
 
 fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose: &str) -> Evidence {
     let effect = libm::log(level).abs() / libm::log(TOLERANCE);

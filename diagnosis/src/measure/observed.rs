@@ -157,25 +157,17 @@ impl Part<'_> {
 /// The sums of one filter's run over a whole record.
 #[derive(Clone, Copy)]
 pub struct Whole<'a> {
-    pub(super) record: &'a Record,
-    pub(super) outcome: &'a Outcome,
-    channels: &'a [Channel],
-}
-
-impl<'a> Whole<'a> {
-    /// The sums of a filter with these channels over a record.
-    pub fn new(record: &'a Record, outcome: &'a Outcome, channels: &'a [Channel]) -> Self {
-        Self { record, outcome, channels }
-    }
-
-    pub(super) fn of(&self, measure: Measure) -> ObservedSums<'_> {
-        ObservedSums { whole: self, channel: measure.channel }
-    }
+    /// The record.
+    pub record: &'a Record,
+    /// The sums.
+    pub outcome: &'a Outcome,
+    /// The filter's channels.
+    pub channels: &'a [Channel],
 }
 
 pub(super) struct ObservedSums<'a> {
     pub(super) whole: &'a Whole<'a>,
-    channel: Option<Channel>,
+    pub(super) channel: Option<Channel>,
 }
 
 impl ObservedSums<'_> {

@@ -84,7 +84,7 @@ measures! {
 
     Verdict = row("verdict", "verdict", ValueKind::Verdict, MeasureSubject::Filter)
         => |part| {
-            let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
+            let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record);
             Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
         };
 

@@ -14,10 +14,6 @@ const SETTLING: f64 = 1.0;
 
 const MOST_FAULTS: usize = 2;
 
-pub(super) struct Happening {
-    changes: Vec<TrueChange>,
-}
-
 pub(super) struct TrueChange {
     pub(super) channel: Channel,
     pub(super) signal: Signal,
@@ -110,35 +106,24 @@ fn moves(signal: &Signal, duration: f64) -> bool {
     }
 }
 
-impl Happening {
-    pub(super) fn of(scenario: &Scenario) -> Self {
-        let change = |channel| {
-            let signal = scenario.plant.parameter(channel)?;
-            moves(&signal, scenario.duration).then_some(TrueChange { channel, signal })
-        };
-        let changes = scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none());
-        Self { changes: changes.collect() }
-    }
+pub(super) fn changes_of(scenario: &Scenario) -> Vec<TrueChange> {
+    let change = |channel| {
+        let signal = scenario.plant.parameter(channel)?;
+        moves(&signal, scenario.duration).then_some(TrueChange { channel, signal })
+    };
+    scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none()).collect()
+}
 
-    pub(super) fn change(&self) -> Option<&TrueChange> {
-        self.changes.first()
-    }
-
-    pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
-        self.changes.iter().any(|change| change.is_recent(run, now))
-    }
-
-    pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
-        let scenario = run.scenario();
-        let now = scenario.dt * run.done().saturating_sub(1) as f64;
-        let text = match self.change() {
-            Some(change) => change.text(now, scenario.duration),
-            None => still(scenario),
-        };
-        let text = if self.changes.len() > 1 { text.say(", and other parameters change too") } else { text };
-        let hidden = if scenario.plant.disturbance_std > 0.0 { "; an unmeasured force shakes it too" } else { "" };
-        text.say(hidden).say(".").done()
-    }
+pub(super) fn sentence(changes: &[TrueChange], run: &Run) -> Vec<Phrase> {
+    let scenario = run.scenario();
+    let now = scenario.dt * run.done().saturating_sub(1) as f64;
+    let text = match changes.first() {
+        Some(change) => change.text(now, scenario.duration),
+        None => still(scenario),
+    };
+    let text = if changes.len() > 1 { text.say(", and other parameters change too") } else { text };
+    let hidden = if scenario.plant.disturbance_std > 0.0 { "; an unmeasured force shakes it too" } else { "" };
+    text.say(hidden).say(".").done()
 }
 
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {

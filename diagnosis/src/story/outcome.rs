@@ -7,11 +7,10 @@ use kalmanscope_core::internals::mapped;
 use kalmanscope_core::scenario::cost::turn_at;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
-use super::happening::{Happening, TrueChange};
+use super::happening::TrueChange;
 use super::{Adjustable, Form, Phrase, Writer};
-use crate::Subject;
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
-use crate::{Diagnosis, VerdictKind};
+use crate::{Diagnosis, Evidence, Subject, VerdictKind};
 
 const FOUND: f64 = 0.05;
 
@@ -64,9 +63,9 @@ struct Truth {
 type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
 
 impl<'a> FilterOutcome<'a> {
-    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, happening: &Happening) -> Self {
+    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, changes: &[TrueChange]) -> Self {
         let (estimates, diagnostics, diagnosis) = results;
-        let (record, change) = (run.record(), happening.change());
+        let (record, change) = (run.record(), changes.first());
         let is_uncertain = |place: usize, channel: Channel| {
             let is_taken = filter.knows(channel) || filter.consider.contains(&channel);
             !is_taken && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
@@ -87,31 +86,21 @@ impl<'a> FilterOutcome<'a> {
         let main = all.next();
         let last = estimates.len().saturating_sub(1);
         let now = record.time(last);
-        let undetermined = diagnosis.map_or(Vec::new(), |diagnosis| {
-            let speaking =
-                diagnosis.evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
-            let mut channels: Vec<Channel> = Vec::new();
-            for one in speaking {
-                if let Subject::Channel(channel) = one.subject
-                    && !channels.contains(&channel)
-                {
-                    channels.push(channel);
-                }
-            }
-            channels
-        });
+        let evidence = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.evidence);
+        let unlearnt = evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
+        let channel = |one: &Evidence| if let Subject::Channel(channel) = one.subject { Some(channel) } else { None };
         Self {
             filter,
             name: estimates.name(),
             kind: diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref()).map(|verdict| verdict.kind),
-            undetermined,
+            undetermined: unlearnt.filter_map(channel).collect(),
             main,
             others: all.collect(),
             outside,
             stop: diagnostics.stop.map(|stop| (stop, record.time_of(stop.sample))),
             long_steps: long_steps(run.scenario(), filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
-            is_settling: happening.is_recent(run, now),
+            is_settling: changes.iter().any(|change| change.is_recent(run, now)),
             now,
             is_whole: run.done() == run.samples(),
         }
