@@ -60,7 +60,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
     let is_said = from.is_some() || to.is_some() || *every != 1 || band.is_some();
-    let remark = Ring::remark(&table).filter(|_| !is_said);
+    let remark = if is_said { None } else { Ring::choose(&table, &mut mapping) };
     if remark.is_none() {
         (mapping.from, mapping.to, mapping.every) = (*from, *to, *every);
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());

@@ -56,11 +56,12 @@
 //! | module | for |
 //! |---|---|
 //! | [`channel`], [`plant`], [`equation`], [`filter`] | states, equations of motion and filters, also those of a program |
-//! | [`record`], [`import`], [`free_decay`] | the input and the measurements over time, and the files that they are read from |
+//! | [`record`], [`import`] | the input and the measurements over time, and the files that they are read from |
 //! | [`signal`] | parameters of the truth as functions of time |
 //! | [`scenario`], [`setting`] | all that a run depends on, and each setting with its name, unit, limits and address |
 //! | `run` | [`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`] |
 //! | [`score`], [`diagnostics`], [`free_run`], [`frequency_response`] | statistics of a run |
+//! | [`free_decay`] | free decays, rings of sounds and sweeps, and their modes |
 //! | [`suggest`] | start values of filters from a record's data |
 
 mod axis;
@@ -74,8 +75,8 @@ mod statistics;
 pub mod internals;
 
 pub use kalmanscope_filters::{channel, equation, filter, plant};
-pub use kalmanscope_records::{document, free_decay, import, record};
-pub use statistics::{diagnostics, free_run, frequency_response, score, suggest};
+pub use kalmanscope_records::{document, import, record};
+pub use statistics::{diagnostics, free_decay, free_run, frequency_response, score, suggest};
 
 pub use axis::{Axis, AxisError, Spacing};
 pub use kalmanscope_filters::{

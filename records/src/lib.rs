@@ -4,7 +4,6 @@
 //! The hidden modules are for the crates of this workspace.
 
 pub mod document;
-pub mod free_decay;
 #[doc(hidden)]
 pub mod hash;
 pub mod import;

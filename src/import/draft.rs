@@ -38,10 +38,11 @@ pub enum ColumnRole {
 impl Draft {
     pub fn new(file: Arc<RecordFile>) -> Self {
         let (mut mapping, input, guesses) = Mapping::guess_for(&file.table, &[]);
+        let remark = Ring::choose(&file.table, &mut mapping);
         (mapping.file, mapping.hash) = (file.name.clone(), file.hash.clone());
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let draft = Self {
-            remark: Ring::remark(&file.table),
+            remark,
             file,
             mapping,
             input,

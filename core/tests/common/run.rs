@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use kalmanscope_core::free_decay::Ring;
 use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::scenario::Fault;
@@ -203,6 +204,7 @@ pub(crate) fn suggested(
     change: impl Fn(&mut Scenario),
 ) -> (Suggestion, Run) {
     let (mut mapping, kind) = Mapping::guess(table);
+    let _ = Ring::choose(table, &mut mapping);
     change_mapping(&mut mapping);
     let record = built(table, &mapping, kind, Hold::First).record;
     let mut scenario = scenario_for(&record);

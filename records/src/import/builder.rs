@@ -6,7 +6,7 @@ use kalmanscope_filters::catalogue::all_and;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Channel, Hold, InputKind, PlantKind, Quantity};
 
-use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, mean, shift};
+use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, shift};
 use super::guess::no_time;
 use super::own_times::{OwnTimes, on_one_clock};
 use super::shape::{counted, unwrapped};
@@ -14,7 +14,7 @@ use super::times::{Clock, Timing};
 use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Table, times};
 use crate::Record;
 use crate::record::Input;
-use crate::resample::Steps;
+use crate::resample::{Steps, mean};
 
 /// A record from a file, with sentences about its making.
 #[derive(Clone, Debug)]

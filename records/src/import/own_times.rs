@@ -3,14 +3,12 @@
 use kalmanscope_filters::Hold;
 use kalmanscope_filters::lists::{self, numbers, sort_items};
 
-use super::conditioning::mean;
 use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
 use super::times::{Clock, Timing};
 use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Table};
-use crate::free_decay::side_of;
 use crate::record::{Clocks, Timed};
-use crate::resample::Steps;
+use crate::resample::{Steps, mean, side_of};
 
 /// Without cells that have no number; times in \[s\].
 #[derive(Debug, Default)]

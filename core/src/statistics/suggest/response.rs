@@ -8,11 +8,11 @@ use kalmanscope_filters::least_squares::NormalEquations;
 use kalmanscope_filters::lists::{numbers, sort_numbers};
 use kalmanscope_filters::{Aspect, Hold, Quantity};
 use kalmanscope_records::Record;
-use kalmanscope_records::free_decay::{Fit, highest};
 use kalmanscope_records::mapping::Mapping;
 
 use super::moments;
 use super::spectra::{GapTreatment, LONG, Spectra, passed};
+use crate::free_decay::{ModeFit, highest};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredResponse {
@@ -252,7 +252,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let fits = lengths.filter_map(|length| {
         let values = numbers(length, &|k| readings[k][1]);
         let frequency = highest(&readings[..length], &values, |frequency| is_within(band, frequency))?;
-        Some(Fit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
+        Some(ModeFit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
     });
     let fit = fits.filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let mode = *fit.modes(&readings)?.first()?;
