@@ -83,7 +83,7 @@ pub use kalmanscope_filters::{
     Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, Hold, InputKind, KalmanFilter, MeasurementModel,
     Model, PlantKind, Propagation, Quantity, Robust, Stop, SystemError, Term,
 };
-pub use kalmanscope_records::{Length, Record, RecordError, Task};
+pub use kalmanscope_records::{Length, Record, RecordError, Task, Work};
 pub use run::estimates::Estimates;
 pub use run::events::{EventError, EventFilter, EventSetupError};
 pub use run::pass::{OnlineFilter, Pass};

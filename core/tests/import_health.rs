@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use kalmanscope_core::free_decay::{Decay, Ring};
 use kalmanscope_core::import::{Builder, Mapping, ThreeAxes, join, read};
 use kalmanscope_core::record::LiveRecord;
-use kalmanscope_core::suggest::{Suggest, scenario_for};
+use kalmanscope_core::suggest::{begin, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};
 
 use crate::import::check_import;
@@ -126,7 +126,7 @@ fn times_of_any_size_come_to_an_end() {
             let mut scenario = scenario_for(&record);
             scenario.filters.truncate(1);
             scenario.record = Some(mapping);
-            let mut suggest = Suggest::new(&scenario, record);
+            let mut suggest = begin(&scenario, record);
             assert!((0..MOST).any(|_| suggest.advance(&mut || false)), "{start} {step}: start values");
         }
         let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT]);

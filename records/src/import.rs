@@ -49,7 +49,7 @@ pub use guess::ColumnGuess;
 pub use header::{Dimension, STANDARD_GRAVITY, unit};
 pub use mend::turn;
 pub use own_times::join;
-pub use reader::{Loaded, Loading};
+pub use reader::{Loaded, load};
 pub use sound::wav;
 pub use table::{Column, Table, TextCell};
 pub use three_axes::ThreeAxes;
@@ -57,13 +57,14 @@ pub use three_axes::ThreeAxes;
 use thiserror::Error;
 
 use crate::RecordError;
+use crate::task::{Progress, at_once};
 
 /// The columns of a file, read in one go.
 ///
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
-pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    reader::Reader::read(bytes.into(), dialect).map(mend::mend)
+pub fn read(bytes: impl AsRef<[u8]>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    at_once(reader::read(bytes.as_ref(), dialect, &Progress::default())).map(mend::mend)
 }
 
 /// The [`struct@Hash`] of a file's bytes, in one go.

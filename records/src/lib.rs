@@ -19,4 +19,4 @@ pub mod task;
 
 pub use length::Length;
 pub use record::{Record, RecordError};
-pub use task::Task;
+pub use task::{Task, Work};

@@ -149,7 +149,7 @@ pub struct MappingError {
     pub allowed: String,
 }
 
-/// The form of a text file with columns of numbers. [`Loading`](crate::import::Loading) finds it by looking at the first lines.
+/// The form of a text file with columns of numbers. [`load`](crate::import::load) finds it by looking at the first lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Dialect {

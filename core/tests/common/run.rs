@@ -30,7 +30,7 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
-pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) -> Run {
+pub(crate) fn finished_on_file(scenario: &Scenario, file: impl AsRef<[u8]>) -> Run {
     let mapping = scenario.record.as_ref().expect("it says what the columns are");
     let table = read(file, mapping.dialect).expect("it is a table");
     finished_on(scenario, built(&table, mapping, scenario.input, scenario.hold).record)

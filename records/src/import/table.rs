@@ -228,6 +228,7 @@ impl Rows {
 
 #[derive(Debug)]
 pub(super) struct RowsReader {
+    format: Option<&'static str>,
     rows: Rows,
     pub(super) columns: Vec<Column>,
     belongs: Vec<bool>,
@@ -267,8 +268,13 @@ impl Odd {
 const SUMMED: usize = 20;
 
 impl RowsReader {
-    pub(super) fn new(mut form: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
-        let (dialect, cells) = (form.dialect, std::mem::take(&mut form.cells));
+    pub(super) fn new(
+        format: Option<&'static str>,
+        mut rows: Rows,
+        lines: &[&str],
+        length: usize,
+    ) -> Result<Self, ImportError> {
+        let (dialect, cells) = (rows.dialect, std::mem::take(&mut rows.cells));
         let (belongs, header) = if cells.is_empty() {
             let width = width(&dialect, lines)?;
             (vec![true; width], dialect.header(lines, width))
@@ -278,13 +284,13 @@ impl RowsReader {
         // The first lines give the number of rows for which columns reserve memory.
         let whole: usize = lines.iter().map(|line| line.len() + 1).sum();
         let mean = (whole.max(1) / lines.len().max(1)).max(1);
-        let rows = (length / mean).min(length / belongs.len().max(1) + 1);
+        let count = (length / mean).min(length / belongs.len().max(1) + 1);
         let column =
-            |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
+            |(name, unit)| Column { name, unit, values: Vec::with_capacity(count + count / 50), ..Column::default() };
         let mut columns: Vec<Column> = header.into_iter().map(column).collect();
         number_names(&mut columns);
         let (lines, short, long, words, grouped, doubtful) = Default::default();
-        Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, words, grouped, doubtful })
+        Ok(Self { format, rows, columns, belongs, end: None, lines, short, long, words, grouped, doubtful })
     }
 
     pub(super) fn line(&mut self, row: &str, line: usize) {
@@ -351,9 +357,10 @@ impl RowsReader {
         }
     }
 
-    pub(super) fn finish(self, form: String, line: usize) -> Result<Table, ImportError> {
-        let Self { rows, mut columns, end, lines, short, long, words, grouped, doubtful, .. } = self;
+    pub(super) fn finish(self, line: usize) -> Result<Table, ImportError> {
+        let Self { format, rows, mut columns, end, lines, short, long, words, grouped, doubtful, .. } = self;
         let Rows { dialect, even, scale, count, remarks: mut said, rate, .. } = rows;
+        let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
         if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
             return Err(ImportError::NoNumbers(line));
         }

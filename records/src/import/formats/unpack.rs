@@ -6,21 +6,21 @@ use flate2::Crc;
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use kalmanscope_filters::lists::mapped;
 
-use super::super::reader::Reader;
-use super::super::{Dialect, ImportError, Mapping, Table};
+use super::super::{Dialect, ImportError, Mapping, Table, reader};
+use crate::task::{Progress, at_once};
 
 /// A packed file may contain itself: it is not unpacked twice.
-fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    if is_zip(&bytes) || bytes.starts_with(b"\x1F\x8B") {
+fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    if is_zip(bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
     }
-    Reader::read(bytes, dialect)
+    at_once(reader::read(bytes, dialect, &Progress::default()))
 }
 
 pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
-    table(file, dialect)
+    table(&file, dialect)
 }
 
 pub(super) fn is_zip(bytes: &[u8]) -> bool {
@@ -82,7 +82,7 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
     let (mut room, mut tables, mut failed) = (Room::of(bytes), Vec::new(), String::new());
     for (place, entry) in entries.iter().enumerate() {
         let file = entry.unpack(&mut room).map_err(ImportError::OtherKind);
-        match file.and_then(|file| table(file, dialect)) {
+        match file.and_then(|file| table(&file, dialect)) {
             Ok(table) => tables.push((place, table)),
             Err(reason) => failed = format!(": `{}`: {reason}", entry.name),
         }
@@ -217,7 +217,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_packed_table_is_the_table() {
-        let plain = Reader::read(record(), None).unwrap();
+        let plain = super::table(&record(), None).unwrap();
         assert_eq!(gzip(&gzip_of(&record()), None).unwrap(), plain);
         let parts = [gzip_of(&record()[..60]), gzip_of(&record()[60..])].concat();
         assert_eq!(gzip(&parts, None).unwrap(), plain);
