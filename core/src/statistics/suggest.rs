@@ -28,7 +28,7 @@ use ambient::has_no_input;
 use conditioning::{Course, LostReadings};
 use forced::forced;
 use likeliest::first_alone;
-use response::{Decay, decay, free_response, response};
+use response::{DecayFit, decay, free_response, response};
 use spectra::{GapTreatment, Spectra, noise};
 use trials::SHARES;
 
@@ -181,7 +181,7 @@ impl Suggestion {
         free.map(|free| free.is_all)
     }
 
-    fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
+    fn noise_beside(&mut self, quantity: Quantity, decay: &DecayFit, dt: f64) {
         let place = self.scenario.sensor_place(quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
         let [low, high] = spectra::passed(self.scenario.record.as_ref(), dt);

@@ -6,7 +6,7 @@ use kalmanscope_filters::lists::{numbers, sort_numbers};
 use kalmanscope_filters::{Channel, Hold, Quantity};
 use kalmanscope_records::Record;
 
-use super::likeliest::{climbed, likelihood, tried};
+use super::likeliest::{MOST, climbed, likelihood, tried};
 use super::response::{MeasuredResponse, free_response, is_within, order};
 use super::spectra::{GapTreatment, LONG, Spectra};
 use super::{Suggestion, augment, first_for_trial, moments, motion_sensor, rounded};
@@ -54,8 +54,12 @@ impl Ambient {
     }
 
     /// The likeliest sizes of force and noises, and their log likelihood.
-    pub(super) async fn best(&self, record: &Record, samples: usize) -> Option<(Sizes, f64)> {
-        let trial = |factors: Vec<f64>| self.likelihood(self.sizes.times(&factors), record, samples);
+    pub(super) async fn best(&self, record: &Record, samples: usize, progress: impl Fn(f64)) -> Option<(Sizes, f64)> {
+        let mut trials = 0..MOST;
+        let trial = |factors: Vec<f64>| {
+            progress(trials.next().map_or(1.0, |trial| trial as f64 / MOST as f64));
+            self.likelihood(self.sizes.times(&factors), record, samples)
+        };
         let (factors, likelihood) = climbed(1 + self.suggestion.scenario.sensors.len(), trial).await.best?;
         let sizes = self.sizes.times(&factors);
         let held = Sizes { hold: Hold::Zero, ..sizes.clone() };

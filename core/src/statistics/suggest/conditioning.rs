@@ -41,7 +41,7 @@ impl Suggestion {
                 None => self.scenario.sensors.iter().any(|one| one.measures == quantity),
             };
             if is_sensor && (!removed.is_empty() || mean.abs() > OFFSET * std) {
-                record.change_measured(sensor, |value| value - mean);
+                record.change_measured(|of, _, value| if of == sensor { value - mean } else { value });
                 removed.push((quantity.bias(), mean, format!("the {}", quantity.name())));
             }
         }

@@ -8,7 +8,7 @@ use kalmanscope_filters::{Aspect, Channel, FilterKind, InputKind, PlantKind, Qua
 use kalmanscope_records::Record;
 
 use super::likeliest::{Likeliest, first_alone, likelihood_over, tried};
-use super::response::{Decay, MeasuredResponse, order};
+use super::response::{DecayFit, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::{FilterSettings, Run, Scenario};
 
@@ -44,8 +44,9 @@ impl Suggestion {
         }
     }
 
-    pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
+    pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &DecayFit) {
+        let DecayFit { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } =
+            *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {

@@ -116,7 +116,7 @@ impl<P> Likeliest<P> {
 const FACTORS: [f64; 3] = [4.0, 2.0, std::f64::consts::SQRT_2];
 /// A change is for the better if the log likelihood rises by more than this.
 const BETTER: f64 = 0.5;
-const MOST: usize = 48;
+pub(super) const MOST: usize = 48;
 const FAR: f64 = 1e9;
 
 /// The factors of some sizes with the largest log likelihood: each is multiplied, or else divided, as long as that rises.

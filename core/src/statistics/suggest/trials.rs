@@ -26,14 +26,15 @@ const BETTER: f64 = 0.5;
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
 
-/// Begins to suggest settings for a scenario's filters on a measured record: R from the high frequencies that the
-/// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
-/// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
-/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is likelier. Without an input, a white force that moves the plant
-/// ([`kalmanscope_filters::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
-/// goes into the mapping; the record is then to be read again.
+/// Begins to suggest settings for a scenario's filters on a measured record.
 ///
-/// Of an equation that a user typed, the parameters that spectra do not tell are searched where there is an input: a filter begins
+/// R comes from the high frequencies that the input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the
+/// spectrum), the initial belief from these, and Q from the likelihood of the innovations. So do the course of an input between its
+/// samples, linear as it was taken, held or band-limited, and the exponent of a Bouc-Wen spring. R takes the size of the innovations
+/// where that is likelier. Without an input, a white force that moves the plant ([`kalmanscope_filters::filter::White`]) is tried too.
+/// Where the scenario has a mapping, means are removed and a large gain goes into the mapping; the record is then to be read again.
+///
+/// Of an equation that a user typed, the parameters that spectra do not give are searched where there is an input: a filter begins
 /// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
 pub fn begin(scenario: &Scenario, record: Record) -> Work<Suggestion> {
     let (longest, plucked) = Plucked::of(&record).unzip();
@@ -182,12 +183,11 @@ impl Maker {
             self.record = self.record.clone().at_samples();
         }
         let mut best = self.likeliest_share().await;
-        self.at(2 + SHARES.len(), 0.0);
         let likelihood = |best: &Option<(f64, f64, Vec<f64>)>| best.as_ref().map_or(f64::NEG_INFINITY, |best| best.1);
         let samples = self.likely();
         if let Some(mut ambient) = self.ambient.take() {
             let lead = if best.as_ref().is_some_and(|(share, ..)| *share > 0.0) { 0.0 } else { CLEARLY };
-            let found = ambient.best(&self.record, samples).await;
+            let found = ambient.best(&self.record, samples, |share| self.at(2 + SHARES.len(), share)).await;
             if let Some((sizes, _)) = found.filter(|(_, white)| *white > likelihood(&best) + lead) {
                 ambient.suggestion.take_white_force(&sizes);
                 self.suggestion = ambient.suggestion;
