@@ -6,7 +6,7 @@ use std::path::Path;
 use kalmanscope_cli::with_spread;
 use kalmanscope_core::free_decay::{Decay, Mode, Ring, Sweep};
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
+    self, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, build, join,
 };
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
@@ -66,8 +66,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
-    let imported =
-        Builder::new(&table, &mapping, kind, Hold::First).and_then(|builder| builder.of_plant(plant).finish());
+    let imported = build(&table, &mapping, kind, Hold::First, plant);
     drop(progress);
     // Without a sensor, the reasons say what is to be chosen.
     if matches!(imported, Ok(_) | Err(ImportError::NoSensor)) {

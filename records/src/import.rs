@@ -8,13 +8,13 @@
 //! [`Mapping::guess`] from names, units and shapes.
 //!
 //! ```
-//! use kalmanscope_records::import::{Builder, Mapping, read};
-//! use kalmanscope_filters::{Hold, Quantity};
+//! use kalmanscope_records::import::{Mapping, build, read};
+//! use kalmanscope_filters::{Hold, PlantKind, Quantity};
 //! # fn main() -> Result<(), kalmanscope_records::import::ImportError> {
 //! let text = "Zeit [ms];Kraft;Weg [mm]\n0;1,5;2\n10;1;2,5\n20;0;3\n";
 //! let table = read(text.as_bytes(), None)?;
 //! let (mapping, kind) = Mapping::guess(&table);
-//! let imported = Builder::new(&table, &mapping, kind, Hold::First)?.finish()?;
+//! let imported = build(&table, &mapping, kind, Hold::First, &PlantKind::default())?;
 //! assert_eq!(imported.record.dt(), 0.01);
 //! assert_eq!(imported.record.measured_quantity(Quantity::DISPLACEMENT), Some(&[0.002, 0.0025, 0.003][..]));
 //! # Ok(())
@@ -42,8 +42,7 @@ pub use crate::mapping::{
     Decimal, Delimiter, Dialect, Encoding, MappedColumn, Mapping, MappingError, MeanWord, Offset, Time,
 };
 pub use crate::record::MOST;
-pub use builder::{Builder, Imported};
-pub use cell::Cells;
+pub use builder::{Imported, build, building};
 pub use conditioning::Sentinel;
 pub use guess::ColumnGuess;
 pub use header::{Dimension, STANDARD_GRAVITY, unit};

@@ -1,6 +1,6 @@
 //! The health of imports: whatever the bytes, a record is sound or a sentence says why there is none.
 
-use kalmanscope_core::import::{Builder, Mapping, load};
+use kalmanscope_core::import::{Mapping, build, load};
 use kalmanscope_core::{Hold, Record, Task as _};
 
 /// Imports bytes as a file, in slices of one piece of work; the first byte chooses what is done to the columns.
@@ -39,7 +39,7 @@ pub(crate) fn check_import(bytes: &[u8]) -> Result<(), String> {
     if choice & 32 != 0 {
         (mapping.from, mapping.to) = (Some(0.05), Some(20.0));
     }
-    match Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) {
+    match build(&table, &mapping, kind, Hold::First, &Default::default()) {
         Ok(imported) => check_record(&imported.record),
         Err(error) => sentence(error.to_string()),
     }

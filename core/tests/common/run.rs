@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::free_decay::Ring;
-use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
+use kalmanscope_core::import::{Imported, Mapping, Table, build, read};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
@@ -37,7 +37,7 @@ pub(crate) fn finished_on_file(scenario: &Scenario, file: impl AsRef<[u8]>) -> R
 }
 
 fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
-    Builder::new(table, mapping, kind, hold).and_then(Builder::finish).expect("it is a record")
+    build(table, mapping, kind, hold, &Default::default()).expect("it is a record")
 }
 
 pub(crate) fn forced(dt: f64, hold: Hold, values: Vec<f64>, columns: Vec<(Quantity, Vec<f64>)>) -> Record {

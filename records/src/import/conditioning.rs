@@ -8,6 +8,7 @@ use super::times::Timing;
 use super::{ImportError, MappedColumn, Mapping, MappingError, Table};
 use crate::resample::{self, Steps, band_pass};
 
+#[derive(Clone, Copy)]
 pub(super) struct Conditioning<'a> {
     pub(super) mapping: &'a Mapping,
     pub(super) timing: &'a Timing,

@@ -147,20 +147,6 @@ mod tests {
     }
 
     #[test]
-    fn each_encoding_is_read() {
-        let text = "t;µ\r\n0,5;1\r\n1;2,5\r\n";
-        let utf_16: Vec<u8> = format!("\u{FEFF}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let latin_1: Vec<u8> = text.chars().map(|c| u8::try_from(c).unwrap()).collect();
-        for bytes in [text.as_bytes(), &utf_16, &latin_1] {
-            let columns = read(bytes).unwrap().columns;
-            assert_eq!(
-                (columns[1].name.as_str(), &columns[0].values, &columns[1].values),
-                ("µ", &vec![0.5, 1.0], &vec![1.0, 2.5])
-            );
-        }
-    }
-
-    #[test]
     fn what_is_no_table_is_said() {
         let message = |bytes: &[u8]| {
             let said = read(bytes).unwrap_err().to_string();

@@ -140,9 +140,12 @@ impl Room {
 }
 
 pub(super) fn whole(bytes: &[u8], place: usize, size: usize, is_big: bool) -> Option<usize> {
-    let part = bytes.get(place..place.checked_add(size)?)?;
-    let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
-    Some(if is_big { part.iter().fold(0, add) } else { part.iter().rev().fold(0, add) })
+    Some(bits(bytes.get(place..place.checked_add(size)?)?, is_big) as usize)
+}
+
+fn bits(bytes: &[u8], is_big: bool) -> u64 {
+    let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+    if is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) }
 }
 
 /// NumPy's letter: `f`, `i`, `u` or `b`; and the bytes.
@@ -155,8 +158,7 @@ pub(super) struct NumberForm {
 
 impl NumberForm {
     pub(super) fn number(self, bytes: &[u8]) -> f64 {
-        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
-        let bits = if self.is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) };
+        let bits = bits(bytes, self.is_big);
         let above = 64 - 8 * self.size;
         match (self.kind, self.size) {
             ('f', 4) => f64::from(f32::from_bits(bits as u32)),
