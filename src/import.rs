@@ -10,9 +10,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{Loaded, Loading, Mapping, Table};
-use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Hold, InputKind, Scenario, Task};
+use kalmanscope_core::import::{Loaded, Mapping, Table, load};
+use kalmanscope_core::suggest::{self, Suggestion};
+use kalmanscope_core::{Hold, InputKind, Scenario, Task, Work};
 
 use crate::session::RecordFile;
 use crate::team::{BETWEEN, Handle, Lost, Priority, Report, RunningTask, Team};
@@ -37,28 +37,10 @@ pub struct Import {
 }
 
 enum ImportStage {
-    Reading(Box<RunningTask<LoadTask>>),
+    Reading(Box<RunningTask<Work<Result<Loaded, String>>>>),
     Asking(Box<Draft>),
-    Suggesting(Box<Draft>, Box<RunningTask<Suggest>>),
+    Suggesting(Box<Draft>, Box<RunningTask<Work<Suggestion>>>),
     Failed(String),
-}
-
-struct LoadTask(Loading);
-
-impl Task for LoadTask {
-    type Outcome = Result<Loaded, String>;
-
-    fn progress(&self) -> f64 {
-        self.0.progress()
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        self.0.advance(while_time)
-    }
-
-    fn finish(self) -> Self::Outcome {
-        self.0.finish().map_err(|error| error.to_string())
-    }
 }
 
 pub struct Opened {
@@ -73,7 +55,8 @@ impl Import {
     pub fn new(name: &str, bytes: Vec<u8>, at_once: bool, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
         let worker = if is_long { team.load(&bytes) } else { None };
-        let stage = ImportStage::Reading(Box::new(running(&*team, worker, LoadTask(Loading::new(bytes)), is_long)));
+        let load = load(bytes).map(|loaded| loaded.map_err(|error| error.to_string()));
+        let stage = ImportStage::Reading(Box::new(running(&*team, worker, load, is_long)));
         Self { at_once, ..Self::at(name.to_owned(), stage, team) }
     }
 
@@ -162,7 +145,7 @@ impl Import {
         if draft.suggest {
             let is_long = record.len() > LONG_RECORD;
             let worker = if is_long { self.team.suggest(&scenario, &record) } else { None };
-            let suggest = running(&*self.team, worker, Suggest::new(&scenario, record), is_long);
+            let suggest = running(&*self.team, worker, suggest::begin(&scenario, record), is_long);
             self.stage = ImportStage::Suggesting(draft, Box::new(suggest));
             return None;
         }

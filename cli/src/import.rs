@@ -6,7 +6,7 @@ use std::path::Path;
 use kalmanscope_cli::with_spread;
 use kalmanscope_core::free_decay::{Decay, Mode, Ring, Sweep};
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
+    self, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, build, join,
 };
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
@@ -60,14 +60,13 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
     let is_said = from.is_some() || to.is_some() || *every != 1 || band.is_some();
-    let remark = Ring::remark(&table).filter(|_| !is_said);
+    let remark = if is_said { None } else { Ring::choose(&table, &mut mapping) };
     if remark.is_none() {
         (mapping.from, mapping.to, mapping.every) = (*from, *to, *every);
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
-    let imported = Builder::new(&table, &mapping, kind, Hold::First)
-        .and_then(|builder| builder.with_truth_of(plant.channels()).finish());
+    let imported = build(&table, &mapping, kind, Hold::First, plant.channels());
     drop(progress);
     // Without a sensor, the reasons say what is to be chosen.
     if matches!(imported, Ok(_) | Err(ImportError::NoSensor)) {

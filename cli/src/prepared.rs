@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::document;
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, MappedColumn, Mapping, Table, hash,
+    self, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, MappedColumn, Mapping, Table, build, hash,
 };
 use kalmanscope_core::{Quantity, Record, Run, RunError, Scenario, Source};
 use kalmanscope_lessons::records;
@@ -217,8 +217,7 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
         let said = [Some(table.form.clone()), Some(meaning(&mapping)), left_out, Some(OVERRIDDEN.to_owned())];
         said.into_iter().flatten().collect()
     };
-    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold);
-    let imported = imported.and_then(|builder| builder.with_truth_of(scenario.plant.kind.channels()).finish());
+    let imported = build(table, &mapping, scenario.input, scenario.hold, scenario.plant.kind.channels());
     let mut imported = imported.map_err(|error| InputError::bad(path, &error))?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);

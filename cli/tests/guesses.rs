@@ -1,6 +1,6 @@
 //! The meaning of columns, as the importer guesses it, and readings that failed.
 
-use kalmanscope_core::import::{Builder, Imported, Mapping, Sentinel, read};
+use kalmanscope_core::import::{Imported, Mapping, Sentinel, build, read};
 use kalmanscope_core::{Hold, InputKind, Quantity};
 
 #[track_caller]
@@ -175,7 +175,7 @@ fn import(text: &str, change: impl Fn(&mut Mapping)) -> Imported {
     let table = read(text.as_bytes(), None).unwrap();
     let (mut mapping, kind) = Mapping::guess(&table);
     change(&mut mapping);
-    Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap()
+    build(&table, &mapping, kind, Hold::First, &[]).unwrap()
 }
 
 fn imported(header: &str, cell: impl Fn(u32) -> String) -> Imported {

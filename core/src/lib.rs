@@ -56,11 +56,12 @@
 //! | module | for |
 //! |---|---|
 //! | [`channel`], [`plant`], [`equation`], [`filter`] | states, equations of motion and filters, also those of a program |
-//! | [`record`], [`import`], [`free_decay`] | the input and the measurements over time, and the files that they are read from |
+//! | [`record`], [`import`] | the input and the measurements over time, and the files that they are read from |
 //! | [`signal`] | parameters of the truth as functions of time |
 //! | [`scenario`], [`setting`] | all that a run depends on, and each setting with its name, unit, limits and address |
 //! | `run` | [`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`] |
 //! | [`score`], [`diagnostics`], [`free_run`], [`frequency_response`] | statistics of a run |
+//! | [`free_decay`] | free decays, rings of sounds and sweeps, and their modes |
 //! | [`suggest`] | start values of filters from a record's data |
 
 mod axis;
@@ -77,15 +78,15 @@ mod statistics;
 pub mod internals;
 
 pub use kalmanscope_filters::{channel, filter};
-pub use kalmanscope_records::{free_decay, import, record};
-pub use statistics::{diagnostics, free_run, frequency_response, score, suggest};
+pub use kalmanscope_records::{import, record};
+pub use statistics::{diagnostics, free_decay, free_run, frequency_response, score, suggest};
 
 pub use axis::{Axis, AxisError, Spacing};
 pub use kalmanscope_filters::{
     Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, Hold, InputKind, KalmanFilter, MeasurementModel,
     Propagation, Quantity, Robust, Stop, SystemError, Term,
 };
-pub use kalmanscope_records::{Length, Record, RecordError, Task};
+pub use kalmanscope_records::{Length, Record, RecordError, Task, Work};
 pub use plant::PlantKind;
 pub use plant::model::Model;
 pub use run::estimates::Estimates;

@@ -2,6 +2,7 @@
 
 pub(crate) mod cramer_rao;
 pub mod diagnostics;
+pub mod free_decay;
 pub mod free_run;
 pub mod frequency_response;
 pub(crate) mod model_classes;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, Decimal, Delimiter, Encoding, Imported, Mapping, Table, join, read};
+use kalmanscope_core::import::{Decimal, Delimiter, Encoding, Imported, Mapping, Table, build, join, read};
 use kalmanscope_core::record::{Record, Timed};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Channel, FilterKind, Force, Hold, InputKind, Quantity, Run, Scenario, Sensor, simulate};
@@ -40,7 +40,7 @@ fn import(text: &str, even: bool) -> Imported {
     let table = read(text.as_bytes().to_vec(), None).expect("it is a table");
     let (mut mapping, kind) = Mapping::guess(&table);
     mapping.time.even = even;
-    Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record")
+    build(&table, &mapping, kind, Hold::First, &[]).expect("it is a record")
 }
 
 fn ends(run: &Run, truth: [f64; 2]) -> [f64; 2] {
@@ -118,16 +118,13 @@ fn a_file_of_a_record_keeps_its_times() {
     // At steps that are asked for, the filters know the same at the end.
     let mut at_steps = mapping.clone();
     at_steps.time.dt = Some(0.25);
-    let coarse = Builder::new(&table, &at_steps, InputKind::Force, Hold::Zero)
-        .and_then(Builder::finish)
-        .expect("a record")
-        .record;
+    let at_steps_of = |mapping: &Mapping| build(&table, mapping, InputKind::Force, Hold::Zero, &[]);
+    let coarse = at_steps_of(&at_steps).expect("a record").record;
     assert!((coarse.dt(), coarse.time(0)) == (0.25, again.time(0)) || coarse.time(0) < again.time(0));
     let count = |record: &Record| record.clocks().map(|clocks| clocks.readings[0].times.len());
     assert!(count(&coarse) > Some(600) && coarse.len() < 40, "{:?} in {}", count(&coarse), coarse.len());
     at_steps.time.dt = Some(1e-12);
-    let refused =
-        Builder::new(&table, &at_steps, InputKind::Force, Hold::Zero).err().expect("it is too long").to_string();
+    let refused = at_steps_of(&at_steps).expect_err("it is too long").to_string();
     assert!(refused.contains("samples"), "{refused}");
 }
 
@@ -317,7 +314,7 @@ fn what_is_stated_about_the_input_stays() {
     let (mapping, kind) = Mapping::guess(&table);
     for (steps, is_known) in [(2, true), (1, false)] {
         let mapping = Mapping { interpolate: steps, ..mapping.clone() };
-        let record = Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap().record;
+        let record = build(&table, &mapping, kind, Hold::First, &[]).unwrap().record;
         let mut scenario = scenario_for(&record);
         scenario.record = Some(mapping).filter(|_| is_known);
         let Suggestion { scenario, reasons, .. } = suggest(&scenario, &record);

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use kalmanscope_core::free_decay::{Decay, Ring};
-use kalmanscope_core::import::{Builder, Mapping, ThreeAxes, join, read};
+use kalmanscope_core::import::{Mapping, ThreeAxes, build, join, read};
 use kalmanscope_core::record::LiveRecord;
-use kalmanscope_core::suggest::{Suggest, scenario_for};
+use kalmanscope_core::suggest::{begin, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};
 
 use crate::import::check_import;
@@ -117,7 +117,7 @@ fn times_of_any_size_come_to_an_end() {
             let (mapping, kind) = Mapping::guess(&table);
             let _ = Ring::of(&table);
             let _ = ThreeAxes::of(&table).map(|axes| Decay::alike(&axes.readings(&table)));
-            let Ok(imported) = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) else {
+            let Ok(imported) = build(&table, &mapping, kind, Hold::First, &[]) else {
                 continue;
             };
             let record = imported.record;
@@ -126,7 +126,7 @@ fn times_of_any_size_come_to_an_end() {
             let mut scenario = scenario_for(&record);
             scenario.filters.truncate(1);
             scenario.record = Some(mapping);
-            let mut suggest = Suggest::new(&scenario, record);
+            let mut suggest = begin(&scenario, record);
             assert!((0..MOST).any(|_| suggest.advance(&mut || false)), "{start} {step}: start values");
         }
         let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT]);
@@ -168,7 +168,7 @@ fn times_of_any_order_have_their_step_or_a_sentence() {
         assert_eq!(check_import(&[&[0], text.as_bytes()].concat()), Ok(()), "{text}");
         let table = read(text.as_bytes(), None).unwrap();
         let (mapping, kind) = Mapping::guess(&table);
-        let Ok(imported) = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) else {
+        let Ok(imported) = build(&table, &mapping, kind, Hold::First, &[]) else {
             continue;
         };
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,6 +1,6 @@
 //! Scenario files: valid contents, and the messages for invalid ones; scenarios from documents of any format, and records from columns.
 
-use kalmanscope_core::import::{Builder, Mapping, read};
+use kalmanscope_core::import::{Mapping, build, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
@@ -301,7 +301,7 @@ fn a_file_of_a_simulated_record_is_that_record() {
                     record.write_csv(&mut file).unwrap();
                     let table = read(file, None).unwrap();
                     for (mapping, of, _) in [Mapping::guess_for(&table, sensors), Mapping::guess_for(&table, &[])] {
-                        let again = Builder::new(&table, &mapping, of, hold).unwrap().finish().unwrap().record;
+                        let again = build(&table, &mapping, of, hold, &[]).unwrap().record;
                         assert_eq!(written(&again), written(&record), "{kind:?} {input:?} {sensors:?}");
                     }
                     count += 1;

@@ -317,7 +317,8 @@ fn a_sound_is_a_table_of_its_channels() {
     assert!((table.columns[0].values[48_000] - 1.0).abs() < 1e-12);
     let samples = FORK.samples();
     assert!(table.columns[2].values.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 1e-4));
-    let (mapping, _) = Mapping::guess(&table);
+    let (mut mapping, _) = Mapping::guess(&table);
+    let _ = Ring::choose(&table, &mut mapping);
     assert!(mapping.input.is_none() && mapping.every > 10 && mapping.from > Some(0.7), "{mapping:?}");
     let cut = read(FORK.wav(1)[..20].to_vec(), None).expect_err("it is cut");
     assert!(matches!(cut, ImportError::Sound(_)), "{cut}");

@@ -3,19 +3,16 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use kalmanscope_core::import::read;
 use kalmanscope_core::{Channel, Run, Scenario};
-use kalmanscope_diagnosis::Final;
-use kalmanscope_diagnosis::Summary;
+use kalmanscope_diagnosis::{Final, Summary};
 
-use crate::run::{assets, built, built_in, finished, finished_on, truth};
+use crate::run::{assets, built_in, finished, finished_on_file, truth};
 
 fn run(name: &str) -> Run {
     let scenario = built_in(name);
     let Some(mapping) = &scenario.record else { return finished(&scenario) };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/records");
-    let table = read(std::fs::read(folder.join(&mapping.file)).unwrap(), mapping.dialect).unwrap();
-    finished_on(&scenario, built(&table, mapping, scenario.input, scenario.hold).record)
+    finished_on_file(&scenario, std::fs::read(folder.join(&mapping.file)).unwrap())
 }
 
 fn summaries(run: &Run) -> Vec<Summary> {

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::import::Mapping;
+use kalmanscope_core::document::read_toml;
 use kalmanscope_core::scenario::Between;
 use kalmanscope_core::{
     Axis, Channel, Diagnostics, FilterKind, Hold, PlantKind, Quantity, Run, RunError, Scenario, Sensor, Source, Task,
@@ -182,7 +182,7 @@ fn a_given_record_stays_as_it_is() {
 fn a_given_record_follows_the_gain_of_its_input() {
     let mapping = "file = \"a.csv\"\n[time]\nrate = 100.0\n[input]\ncolumn = \"u\"\ngain = 2.0\n";
     let mapping = format!("{mapping}[sensors.displacement]\ncolumn = \"x\"\n[sensors.velocity]\ncolumn = \"v\"\n");
-    let mapping = Mapping::from_toml(&mapping).unwrap();
+    let mapping = read_toml(&mapping).unwrap();
     let scenario = Scenario { duration: 5.0, ..Scenario::default() };
     let record = Arc::new(simulate(&scenario));
     let scenario = Scenario { record: Some(mapping), ..scenario };

@@ -8,7 +8,7 @@ mod staircase;
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Mapping, hash, read};
+use kalmanscope_core::import::{Mapping, build, hash, read};
 use kalmanscope_core::{Scenario, Source};
 
 use crate::LessonError;
@@ -50,11 +50,8 @@ pub fn source(scenario: &Scenario) -> Result<Source, LessonError> {
 pub fn source_in(scenario: &Scenario, bytes: &[u8]) -> Result<Source, LessonError> {
     let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
     let table = read(bytes, mapping.dialect);
-    let built = table.and_then(|table| {
-        Builder::new(&table, mapping, scenario.input, scenario.hold)?
-            .with_truth_of(scenario.plant.kind.channels())
-            .finish()
-    });
+    let truth = scenario.plant.kind.channels();
+    let built = table.and_then(|table| build(&table, mapping, scenario.input, scenario.hold, truth));
     let reason = |error: kalmanscope_core::import::ImportError| error.to_string();
     let imported = built.map_err(|error| LessonError::Record { file: mapping.file.clone(), reason: reason(error) })?;
     Ok(Source::Measured(Arc::new(imported.record)))

@@ -57,8 +57,7 @@ pub fn to_json_lines<T: Serialize + ?Sized>(value: &T) -> Result<String, Documen
 /// # Errors
 /// [`DocumentError`] where the text is not TOML, with the line, the column and the text there, or has a number that is not finite.
 pub fn from_toml(text: &str) -> Result<Document, DocumentError> {
-    let table = text.parse().map_err(|error: toml::de::Error| DocumentError::new(error.to_string().trim_end()))?;
-    let document = of_toml(toml::Value::Table(table));
+    let document = toml::from_str(text).map_err(|error| DocumentError::new(error.to_string().trim_end()))?;
     match not_finite(&document) {
         Some(error) => Err(error.in_toml(text)),
         None => Ok(document),
@@ -84,21 +83,7 @@ pub fn to_table<T: Serialize + ?Sized>(value: &T) -> Result<toml::Table, Documen
     }
 }
 
-// Both ways between values of TOML and of JSON are written out: by serde they would be ten times the code.
-fn of_toml(value: toml::Value) -> Document {
-    match value {
-        toml::Value::String(text) => text.into(),
-        toml::Value::Integer(number) => number.into(),
-        toml::Value::Float(number) => number.into(),
-        toml::Value::Boolean(flag) => flag.into(),
-        toml::Value::Datetime(time) => time.to_string().into(),
-        toml::Value::Array(values) => Document::Array(values.into_iter().map(of_toml).collect()),
-        toml::Value::Table(entries) => {
-            Document::Object(entries.into_iter().map(|(key, value)| (key, of_toml(value))).collect())
-        }
-    }
-}
-
+// By serde this would be ten times the code.
 fn in_toml(document: Document) -> Result<Option<toml::Value>, DocumentError> {
     Ok(Some(match document {
         Document::Null => return Ok(None),
@@ -182,10 +167,6 @@ impl DocumentError {
     /// An error without a place in the text.
     pub fn new(reason: impl fmt::Display) -> Self {
         Self(Box::new(Problem { reason: reason.to_string(), path: Vec::new(), line: None }))
-    }
-
-    pub(crate) fn at_key(self, key: &str) -> Self {
-        self.within(Step::Key(key.to_owned()))
     }
 
     fn within(mut self, step: Step) -> Self {

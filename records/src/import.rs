@@ -8,13 +8,13 @@
 //! [`Mapping::guess`] from names, units and shapes.
 //!
 //! ```
-//! use kalmanscope_records::import::{Builder, Mapping, read};
+//! use kalmanscope_records::import::{Mapping, build, read};
 //! use kalmanscope_filters::{Hold, Quantity};
 //! # fn main() -> Result<(), kalmanscope_records::import::ImportError> {
 //! let text = "Zeit [ms];Kraft;Weg [mm]\n0;1,5;2\n10;1;2,5\n20;0;3\n";
 //! let table = read(text.as_bytes(), None)?;
 //! let (mapping, kind) = Mapping::guess(&table);
-//! let imported = Builder::new(&table, &mapping, kind, Hold::First)?.finish()?;
+//! let imported = build(&table, &mapping, kind, Hold::First, &[])?;
 //! assert_eq!(imported.record.dt(), 0.01);
 //! assert_eq!(imported.record.measured_quantity(Quantity::DISPLACEMENT), Some(&[0.002, 0.0025, 0.003][..]));
 //! # Ok(())
@@ -42,14 +42,13 @@ pub use crate::mapping::{
     Decimal, Delimiter, Dialect, Encoding, MappedColumn, Mapping, MappingError, MeanWord, Offset, Time,
 };
 pub use crate::record::MOST;
-pub use builder::{Builder, Imported};
-pub use cell::Cells;
+pub use builder::{Imported, build, building};
 pub use conditioning::Sentinel;
 pub use guess::ColumnGuess;
 pub use header::{Dimension, STANDARD_GRAVITY, unit};
 pub use mend::turn;
 pub use own_times::join;
-pub use reader::{Loaded, Loading};
+pub use reader::{Loaded, load};
 pub use sound::wav;
 pub use table::{Column, Table, TextCell};
 pub use three_axes::ThreeAxes;
@@ -57,13 +56,14 @@ pub use three_axes::ThreeAxes;
 use thiserror::Error;
 
 use crate::RecordError;
+use crate::task::{Progress, at_once};
 
 /// The columns of a file, read in one go.
 ///
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
-pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    reader::Reader::read(bytes.into(), dialect).map(mend::mend)
+pub fn read(bytes: impl AsRef<[u8]>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    at_once(reader::read(bytes.as_ref(), dialect, &Progress::default())).map(mend::mend)
 }
 
 /// The [`struct@Hash`] of a file's bytes, in one go.

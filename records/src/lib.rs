@@ -4,7 +4,6 @@
 //! The hidden modules are for the crates of this workspace.
 
 pub mod document;
-pub mod free_decay;
 #[doc(hidden)]
 pub mod hash;
 pub mod import;
@@ -20,4 +19,4 @@ pub mod task;
 
 pub use length::Length;
 pub use record::{Record, RecordError};
-pub use task::Task;
+pub use task::{Task, Work};

@@ -6,7 +6,7 @@ use kalmanscope_filters::Quantity;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::document::{self, Document, DocumentError, is_default, is_one};
+use crate::document::{is_default, is_one};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -104,7 +104,7 @@ pub struct MappedColumn {
 
 /// The offset of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, try_from = "Document")]
+#[serde(untagged, expecting = "expected a number, \"mean\" or { mean = [from, to] } in seconds")]
 pub enum Offset {
     /// A number, in the cells' unit.
     Number(f64),
@@ -125,18 +125,6 @@ pub enum MeanWord {
     Mean,
 }
 
-impl TryFrom<Document> for Offset {
-    type Error = &'static str;
-
-    fn try_from(document: Document) -> Result<Self, Self::Error> {
-        let number = || document::read(&document).map(Self::Number);
-        let word = || document::read(&document).map(Self::Mean);
-        let part = || document::read(document.get("mean")?).ok().map(|mean| Self::Part { mean });
-        let offset = number().or_else(|_| word()).ok().or_else(part);
-        offset.ok_or("expected a number, \"mean\" or { mean = [from, to] } in seconds")
-    }
-}
-
 /// An impossible setting of a mapping.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("`record.{key}` is {value}, but must be {allowed}")]
@@ -149,7 +137,7 @@ pub struct MappingError {
     pub allowed: String,
 }
 
-/// The form of a text file with columns of numbers. [`Loading`](crate::import::Loading) finds it by looking at the first lines.
+/// The form of a text file with columns of numbers. [`load`](crate::import::load) finds it by looking at the first lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Dialect {
@@ -259,19 +247,6 @@ impl Mapping {
         let allowed = format!("from 1 to {MOST_STEPS}");
         require((1..=MOST_STEPS).contains(interpolate), "interpolate", interpolate.to_string(), &allowed)
     }
-
-    /// The mapping in a text of TOML: the table `[record]` of a scenario, or its keys alone.
-    ///
-    /// # Errors
-    /// [`DocumentError`] where the text is not a mapping.
-    pub fn from_toml(text: &str) -> Result<Self, DocumentError> {
-        let document = document::from_toml(text)?;
-        let mapping = match document.get("record") {
-            Some(record) => document::read(record).map_err(|error| error.at_key("record")),
-            None => document::read(&document),
-        };
-        mapping.map_err(|error| error.in_toml(text))
-    }
 }
 
 impl Default for Mapping {
@@ -311,21 +286,17 @@ const fn one() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{from_toml, read, to_toml};
 
     #[test]
     fn a_mapping_survives_toml() {
         let text = "file = \"a.csv\"\nband = [8.0, 70.0]\nevery = 2\n[time]\nrate = 610.35\n[input]\ncolumn = \"V1\"\n\
                     gain = 2.0\noffset = \"mean\"\n[sensors.displacement]\ncolumn = \"V2\"\noffset = { mean = [0.0, 1.0] }\n";
-        let mapping = Mapping::from_toml(text).unwrap();
+        let mapping: Mapping = read(&from_toml(text).unwrap()).unwrap();
         assert_eq!(mapping.input.as_ref().unwrap().offset, Offset::MEAN);
         assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].offset, Offset::Part { mean: [0.0, 1.0] });
         assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].gain, 1.0);
-        let again = toml::to_string(&mapping).unwrap();
-        assert_eq!(Mapping::from_toml(&again).unwrap(), mapping);
-        let within =
-            format!("[record]\n{}", text.replace("[time]", "[record.time]").replace("[input]", "[record.input]"));
-        let within = within.replace("[sensors.", "[record.sensors.");
-        assert_eq!(Mapping::from_toml(&within).unwrap(), mapping);
+        assert_eq!(read::<Mapping>(&from_toml(&to_toml(&mapping).unwrap()).unwrap()).unwrap(), mapping);
     }
 
     #[test]

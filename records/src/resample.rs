@@ -1,9 +1,10 @@
-//! More samples, or fewer; readings that are carried to equal steps; Butterworth filters run forward and backward.
+//! More samples, or fewer; readings that are carried to equal steps, and their noise; Butterworth filters run forward and backward.
 
 use std::f64::consts::PI;
 
 use kalmanscope_filters::Hold;
 use kalmanscope_filters::least_squares::NormalEquations;
+use kalmanscope_filters::lists::{mapped, median};
 
 const REACH: isize = 32;
 /// Side lobes below -80 dB.
@@ -162,10 +163,10 @@ pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
 
 /// Start and step in \[s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Steps {
-    pub(crate) start: f64,
-    pub(crate) dt: f64,
-    pub(crate) count: usize,
+pub struct Steps {
+    pub start: f64,
+    pub dt: f64,
+    pub count: usize,
 }
 
 impl Steps {
@@ -174,7 +175,7 @@ impl Steps {
     }
 
     /// NaN at a step without a reading. `place` rounds times, in steps; the nearest reading counts, shifted by [`change`] with `side`.
-    pub(crate) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
+    pub fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
         let Self { start, dt, count } = self;
         let n = times.len();
         let side = side.min(n.saturating_sub(1) / 2);
@@ -215,9 +216,84 @@ pub(crate) fn change<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, fro
     equations.solution().map_or(0.0, |[_, first, second, third]| u * (first + u * (second + u * third)))
 }
 
+/// Share of half a swing, to either side, that a cubic follows; the fewest and the most readings there.
+const FOLLOWED: f64 = 1.0 / 3.0;
+const FEWEST: usize = 3;
+const MOST: usize = 12;
+
+/// In standard deviations of the noise: smaller readings have no sign.
+pub const CLEAR: f64 = 3.0;
+
+/// The readings to either side that a cubic through them needs.
+pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
+    let middle = mean(values);
+    let around = mapped(values, &|value| value - middle);
+    side(&around, noise_of(times, &around, 1.0))
+}
+
+pub fn side(values: &[f64], noise: f64) -> usize {
+    ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST)
+}
+
+pub fn half_swing(values: &[f64], noise: f64) -> f64 {
+    let (mut turns, mut side) = (Vec::new(), 0.0);
+    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
+        if x.signum() != side {
+            side = x.signum();
+            turns.push(k);
+        }
+    }
+    median(turns.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect()).unwrap_or(0.0)
+}
+
+/// A part has at least one reading: above 2⁵³ s, adding a second changes nothing.
+pub fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
+    (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
+}
+
+/// A slow swing has next to no third differences. Source: Hamming (1973), *Numerical Methods*, chapter 10.
+pub fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
+    let (mut least, mut differences) = (f64::INFINITY, Vec::new());
+    let mut place = 0;
+    while place < times.len() {
+        let next = end_of_part(times, place, pace);
+        if next - place >= 10 && times[next - 1] - times[place] > 0.5 * pace {
+            let values = &along[place..next];
+            let middle = mean(values);
+            let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
+            least = least.min(square / (values.len() - 1) as f64);
+            let third = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2);
+            // The squares of 1, 3, 3 and 1 add up to 20.
+            differences.push(values.windows(4).map(third).sum::<f64>() / (20 * (values.len() - 3)) as f64);
+        }
+        place = next;
+    }
+    let least = least.min(median(differences).unwrap_or(f64::INFINITY));
+    if least.is_finite() { least.sqrt() } else { 0.0 }
+}
+
+/// Of the values that are there.
+pub fn mean(values: &[f64]) -> f64 {
+    let there = values.iter().filter(|value| !value.is_nan());
+    there.clone().fold(0.0, |sum, value| sum + value) / there.count().max(1) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_has_a_reading_where_a_second_more_is_the_same_number() {
+        for power in -9..=19 {
+            let step = 10_f64.powi(power);
+            for start in [0.0, 1.0, 1.714_564_8e18, 1e19] {
+                let times: Vec<f64> = (0..50).map(|k| start + f64::from(k) * step).collect();
+                let ends = (0..times.len()).map(|place| end_of_part(&times, place, 1.0));
+                assert!(ends.enumerate().all(|(place, end)| end > place && end <= times.len()), "{start} {step}");
+            }
+        }
+        assert_eq!(end_of_part(&[0.0, 0.4, 0.8, 1.2, 1.6], 0, 1.0), 3);
+    }
 
     #[test]
     fn a_sine_below_the_nyquist_frequency_is_found_between_its_samples() {

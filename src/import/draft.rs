@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use kalmanscope_core::free_decay::Ring;
-use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{ColumnGuess, ImportError, Imported, MappedColumn, Mapping, Time, building};
 use kalmanscope_core::suggest::scenario_for;
-use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
+use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario, Task as _, Work};
 
 use super::{ImportSettings, SharedFile};
 use crate::session::{RecordFile, Session};
@@ -24,7 +24,7 @@ pub struct Draft {
     pub(super) guesses: Vec<ColumnGuess>,
     pub(super) is_unfolded: bool,
     outcome: Option<(ImportSettings, Result<Imported, String>)>,
-    making: Option<(ImportSettings, Builder<'static>)>,
+    making: Option<(ImportSettings, Work<Result<Imported, ImportError>>)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,10 +38,11 @@ pub enum ColumnRole {
 impl Draft {
     pub fn new(file: Arc<RecordFile>) -> Self {
         let (mut mapping, input, guesses) = Mapping::guess_for(&file.table, &[]);
+        let remark = Ring::choose(&file.table, &mut mapping);
         (mapping.file, mapping.hash) = (file.name.clone(), file.hash.clone());
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let draft = Self {
-            remark: Ring::remark(&file.table),
+            remark,
             file,
             mapping,
             input,
@@ -113,23 +114,19 @@ impl Draft {
         }
         let Self { file, mapping, input, hold, plant, outcome, making, is_unfolded, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
-        let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
-        let begin =
-            || Ok(Builder::new(SharedFile(Arc::clone(file)), mapping, *input, *hold)?.with_truth_of(plant.channels()));
-        let begun = under_way.unwrap_or_else(begin);
-        let built = begun.and_then(|mut builder| {
-            if builder.advance(while_time)? {
-                return builder.finish().map(Some);
-            }
-            *making = Some((choices.clone(), builder));
-            Ok(None)
-        });
-        if let Some(built) = built.transpose() {
-            *is_unfolded |= built.is_err();
-            // At least 1, so that it changes only where the record is too long for the screen.
-            mapping.every *= built.as_ref().map_or(1, |made| made.record.len().div_ceil(Session::LONGEST_WHOLE + 1));
-            *outcome = Some((choices, built.map_err(|error| error.to_string())));
+        let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, work)| work);
+        let truth = plant.channels().to_vec();
+        let begin = || building(SharedFile(Arc::clone(file)), mapping.clone(), *input, *hold, truth);
+        let mut work = under_way.unwrap_or_else(begin);
+        if !work.advance(while_time) {
+            *making = Some((choices, work));
+            return;
         }
+        let built = work.finish();
+        *is_unfolded |= built.is_err();
+        // At least 1, so that it changes only where the record is too long for the screen.
+        mapping.every *= built.as_ref().map_or(1, |made| made.record.len().div_ceil(Session::LONGEST_WHOLE + 1));
+        *outcome = Some((choices, built.map_err(|error| error.to_string())));
     }
 
     pub fn is_behind(&self) -> bool {

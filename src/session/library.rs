@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, Mapping, Table, hash, read};
+use kalmanscope_core::import::{Imported, Mapping, Table, build, hash, read};
 use kalmanscope_core::{Hold, InputKind, Record, Scenario, Source};
 use kalmanscope_lessons::records;
 
@@ -145,8 +145,7 @@ impl Library {
 }
 
 fn built(file: &RecordFile, mapping: &Mapping, scenario: &Scenario) -> Result<Imported, String> {
-    let builder = Builder::new(&file.table, mapping, scenario.input, scenario.hold);
-    let built = builder.and_then(|builder| builder.with_truth_of(scenario.plant.kind.channels()).finish());
+    let built = build(&file.table, mapping, scenario.input, scenario.hold, scenario.plant.kind.channels());
     built.map_err(|error| format!("“{}”: {error}", file.name))
 }
 

@@ -75,16 +75,17 @@ impl<T: Task, L> RunningTask<T, L> {
 
 #[cfg(test)]
 mod tests {
-    use kalmanscope_core::import::{ImportError, Loaded, Loading};
+    use kalmanscope_core::Work;
+    use kalmanscope_core::import::{ImportError, Loaded, load};
 
     use super::*;
 
     type Outcome = Result<Loaded, ImportError>;
 
-    fn file() -> Loading {
+    fn file() -> Work<Outcome> {
         // More lines than are read at a time.
         let rows = (0..1000).map(|k| format!("{k},{}\n", k % 7));
-        Loading::new(("t,x\n".to_owned() + &rows.collect::<String>()).into_bytes())
+        load(("t,x\n".to_owned() + &rows.collect::<String>()).into_bytes())
     }
 
     /// Frames until the outcome, with the share that each of them shows. A worker sends its reports, then fails.

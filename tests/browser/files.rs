@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use kalmanscope_core::import::{Builder, Mapping, hash, read};
+use kalmanscope_core::import::{Mapping, build, hash, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, Run, Scenario};
 
@@ -126,7 +126,7 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     let table = read(bytes, None).unwrap();
     let (mapping, input) = Mapping::guess(&table);
     let mapping = Mapping { file: name.to_owned(), hash: hash(bytes), ..mapping };
-    let record = |mapping: &Mapping, hold| Builder::new(&table, mapping, input, hold).unwrap().finish().unwrap().record;
+    let record = |mapping: &Mapping, hold| build(&table, mapping, input, hold, &[]).unwrap().record;
     let raw = record(&mapping, Hold::First);
     assert!(raw.clocks().is_some(), "it keeps its times");
     let scenario = Scenario { input, hold: Hold::First, record: Some(mapping), ..scenario_for(&raw) };

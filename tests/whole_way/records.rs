@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
+use kalmanscope_core::import::{Mapping, Table, build, hash, read};
 use kalmanscope_core::{Hold, InputKind, Record, Scenario};
 
 use crate::dice::{Dice, spoil};
@@ -92,7 +92,7 @@ impl Read {
     /// # Errors
     /// The sentence of the importer.
     pub(crate) fn record(&self, hold: Hold) -> Result<Record, String> {
-        let built = Builder::new(&self.table, &self.mapping, self.input, hold).and_then(Builder::finish);
+        let built = build(&self.table, &self.mapping, self.input, hold, &[]);
         let record = built.map_err(|error| error.to_string())?.record;
         Ok(if record.len() > MOST { record.part(0..MOST) } else { record })
     }

@@ -28,11 +28,11 @@ use ambient::has_no_input;
 use conditioning::{Course, LostReadings};
 use forced::forced;
 use likeliest::first_alone;
-use response::{Decay, decay, free_response, response};
+use response::{DecayFit, decay, free_response, response};
 use spectra::{GapTreatment, Spectra, noise};
 use trials::SHARES;
 
-pub use trials::Suggest;
+pub use trials::begin;
 
 /// Settings for a record, with the reason of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,9 +78,9 @@ const BETTER: f64 = 0.8;
 /// With fewer periods in a record, the windows of its spectra have too few each: the readings themselves are fitted.
 const COARSE: f64 = 60.0;
 
-/// Suggests settings for a scenario's filters on a measured record, in one go: see [`Suggest`].
+/// Suggests settings for a scenario's filters on a measured record, in one go: see [`begin`].
 pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
-    Suggest::new(scenario, record.clone()).run()
+    begin(scenario, record.clone()).run()
 }
 
 impl Suggestion {
@@ -181,7 +181,7 @@ impl Suggestion {
         free.map(|free| free.is_all)
     }
 
-    fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
+    fn noise_beside(&mut self, quantity: Quantity, decay: &DecayFit, dt: f64) {
         let place = self.scenario.sensor_place(quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
         let [low, high] = spectra::passed(self.scenario.record.as_ref(), dt);

@@ -1,6 +1,6 @@
 //! The health of imports: whatever the bytes, a record is sound or a sentence says why there is none.
 
-use kalmanscope_core::import::{Builder, Loading, Mapping};
+use kalmanscope_core::import::{Mapping, build, load};
 use kalmanscope_core::{Hold, Record, Task as _};
 
 /// Imports bytes as a file, in slices of one piece of work; the first byte chooses what is done to the columns.
@@ -13,7 +13,7 @@ pub(crate) fn check_import(bytes: &[u8]) -> Result<(), String> {
         let is_one = !error.is_empty() && !error.contains('\n');
         if is_one { Ok(()) } else { Err(format!("no sentence: {error:?}")) }
     };
-    let mut loading = Loading::new(file.to_vec());
+    let mut loading = load(file.to_vec());
     while !loading.advance(&mut || false) {}
     let table = match loading.finish() {
         Ok(loaded) => loaded.table,
@@ -39,7 +39,7 @@ pub(crate) fn check_import(bytes: &[u8]) -> Result<(), String> {
     if choice & 32 != 0 {
         (mapping.from, mapping.to) = (Some(0.05), Some(20.0));
     }
-    match Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) {
+    match build(&table, &mapping, kind, Hold::First, &[]) {
         Ok(imported) => check_record(&imported.record),
         Err(error) => sentence(error.to_string()),
     }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, Mapping, Table, read};
+use kalmanscope_core::free_decay::Ring;
+use kalmanscope_core::import::{Imported, Mapping, Table, build, read};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
@@ -26,8 +27,14 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
-pub(crate) fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
-    Builder::new(table, mapping, kind, hold).and_then(Builder::finish).expect("it is a record")
+pub(crate) fn finished_on_file(scenario: &Scenario, file: impl AsRef<[u8]>) -> Run {
+    let mapping = scenario.record.as_ref().expect("it says what the columns are");
+    let table = read(file, mapping.dialect).expect("it is a table");
+    finished_on(scenario, built(&table, mapping, scenario.input, scenario.hold).record)
+}
+
+fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
+    build(table, mapping, kind, hold, &[]).expect("it is a record")
 }
 
 pub(crate) fn forced(dt: f64, hold: Hold, values: Vec<f64>, columns: Vec<(Quantity, Vec<f64>)>) -> Record {
@@ -182,6 +189,7 @@ pub(crate) fn suggested(
     change: impl Fn(&mut Scenario),
 ) -> (Suggestion, Run) {
     let (mut mapping, kind) = Mapping::guess(table);
+    let _ = Ring::choose(table, &mut mapping);
     change_mapping(&mut mapping);
     let record = built(table, &mapping, kind, Hold::First).record;
     let mut scenario = scenario_for(&record);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use kalmanscope_core::import::{Builder, read};
+use kalmanscope_core::import::{build, read};
 use kalmanscope_core::{Axis, FilterKind, PlantKind, Quantity, Scenario, Source};
 use kalmanscope_diagnosis::Measure;
 use kalmanscope_gpu::{Gpu, Software};
@@ -71,7 +71,7 @@ fn situations() -> Vec<(&'static str, Scenario, Source)> {
     let bytes = std::fs::read(asset("records/circuit.csv")).expect("the record is there");
     let table = read(bytes, None).expect("it is a table");
     let mapping = circuit.record.clone().expect("the scenario has a record");
-    let built = Builder::new(&table, &mapping, circuit.input, circuit.hold).and_then(Builder::finish);
+    let built = build(&table, &mapping, circuit.input, circuit.hold, &[]);
     let record = built.expect("the record can be read").record;
     let mut situations = vec![
         (SMALLEST, built_in(PlantKind::SDOF), Source::Simulated),

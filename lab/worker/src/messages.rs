@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use js_sys::{Array, Float64Array, Uint8Array, Uint32Array};
-use kalmanscope_core::import::{ImportError, Loaded, Loading, Table};
+use kalmanscope_core::import::{ImportError, Loaded, Table, load};
 use kalmanscope_core::record::{Clocks, Input, Timed};
-use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document};
+use kalmanscope_core::suggest::{self, Suggestion};
+use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, Work, document};
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
@@ -105,9 +105,9 @@ pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Arr
     Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
 }
 
-fn suggest(words: &Words) -> Result<Suggest, String> {
+fn suggest(words: &Words) -> Result<Work<Suggestion>, String> {
     let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
-    Ok(Suggest::new(&scenario, record))
+    Ok(suggest::begin(&scenario, record))
 }
 
 fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue {
@@ -190,8 +190,8 @@ pub fn file_message(number: u32, bytes: &[u8]) -> Array {
     Array::of3(&"file".into(), &number.into(), &Uint8Array::from(bytes))
 }
 
-fn file(words: &Words) -> Loading {
-    Loading::new(words.get(2).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default())
+fn file(words: &Words) -> Work<Result<Loaded, ImportError>> {
+    load(words.get(2).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default())
 }
 
 /// A file that has been read as `[hash, table, column, …]`, or a text with the reason why it cannot be read.

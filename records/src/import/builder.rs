@@ -6,7 +6,7 @@ use kalmanscope_filters::catalogue::all_and;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 
-use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, mean, shift};
+use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, shift};
 use super::guess::no_time;
 use super::own_times::{OwnTimes, on_one_clock};
 use super::shape::{counted, unwrapped};
@@ -14,7 +14,8 @@ use super::times::{Clock, Timing};
 use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Table, times};
 use crate::Record;
 use crate::record::Input;
-use crate::resample::Steps;
+use crate::resample::{Steps, mean};
+use crate::task::{Work, at_once, pause};
 
 /// A record from a file, with sentences about its making.
 #[derive(Clone, Debug)]
@@ -27,173 +28,153 @@ pub struct Imported {
     pub still: Option<Quantity>,
 }
 
-/// A record in the making, column by column, from a table that it borrows or shares.
-pub struct Builder<'a> {
-    table: Box<dyn Borrow<Table> + 'a>,
+/// Begins to make the record of a table's columns with the meaning that a mapping gives them, column by column. It has the truth of the
+/// plant's channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
+pub fn building(
+    table: impl Borrow<Table> + Send + 'static,
     mapping: Mapping,
     kind: InputKind,
     hold: Hold,
-    timing: Timing,
-    input: Option<Vec<f64>>,
-    sensors: Vec<(Quantity, Vec<f64>)>,
-    own: Option<OwnTimes>,
-    is_kept: bool,
-    remarks: Vec<String>,
-    true_channels: Vec<Channel>,
+    truth: Vec<Channel>,
+) -> Work<Result<Imported, ImportError>> {
+    Work::new(async move |_| built(table.borrow(), &mapping, kind, hold, &truth).await)
 }
 
-impl<'a> Builder<'a> {
-    /// The record of a table's columns with the meaning that a mapping gives them.
-    ///
-    /// # Errors
-    /// [`ImportError`] where a setting is impossible, a column is missing or the times are not usable.
-    pub fn new(
-        source: impl Borrow<Table> + 'a,
-        mapping: &Mapping,
-        kind: InputKind,
-        hold: Hold,
-    ) -> Result<Self, ImportError> {
-        let source: Box<dyn Borrow<Table> + 'a> = Box::new(source);
-        mapping.validate()?;
-        if mapping.sensors.is_empty() {
-            return Err(ImportError::NoSensor);
+/// As [`building`], in one go.
+///
+/// # Errors
+/// [`ImportError`] where a setting is impossible, a column is missing or has text or infinite numbers, the times are not usable, or too
+/// few samples or too many remain.
+pub fn build(
+    table: &Table,
+    mapping: &Mapping,
+    kind: InputKind,
+    hold: Hold,
+    truth: &[Channel],
+) -> Result<Imported, ImportError> {
+    at_once(built(table, mapping, kind, hold, truth))
+}
+
+async fn built(
+    table: &Table,
+    mapping: &Mapping,
+    kind: InputKind,
+    hold: Hold,
+    truth: &[Channel],
+) -> Result<Imported, ImportError> {
+    mapping.validate()?;
+    if mapping.sensors.is_empty() {
+        return Err(ImportError::NoSensor);
+    }
+    let mut remarks = table.remarks.clone();
+    let whole = unwrapped(table, mapping, &mut remarks);
+    let table = whole.as_ref().unwrap_or(table);
+    let clocks = on_one_clock(table, mapping, &mut remarks)?;
+    // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
+    let part = if clocks.is_none() { part_of(table, mapping) } else { None };
+    let table = part.as_ref().unwrap_or(table);
+    let (mut own, mut is_even, is_kept) = (None, true, !mapping.needs_even_steps());
+    let mut timing = match (&mapping.time.column, mapping.time.rate) {
+        _ if let Some(clocks) = clocks => {
+            (own, is_even) = (Some(clocks.own), clocks.is_even || !is_kept);
+            clocks.timing
         }
-        let mut remarks = (*source).borrow().remarks.clone();
-        let whole = unwrapped((*source).borrow(), mapping, &mut remarks);
-        let source: Box<dyn Borrow<Table> + 'a> = whole.map_or(source, |table| Box::new(table));
-        let clocks = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
-        // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
-        let part = if clocks.is_none() { part_of((*source).borrow(), mapping) } else { None };
-        let source: Box<dyn Borrow<Table> + 'a> = part.map_or(source, |part| Box::new(part));
-        let table = (*source).borrow();
-        let (mut own, mut is_even, is_kept) = (None, true, !mapping.needs_even_steps());
-        let mut timing = match (&mapping.time.column, mapping.time.rate) {
-            _ if let Some(clocks) = clocks => {
-                (own, is_even) = (Some(clocks.own), clocks.is_even || !is_kept);
-                clocks.timing
+        (Some(name), _) => {
+            let Clock { times, timing, .. } = Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
+            if !timing.is_even() && is_kept {
+                own = Some(OwnTimes::of_rows(table, mapping, &times));
+                is_even = false;
+                remarks.push(timing.kept());
             }
-            (Some(name), _) => {
-                let Clock { times, timing, .. } =
-                    Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
-                if !timing.is_even() && is_kept {
-                    own = Some(OwnTimes::of_rows(table, mapping, &times));
-                    is_even = false;
-                    remarks.push(timing.kept());
+            timing
+        }
+        (None, Some(rate)) => {
+            remarks.extend((table.rate == Some(rate)).then(|| format!("the file says {rate} samples a second")));
+            match counted(table, mapping, rate) {
+                Some((name, times)) => {
+                    remarks.push(format!("`{name}` counts the samples: numbers that it skips are missing rows"));
+                    Timing::of_times(&times, &name, |row| table.line(row))?
                 }
-                timing
+                None => Timing::of_rate(rate, table.rows())?,
             }
-            (None, Some(rate)) => {
-                remarks.extend((table.rate == Some(rate)).then(|| format!("the file says {rate} samples a second")));
-                match counted(table, mapping, rate) {
-                    Some((name, times)) => {
-                        remarks.push(format!("`{name}` counts the samples: numbers that it skips are missing rows"));
-                        Timing::of_times(&times, &name, |row| table.line(row))?
-                    }
-                    None => Timing::of_rate(rate, table.rows())?,
-                }
-            }
-            (None, None) => return Err(no_time(table)),
-        };
-        remarks.extend(timing.gaps.clone());
-        if own.is_none() {
-            remarks.extend(timing.remark.clone());
         }
-        if let Some(dt) = mapping.time.dt.filter(|_| own.is_some() && is_kept) {
-            timing = timing.at_steps(dt)?;
-        } else if !is_even {
-            // A reading that comes too early or too late by less than half a step is the only one in its step.
-            timing.start += 0.5 * timing.dt;
-        }
-        remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
-        let (mapping, sensors, true_channels) = (mapping.clone(), Vec::new(), Vec::new());
-        let (table, input) = (source, None);
-        Ok(Self { table, mapping, kind, hold, timing, input, sensors, own, is_kept, remarks, true_channels })
+        (None, None) => return Err(no_time(table)),
+    };
+    remarks.extend(timing.gaps.clone());
+    if own.is_none() {
+        remarks.extend(timing.remark.clone());
     }
-
-    /// With the truth of these channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
-    #[must_use]
-    pub fn with_truth_of(self, channels: &[Channel]) -> Self {
-        Self { true_channels: channels.to_vec(), ..self }
+    if let Some(dt) = mapping.time.dt.filter(|_| own.is_some() && is_kept) {
+        timing = timing.at_steps(dt)?;
+    } else if !is_even {
+        // A reading that comes too early or too late by less than half a step is the only one in its step.
+        timing.start += 0.5 * timing.dt;
     }
-
-    /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
-    /// made.
-    ///
-    /// # Errors
-    /// [`ImportError`] where a column is missing or has text or infinite numbers.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
-        if self.input.is_none() {
-            self.input = Some(self.input()?);
-            if !while_time() {
-                return Ok(false);
-            }
-        }
-        while let Some((&quantity, mapped)) = self.mapping.sensors.iter().nth(self.sensors.len()) {
-            let (values, remarks) = self.mapped(mapped)?;
-            let (mapped, steps) = (mapped.clone(), self.conditioning().steps());
-            let values = match self.own.as_mut().filter(|_| self.is_kept) {
-                Some(own) => own.sensor(&mapped, steps),
-                None => self.conditioning().sensor(values),
-            };
-            self.remarks.extend(remarks);
-            self.sensors.push((quantity, values));
-            if !while_time() {
-                break;
-            }
-        }
-        Ok(self.sensors.len() == self.mapping.sensors.len())
+    remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
+    let mut columns = Columns { table, conditioning: Conditioning { mapping, timing: &timing }, own, is_kept, remarks };
+    let values = columns.input(hold)?;
+    pause().await;
+    let mut sensors = Vec::new();
+    for (&quantity, mapped) in &mapping.sensors {
+        sensors.push((quantity, columns.sensor(mapped)?));
+        pause().await;
     }
-
-    /// The record.
-    ///
-    /// # Errors
-    /// [`ImportError`] where too few samples or too many remain, or a column cannot be used.
-    pub fn finish(mut self) -> Result<Imported, ImportError> {
-        while !self.advance(&mut || true)? {}
-        let Steps { start, dt, .. } = self.conditioning().steps();
-        let truth = self.truth();
-        let Self { kind, hold, input, sensors, own, is_kept, mut remarks, .. } = self;
-        let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
-        remarks.extend(still.map(|quantity| {
+    let truth = columns.truth(truth);
+    let Steps { start, dt, .. } = columns.conditioning.steps();
+    let Columns { own, mut remarks, .. } = columns;
+    let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
+    remarks.extend(
+        still.map(|quantity| {
             format!("all readings of the {} are the same: there is no motion in them", quantity.name())
-        }));
-        let input = Input { kind, hold, values: input.unwrap_or_default() };
-        let samples = input.values.len();
-        for (quantity, values) in &sensors {
-            let read = values.iter().rposition(|value| !value.is_nan()).map_or(samples, |last| last + 1);
-            remarks.extend((10 * read < 9 * samples).then(|| {
-                let [end, all] = [read, samples].map(|count| count as f64 * dt);
-                format!(
-                    "the {} has no readings after {end:.2} s of {all:.2} s: is it of another clock?",
-                    quantity.name()
-                )
-            }));
+        }),
+    );
+    let samples = values.len();
+    for (quantity, values) in &sensors {
+        let read = values.iter().rposition(|value| !value.is_nan()).map_or(samples, |last| last + 1);
+        if 10 * read < 9 * samples {
+            let ([end, all], name) = ([read, samples].map(|count| count as f64 * dt), quantity.name());
+            remarks.push(format!("the {name} has no readings after {end:.2} s of {all:.2} s: is it of another clock?"));
         }
-        if samples < FEWEST {
-            return Err(ImportError::TooShort(samples));
-        }
-        if samples > MOST {
-            return Err(ImportError::TooLong(samples));
-        }
-        let mut record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
-        if let Some(own) = own.filter(|_| is_kept) {
-            record = record.with_clocks(own.clocks)?;
-        }
-        Ok(Imported { record, remarks, still })
+    }
+    if samples < FEWEST {
+        return Err(ImportError::TooShort(samples));
+    }
+    if samples > MOST {
+        return Err(ImportError::TooLong(samples));
+    }
+    let mut record = Record::new(dt, Input { kind, hold, values }, sensors)?.with_truth(truth)?.starting_at(start);
+    if let Some(own) = own.filter(|_| is_kept) {
+        record = record.with_clocks(own.clocks)?;
+    }
+    Ok(Imported { record, remarks, still })
+}
+
+struct Columns<'a> {
+    table: &'a Table,
+    conditioning: Conditioning<'a>,
+    own: Option<OwnTimes>,
+    /// Whether the readings may keep their times.
+    is_kept: bool,
+    remarks: Vec<String>,
+}
+
+impl Columns<'_> {
+    fn sensor(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+        let values = self.mapped(mapped)?;
+        Ok(match self.own.as_mut().filter(|_| self.is_kept) {
+            Some(own) => own.sensor(mapped, self.conditioning.steps()),
+            None => self.conditioning.sensor(values),
+        })
     }
 
-    fn conditioning(&self) -> Conditioning<'_> {
-        Conditioning { mapping: &self.mapping, timing: &self.timing }
-    }
-
-    fn input(&mut self) -> Result<Vec<f64>, ImportError> {
-        let Some(mapped) = &self.mapping.input else {
+    fn input(&mut self, hold: Hold) -> Result<Vec<f64>, ImportError> {
+        let Conditioning { mapping, timing } = self.conditioning;
+        let steps = self.conditioning.steps();
+        let Some(mapped) = &mapping.input else {
             self.remarks.push("there is no column for the input; it counts as zero".to_owned());
-            return Ok(vec![0.0; self.conditioning().steps().count]);
+            return Ok(vec![0.0; steps.count]);
         };
-        let (mut values, remarks) = self.mapped(mapped)?;
-        self.remarks.extend(remarks);
-        let (hold, steps) = (self.hold, self.conditioning().steps());
+        let mut values = self.mapped(mapped)?;
         if let Some(own) = self.own.as_mut().filter(|_| self.is_kept) {
             let Some(values) = own.input(mapped, hold, steps) else {
                 self.remarks.push("the input is missing in all rows; it counts as zero".to_owned());
@@ -207,41 +188,38 @@ impl<'a> Builder<'a> {
             return Ok(values);
         }
         if let Some((first, count)) = fill(&mut values) {
-            let time = self.timing.start + first as f64 * self.timing.dt;
+            let time = timing.start + first as f64 * timing.dt;
             self.remarks.push(format!(
                 "the input is missing in {count} sample(s), the first at {time} s; it is interpolated there"
             ));
         }
-        Ok(self.conditioning().input(values, self.hold))
+        Ok(self.conditioning.input(values, hold))
     }
 
-    /// Empty where readings keep their times; else values at even times. Then remarks on the cells.
-    fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
-        let table = (*self.table).borrow();
+    /// Values at even times; empty where readings keep their times.
+    fn mapped(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+        let (table, Conditioning { timing, .. }) = (self.table, self.conditioning);
         let column_place = place(table, &mapped.column)?;
         let column = table.columns[column_place].without_text()?;
         if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
             let (line, problem) = (table.line(row), "the number is infinite".to_owned());
             return Err(ImportError::Cell(line, column.name.clone(), problem));
         }
+        self.remarks.extend(cells_without_readings(table, column_place, mapped));
+        if self.own.is_some() && self.is_kept {
+            return Ok(Vec::new());
+        }
         let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
-        let remarks = cells_without_readings(table, column_place, mapped);
-        if self.own.is_some() && self.is_kept {
-            return Ok((Vec::new(), remarks));
-        }
+        let Timing { start, dt, samples: count, .. } = *timing;
         let mut values = match &self.own {
-            Some(own) => {
-                let Timing { start, dt, samples: count, .. } = self.timing;
-                own.at_steps(&mapped.column, Steps { start, dt, count })
-            }
-            None => self.timing.spread(cells.as_ref().unwrap_or(&column.values)),
+            Some(own) => own.at_steps(&mapped.column, Steps { start, dt, count }),
+            None => timing.spread(cells.as_ref().unwrap_or(&column.values)),
         };
         let offset = match mapped.offset {
             Offset::Number(number) => number,
-            Offset::Mean(_) => mean(&values[self.conditioning().part()]),
+            Offset::Mean(_) => mean(&values[self.conditioning.part()]),
             Offset::Part { mean: [from, to] } => {
-                let Timing { start, dt, .. } = self.timing;
                 let place = |time: f64| libm::round((time - start) / dt).clamp(0.0, values.len() as f64) as usize;
                 mean(&values[place(from)..place(to).max(place(from))])
             }
@@ -251,24 +229,24 @@ impl<'a> Builder<'a> {
             values.iter_mut().for_each(|value| *value = factor * (*value - offset));
         }
         shift(&mut values, mapped.delay);
-        Ok((values, remarks))
+        Ok(values)
     }
 
-    fn truth(&self) -> Vec<(Channel, Vec<f64>)> {
-        if self.mapping.every > 1 || self.mapping.interpolate > 1 {
+    fn truth(&self, truth: &[Channel]) -> Vec<(Channel, Vec<f64>)> {
+        let Conditioning { mapping, timing } = self.conditioning;
+        if mapping.every > 1 || mapping.interpolate > 1 {
             return Vec::new();
         }
-        let table = (*self.table).borrow();
         let of = |channel: &Channel| {
-            let column = &table.columns[table.place(&format!("true_{}", channel.key()))?];
+            let column = &self.table.columns[self.table.place(&format!("true_{}", channel.key()))?];
             if let Some(own) = &self.own {
-                return Some((*channel, own.truth(&column.name, self.conditioning().steps())?));
+                return Some((*channel, own.truth(&column.name, self.conditioning.steps())?));
             }
-            let mut values = self.timing.spread(&column.values);
-            self.conditioning().cut(&mut values);
+            let mut values = timing.spread(&column.values);
+            self.conditioning.cut(&mut values);
             Some((*channel, values))
         };
-        all_and(self.true_channels.iter().copied()).iter().filter_map(of).collect()
+        all_and(truth.iter().copied()).iter().filter_map(of).collect()
     }
 }
 
@@ -298,7 +276,7 @@ pub(super) mod tests {
         let table = read(text.as_bytes(), None)?;
         let (mut mapping, kind) = Mapping::guess(&table);
         change(&mut mapping);
-        Builder::new(&table, &mapping, kind, Hold::First)?.finish()
+        build(&table, &mapping, kind, Hold::First, &[])
     }
 
     pub(in super::super) const TEXT: &str = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n";

@@ -9,42 +9,30 @@ impl Delimiter {
     }
 
     /// The cells of a line, without the blanks and quotes around them.
-    pub fn cells(self, line: &str) -> Cells<'_> {
-        let line = if self == Self::Tab { line.trim_end_matches(['\r', '\n']) } else { line.trim() };
-        Cells { delimiter: self, rest: Some(line) }
+    pub fn cells(self, line: &str) -> impl Iterator<Item = &str> {
+        let mut line = Some(if self == Self::Tab { line.trim_end_matches(['\r', '\n']) } else { line.trim() });
+        std::iter::from_fn(move || {
+            let rest = line?;
+            let start = rest.trim_start_matches(' ');
+            // Within quotes a delimiter is a part of the cell; a quote without an end is an ordinary character.
+            let quoted = start.strip_prefix('"').and_then(|inner| inner.split_once('"'));
+            let (cell, after) = match quoted {
+                Some((cell, after)) => (cell, after.find(|c| self.is(c)).map(|end| &after[end..])),
+                None => match rest.find(|c| self.is(c)) {
+                    Some(end) => (&rest[..end], Some(&rest[end..])),
+                    None => (rest, None),
+                },
+            };
+            line = after.map(|after| match self {
+                Self::Blanks => after.trim_start_matches([' ', '\t']),
+                _ => &after[1..],
+            });
+            Some(cell.trim())
+        })
     }
 
     fn is(self, character: char) -> bool {
         [",", ";", "\t", " \t"][self as usize].contains(character)
-    }
-}
-
-/// Iterates over the cells of a line.
-pub struct Cells<'a> {
-    delimiter: Delimiter,
-    rest: Option<&'a str>,
-}
-
-impl<'a> Iterator for Cells<'a> {
-    type Item = &'a str;
-
-    fn next(&mut self) -> Option<&'a str> {
-        let rest = self.rest?;
-        let start = rest.trim_start_matches(' ');
-        // Within quotes a delimiter is a part of the cell; a quote without an end is an ordinary character.
-        let quoted = start.strip_prefix('"').and_then(|inner| inner.split_once('"'));
-        let (cell, after) = match quoted {
-            Some((cell, after)) => (cell, after.find(|c| self.delimiter.is(c)).map(|end| &after[end..])),
-            None => match rest.find(|c| self.delimiter.is(c)) {
-                Some(end) => (&rest[..end], Some(&rest[end..])),
-                None => (rest, None),
-            },
-        };
-        self.rest = after.map(|after| match self.delimiter {
-            Delimiter::Blanks => after.trim_start_matches([' ', '\t']),
-            _ => &after[1..],
-        });
-        Some(cell.trim())
     }
 }
 

@@ -74,6 +74,8 @@ const MOST_LINES: usize = 1000;
 
 #[derive(Debug)]
 pub(super) struct SeriesReader {
+    format: &'static str,
+    dialect: Dialect,
     next: Next,
     header: Vec<String>,
     all: Vec<(Series, Vec<f64>)>,
@@ -84,13 +86,13 @@ pub(super) struct SeriesReader {
 }
 
 impl SeriesReader {
-    pub(super) fn new(next: Next) -> Self {
+    pub(super) fn new(format: &'static str, dialect: Dialect, next: Next) -> Self {
         let (header, all, lines) = Default::default();
-        Self { next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
+        Self { format, dialect, next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
     }
 
     pub(super) fn line(&mut self, text: &str, line: usize) -> Result<(), ImportError> {
-        let Self { next, header, all, is_reading, rows, lines, loose } = self;
+        let Self { next, header, all, is_reading, rows, lines, loose, .. } = self;
         if text.trim().is_empty() && *is_reading {
             return Ok(());
         }
@@ -168,8 +170,8 @@ impl SeriesReader {
         }
     }
 
-    pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
-        let Self { all, loose, rows: read, lines: mut known, .. } = self;
+    pub(super) fn finish(self, lines: usize) -> Result<Table, ImportError> {
+        let Self { format, dialect, all, loose, rows: read, lines: mut known, .. } = self;
         // Series that continue each other have more rows than lines.
         known.end(read);
         let mut remarks = Vec::new();
@@ -232,7 +234,7 @@ impl SeriesReader {
         let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
         columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
         let apart = if has_times { " with their times".to_owned() } else { format!(", {dt} s apart") };
-        let form = format!("{name}: {} series of {rows} numbers{apart}", columns.len());
+        let form = format!("{format}: {} series of {rows} numbers{apart}", columns.len());
         let even = || (0..rows).map(|k| k as f64 * dt).collect();
         columns.insert(0, Column::of_header("time", Some("s"), times.unwrap_or_else(even)));
         Ok(Table { dialect, form, columns, remarks, rate: None, lines: known })

@@ -3,13 +3,12 @@
 use kalmanscope_filters::lists::{mapped, places, sort_items};
 use kalmanscope_filters::{InputKind, Quantity};
 
-use super::conditioning::mean;
 use super::header::{Dimension, STANDARD_GRAVITY, unit};
 use super::shape::{are_axes, gravity, is_counter, is_noise, liveliness, never_changes, plain};
 use super::table::TextCell;
 use super::{Column, FEWEST, ImportError, MappedColumn, Mapping, Table, Time, times};
-use crate::free_decay::Ring;
 use crate::record::input_name;
+use crate::resample::mean;
 
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
@@ -137,8 +136,8 @@ impl Mapping {
     /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
     /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
     /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
-    /// column is the input; several others are not. A sound has the part and the band of its [`Ring`]. An acceleration on the ground is
-    /// the one that the scenario's `sensors` measure.
+    /// column is the input; several others are not. An acceleration on the ground is the one that the
+    /// scenario's `sensors` measure.
     pub fn guess_for(table: &Table, sensors: &[Quantity]) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
@@ -197,9 +196,6 @@ impl Mapping {
             }
         }
         mapping.time.rate = table.rate.filter(|_| mapping.time.column.is_none());
-        if let Some(ring) = Ring::of(table) {
-            ring.apply(&mut mapping);
-        }
         let clocks = clocks(table);
         let why = |place: usize| match all.iter().find(|one| one.place == place) {
             Some(one) if one.why == LOST && clocks.iter().any(|(_, clock)| *clock == place) => CLOCK,

@@ -136,7 +136,6 @@ pub(super) fn number_after(line: &str, word: &str) -> Option<f64> {
     rest[..end].trim_end_matches(['e', 'E', '.']).parse().ok()
 }
 
-#[derive(Default)]
 pub(super) struct Facts {
     /// \[s\]
     pub(super) step: Option<f64>,
@@ -151,7 +150,6 @@ pub(super) const STEPS: &str = "sampling interval, sample interval, sampling per
 
 impl Facts {
     pub(super) fn of(header: &[&str]) -> Self {
-        let mut facts = Self::default();
         let lines: Vec<String> = header
             .iter()
             .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; "))
@@ -175,7 +173,7 @@ impl Facts {
             size.into_iter().find(|(_, is)| *is).map_or(1.0, |(size, _)| size) * step
         });
         let is_usual = |step: &f64| (1e-7..=10.0).contains(step);
-        facts.step = rate.map(|rate| 1.0 / rate).filter(is_usual).or(step.filter(is_usual));
+        let step = rate.map(|rate| 1.0 / rate).filter(is_usual).or(step.filter(is_usual));
         let motion = |text: &str| {
             let known = unit(text).filter(|_| text != "in")?.0;
             use Dimension::{Acceleration, Angle, AngularVelocity, Length, Velocity};
@@ -195,18 +193,14 @@ impl Facts {
             words(line.get(place..)?.split_once([':', ' ', '=', '('])?.1).iter().find_map(|word| motion(word))
         };
         let long = |word: &String| word.len() > 2;
-        facts.unit = header.iter().find_map(behind).or_else(|| {
-            header
-                .iter()
-                .filter(is_about)
-                .find_map(|line| words(line).iter().filter(|word| long(word)).find_map(|word| motion(word)))
-        });
-        facts.scale = lines.iter().find_map(|line| {
+        let about = |line: &&str| words(line).iter().filter(|word| long(word)).find_map(|word| motion(word));
+        let unit = header.iter().find_map(behind).or_else(|| header.iter().filter(is_about).find_map(about));
+        let scale = lines.iter().find_map(|line| {
             let (scale, behind) = number_behind(line, "scale factor, scalefactor, scaling factor")?;
             let below = behind.split_once('/').map_or(Some(1.0), |(_, below)| number_after(below, ""))?;
             Some(scale / below).filter(|scale| scale.is_finite() && *scale != 0.0)
         });
-        facts
+        Self { step, unit, scale }
     }
 }
 

@@ -1,40 +1,26 @@
 //! Readings at their own times: in place of even steps, by a clock for each column (`t1, force, t2, displacement`), and of two files.
 
+use std::collections::BTreeMap;
+
 use kalmanscope_filters::Hold;
 use kalmanscope_filters::lists::{self, numbers, sort_items};
 
-use super::conditioning::mean;
 use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
 use super::times::{Clock, Timing};
 use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Table};
-use crate::free_decay::side_of;
 use crate::record::{Clocks, Timed};
-use crate::resample::Steps;
+use crate::resample::{Steps, mean, side_of};
 
 /// Without cells that have no number; times in \[s\].
 #[derive(Debug, Default)]
 pub(super) struct OwnTimes {
-    columns: Vec<OwnColumn>,
+    /// The cells of each column, and the number of those without a number.
+    columns: BTreeMap<String, (Timed, usize)>,
     pub(super) clocks: Clocks,
 }
 
-#[derive(Debug)]
-struct OwnColumn {
-    name: String,
-    cells: Timed,
-    empty: usize,
-}
-
 impl OwnTimes {
-    fn column(&self, name: &str) -> Option<&OwnColumn> {
-        self.columns.iter().find(|column| column.name == name)
-    }
-
-    fn cells(&self, name: &str) -> Option<&Timed> {
-        Some(&self.column(name)?.cells)
-    }
-
     pub(super) fn of_rows(table: &Table, mapping: &Mapping, times: &[f64]) -> Self {
         let mut own = Self::default();
         for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
@@ -53,13 +39,12 @@ impl OwnTimes {
         let cells = times.iter().zip(values).filter(|(_, value)| is_there(**value));
         let (own, values): (Vec<f64>, Vec<f64>) = cells.unzip();
         let empty = times.len() - own.len();
-        self.columns.retain(|column| column.name != name);
-        self.columns.push(OwnColumn { name: name.to_owned(), cells: Timed { times: own, values }, empty });
+        self.columns.insert(name.to_owned(), (Timed { times: own, values }, empty));
     }
 
     /// Without the delay; times are in steps after the first one.
     fn scaled(&self, mapped: &MappedColumn, Steps { start, dt, count }: Steps) -> Timed {
-        let Some(Timed { times, values }) = self.cells(&mapped.column) else { return Timed::default() };
+        let Some((Timed { times, values }, _)) = self.columns.get(&mapped.column) else { return Timed::default() };
         let between = |from: f64, to: f64| {
             let is_in = |(time, _): &(&f64, &f64)| (from..=to).contains(*time);
             mean(&times.iter().zip(values).filter(is_in).map(|(_, value)| *value).collect::<Vec<_>>())
@@ -85,7 +70,7 @@ impl OwnTimes {
     }
 
     pub(super) fn empty(&self, name: &str) -> usize {
-        self.column(name).map_or(0, |column| column.empty)
+        self.columns.get(name).map_or(0, |(_, empty)| *empty)
     }
 
     /// At the ends of the steps in which the readings fall; NaN at a step without one.
@@ -104,7 +89,7 @@ impl OwnTimes {
 
     /// Linear between the cells.
     pub(super) fn truth(&self, name: &str, steps: Steps) -> Option<Vec<f64>> {
-        self.cells(name)?;
+        self.columns.get(name)?;
         let timed = self.scaled(&MappedColumn::new(name), steps);
         if timed.times.is_empty() {
             return Some(vec![f64::NAN; steps.count]);
@@ -114,8 +99,10 @@ impl OwnTimes {
 
     /// Shifted along the cubic through the neighbours; NaN at a step without a cell.
     pub(super) fn at_steps(&self, name: &str, steps: Steps) -> Vec<f64> {
-        let of = |Timed { times, values }: &Timed| steps.of(times, values, side_of(times, values), libm::round);
-        self.cells(name).map_or_else(|| vec![f64::NAN; steps.count], of)
+        let of = |(Timed { times, values }, _): &(Timed, usize)| {
+            steps.of(times, values, side_of(times, values), libm::round)
+        };
+        self.columns.get(name).map_or_else(|| vec![f64::NAN; steps.count], of)
     }
 }
 
@@ -236,7 +223,7 @@ fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
 }
 
 /// Both files as one table, each with its column of times and its columns behind it. `offset` is added to the times of the second file
-/// \[s\]. Nothing is moved: a [`Builder`](super::Builder) gives each column its own times.
+/// \[s\]. Nothing is moved: [`build`](super::build) gives each column its own times.
 ///
 /// # Errors
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.

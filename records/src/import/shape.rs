@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use kalmanscope_filters::lists::median;
 
-use super::conditioning::{is_still, mean};
+use super::conditioning::is_still;
 use super::header::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Mapping, Table};
+use crate::resample::mean;
 
 pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)

@@ -4,8 +4,7 @@ use std::io::Cursor;
 
 use kalmanscope_filters::lists::numbers;
 
-use super::{Column, ImportError, MOST, Mapping, Table};
-use crate::free_decay::Ring;
+use super::{Column, ImportError, MOST, Table};
 
 const FORM: &str = "sound";
 
@@ -61,39 +60,12 @@ pub fn wav(rate: u32, samples: &[f32]) -> Result<Vec<u8>, ImportError> {
     Ok(bytes.into_inner())
 }
 
-/// Returns the samples a second too. `None` for any other table.
-pub(super) fn first_channel(table: &Table) -> Option<(f64, &[f64])> {
-    let [time, sound, ..] = table.columns.as_slice() else { return None };
-    let rest = table.form.strip_prefix(FORM)?.strip_prefix(": ")?;
-    let rate: f64 = rest.split_once(' ')?.0.parse().ok()?;
-    (time.name == "t" && rate > 0.0).then_some((rate, sound.values.as_slice()))
-}
-
-impl Ring {
-    /// The ring in the first channel of a sound. `None` for a table that is no sound, or where nothing rings.
-    pub fn of(table: &Table) -> Option<Self> {
-        let (rate, values) = first_channel(table)?;
-        Self::in_samples(rate, values)
-    }
-
-    /// A sentence about a table that is a sound: its ring, or that it has none. `None` for any other table.
-    pub fn remark(table: &Table) -> Option<String> {
-        first_channel(table)?;
-        let Some(Self { pitch, part: [from, to], band: [low, high], every }) = Self::of(table) else {
-            return Some("nothing rings in this sound: a line that is louder than the room and fades".to_owned());
-        };
-        let kept = if every == 1 { "every sample".to_owned() } else { format!("one of {every} samples") };
-        Some(format!(
-            "a sound that rings at {pitch:.1} Hz: {from:.2} s to {to:.2} s of it are taken, between {low:.0} Hz and {high:.0} Hz, {kept}"
-        ))
-    }
-
-    /// Sets part, band and samples of a mapping.
-    pub fn apply(&self, mapping: &mut Mapping) {
-        let round = |x: f64, digits: f64| libm::round(x * digits) / digits;
-        let [from, to] = self.part.map(|time| round(time, 1e4));
-        (mapping.from, mapping.to) = (Some(from), Some(to));
-        mapping.band = Some(self.band.map(|limit| round(limit, 1e2)));
-        mapping.every = self.every;
+impl Table {
+    /// The samples a second of a sound, and those of its first channel. `None` for any other table.
+    pub fn sound(&self) -> Option<(f64, &[f64])> {
+        let [time, sound, ..] = self.columns.as_slice() else { return None };
+        let rest = self.form.strip_prefix(FORM)?.strip_prefix(": ")?;
+        let rate: f64 = rest.split_once(' ')?.0.parse().ok()?;
+        (time.name == "t" && rate > 0.0).then_some((rate, sound.values.as_slice()))
     }
 }

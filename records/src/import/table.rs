@@ -1,5 +1,6 @@
 //! Columns of numbers, as a file has them, and the reading of their rows.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use kalmanscope_filters::lists::{mapped, numbers};
@@ -228,47 +229,46 @@ impl Rows {
 
 #[derive(Debug)]
 pub(super) struct RowsReader {
+    format: Option<&'static str>,
     rows: Rows,
     pub(super) columns: Vec<Column>,
     belongs: Vec<bool>,
     pub(super) end: Option<usize>,
     lines: Lines,
-    short: Odd,
-    long: Odd,
-    words: Odd,
-    grouped: Odd,
-    doubtful: Odd,
+    odd: Odd,
 }
 
-#[derive(Debug, Default)]
-struct Odd {
-    first: usize,
-    count: usize,
+/// The first line of a kind, and the number of them.
+type Odd = BTreeMap<&'static str, (usize, usize)>;
+
+const SHORT: &str = "fewer cells than the others; what is missing counts as empty";
+const WORDS: &str = "words in place of numbers: no row";
+const LONG: &str = "more cells than the others; those at the end are left out";
+const GROUPED: &str = "thousands apart";
+const DOUBTFUL: &str = "a point where commas are decimal";
+
+fn note(odd: &mut Odd, what: &'static str, line: usize) {
+    odd.entry(what).or_insert((line, 0)).1 += 1;
 }
 
-impl Odd {
-    fn note(&mut self, line: usize) {
-        if self.count == 0 {
-            self.first = line;
-        }
-        self.count += 1;
-    }
-
-    fn remark(&self, what: &str) -> Option<String> {
-        match self.count {
-            0 => None,
-            1 => Some(format!("line {} has {what}", self.first)),
-            count => Some(format!("{count} lines have {what}, the first is line {}", self.first)),
-        }
-    }
+fn remark(odd: &Odd, what: &str) -> Option<String> {
+    Some(match odd.get(what)? {
+        (first, 1) => format!("line {first} has {what}"),
+        (first, count) => format!("{count} lines have {what}, the first is line {first}"),
+    })
 }
 
 /// Limits from below the rows above a line that may be their summary.
 const SUMMED: usize = 20;
 
 impl RowsReader {
-    pub(super) fn new(mut form: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
-        let (dialect, cells) = (form.dialect, std::mem::take(&mut form.cells));
+    pub(super) fn new(
+        format: Option<&'static str>,
+        mut rows: Rows,
+        lines: &[&str],
+        length: usize,
+    ) -> Result<Self, ImportError> {
+        let (dialect, cells) = (rows.dialect, std::mem::take(&mut rows.cells));
         let (belongs, header) = if cells.is_empty() {
             let width = width(&dialect, lines)?;
             (vec![true; width], dialect.header(lines, width))
@@ -278,19 +278,17 @@ impl RowsReader {
         // The first lines give the number of rows for which columns reserve memory.
         let whole: usize = lines.iter().map(|line| line.len() + 1).sum();
         let mean = (whole.max(1) / lines.len().max(1)).max(1);
-        let rows = (length / mean).min(length / belongs.len().max(1) + 1);
+        let count = (length / mean).min(length / belongs.len().max(1) + 1);
         let column =
-            |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
+            |(name, unit)| Column { name, unit, values: Vec::with_capacity(count + count / 50), ..Column::default() };
         let mut columns: Vec<Column> = header.into_iter().map(column).collect();
         number_names(&mut columns);
-        let (lines, short, long, words, grouped, doubtful) = Default::default();
-        Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, words, grouped, doubtful })
+        let (lines, odd) = Default::default();
+        Ok(Self { format, rows, columns, belongs, end: None, lines, odd })
     }
 
     pub(super) fn line(&mut self, row: &str, line: usize) {
-        let Self { rows: Rows { dialect, ends, run_on, rate, .. }, columns, belongs, end, lines, short, long, .. } =
-            self;
-        let (grouped, doubtful) = (&mut self.grouped, &mut self.doubtful);
+        let Self { rows: Rows { dialect, ends, run_on, rate, .. }, columns, belongs, end, lines, odd, .. } = self;
         let trimmed = row.trim();
         if trimmed.is_empty() || trimmed.starts_with(REMARKS) {
             return;
@@ -323,7 +321,7 @@ impl RowsReader {
                 let axes = columns.iter_mut().filter(|column| ["X", "Y", "Z"].contains(&column.name.as_str()));
                 axes.for_each(|axis| axis.unit = axis.unit.take().or(Some("g".to_owned())));
             }
-            self.words.note(line);
+            note(odd, WORDS, line);
             return;
         }
         let (mut missing, mut cells) = (false, dialect.delimiter.cells(row));
@@ -334,41 +332,42 @@ impl RowsReader {
                 missing |= cell.is_none();
                 let cell = cell.unwrap_or_default();
                 if column.push(cell, *dialect, line) {
-                    grouped.note(line);
+                    note(odd, GROUPED, line);
                 } else if dialect.decimal == Decimal::Comma && cell.contains('.') {
-                    doubtful.note(line);
+                    note(odd, DOUBTFUL, line);
                 }
             }
         }
         if missing {
-            short.note(line);
+            note(odd, SHORT, line);
         }
         if cells.any(|cell| !cell.is_empty()) {
-            long.note(line);
+            note(odd, LONG, line);
         }
         if let Some(column) = columns.first() {
             lines.push(column.values.len() - 1, line);
         }
     }
 
-    pub(super) fn finish(self, form: String, line: usize) -> Result<Table, ImportError> {
-        let Self { rows, mut columns, end, lines, short, long, words, grouped, doubtful, .. } = self;
+    pub(super) fn finish(self, line: usize) -> Result<Table, ImportError> {
+        let Self { format, rows, mut columns, end, lines, odd, .. } = self;
         let Rows { dialect, even, scale, count, remarks: mut said, rate, .. } = rows;
+        let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
         if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
             return Err(ImportError::NoNumbers(line));
         }
         columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
-        let late = (grouped.count > 0 && doubtful.count > 0 && !dialect.thousands).then(|| {
+        let both = odd.get(GROUPED).zip(odd.get(DOUBTFUL)).filter(|_| !dialect.thousands);
+        let late = both.map(|((grouped, _), (doubtful, _))| {
             format!(
-                "line {} has thousands apart, but the point in line {} counts as a decimal one, because the first \
-                 lines have no thousands: state `thousands = true` in the dialect",
-                grouped.first, doubtful.first
+                "line {grouped} has thousands apart, but the point in line {doubtful} counts as a decimal one, because the first \
+                 lines have no thousands: state `thousands = true` in the dialect"
             )
         });
         let remarks = [
-            short.remark("fewer cells than the others; what is missing counts as empty"),
-            words.remark("words in place of numbers: no row"),
-            long.remark("more cells than the others; those at the end are left out"),
+            remark(&odd, SHORT),
+            remark(&odd, WORDS),
+            remark(&odd, LONG),
             end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
             late,
         ];

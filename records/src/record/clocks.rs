@@ -75,10 +75,6 @@ impl Timed {
             _ => values[known],
         }
     }
-
-    fn within(&self, after: f64, until: f64) -> Range<usize> {
-        within(&self.times, after, until)
-    }
 }
 
 /// Limits the difference of times that are the same, in steps; also of delays, which users write in decimals, and whole steps.
@@ -182,7 +178,7 @@ impl Parts {
         }
         if let Some(input) = input {
             let delay = course.delay;
-            cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
+            cuts.extend(input.times[within(&input.times, begin - delay, end - delay)].iter().map(|time| time + delay));
         }
         sort_numbers(cuts);
         cuts.dedup_by(|later, before| *later - *before <= SAME);
@@ -252,7 +248,7 @@ impl Clocks {
         };
         Self {
             input: self.input.as_ref().map(of_input),
-            readings: mapped(&self.readings, &|timed| moved(timed, timed.within(first - 1.0, last))),
+            readings: mapped(&self.readings, &|timed| moved(timed, within(&timed.times, first - 1.0, last))),
         }
     }
 }

@@ -8,16 +8,21 @@ use kalmanscope_filters::lists::numbers;
 use super::{Clocks, Record, RecordError, Timed};
 
 impl Record {
-    /// Writes a file that a [`Builder`](crate::import::Builder) reads back bit by bit, with 17 significant digits. Of a record
+    /// Writes a file that a [`build`](crate::import::build) reads back bit by bit, with 17 significant digits. Of a record
     /// with the times of readings it is one with a column of times before each of its columns, without the truth.
     ///
     /// # Errors
     /// [`RecordError::Csv`] where `output` cannot be written.
     pub fn write_csv(&self, output: impl Write) -> Result<(), RecordError> {
         let mut writer = csv::Writer::from_writer(output);
-        if let Some(clocks) = self.clocks() {
-            return self.write_clocks(clocks, &mut writer);
+        match self.clocks() {
+            Some(clocks) => self.write_clocks(clocks, &mut writer)?,
+            None => self.write_samples(&mut writer)?,
         }
+        Ok(writer.flush().map_err(csv::Error::from)?)
+    }
+
+    fn write_samples(&self, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
         let sensors = self.sensors.iter().map(|s| s.key().to_owned());
         let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
         writer
@@ -27,11 +32,10 @@ impl Record {
             let row = [self.time(k), self.input[k]].into_iter().chain(columns);
             writer.write_record(row.map(digits))?;
         }
-        writer.flush().map_err(csv::Error::from)?;
         Ok(())
     }
 
-    fn write_clocks(&self, clocks: &Clocks, writer: &mut csv::Writer<impl Write>) -> Result<(), RecordError> {
+    fn write_clocks(&self, clocks: &Clocks, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
         let of_samples = || Timed { times: numbers(self.len(), &|k| k as f64), values: self.input.clone() };
         let input = clocks.input.clone().unwrap_or_else(of_samples);
         let all: Vec<&Timed> = std::iter::once(&input).chain(&clocks.readings).collect();
@@ -48,7 +52,6 @@ impl Record {
             };
             writer.write_record(all.iter().flat_map(pair).map(digits))?;
         }
-        writer.flush().map_err(csv::Error::from)?;
         Ok(())
     }
 }

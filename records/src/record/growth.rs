@@ -92,12 +92,7 @@ impl Record {
     /// reading, and returns the one in its place, in the same unit; NaN where it is missing.
     #[must_use]
     pub fn with_measured(mut self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
-        for (sensor, column) in self.measured.iter_mut().enumerate() {
-            column.iter_mut().enumerate().for_each(|(k, value)| *value = change(sensor, k, *value));
-        }
-        if let Some(clocks) = &mut self.clocks {
-            Arc::make_mut(clocks).change(change);
-        }
+        self.change_measured(change);
         self
     }
 
@@ -136,11 +131,13 @@ impl Record {
         }
     }
 
-    /// Replaces each reading of a sensor.
-    pub fn change_measured(&mut self, sensor: usize, change: impl Fn(f64) -> f64) {
-        self.measured[sensor].iter_mut().for_each(|value| *value = change(*value));
+    /// As [`Self::with_measured`].
+    pub fn change_measured(&mut self, change: impl Fn(usize, usize, f64) -> f64) {
+        for (sensor, column) in self.measured.iter_mut().enumerate() {
+            column.iter_mut().enumerate().for_each(|(k, value)| *value = change(sensor, k, *value));
+        }
         if let Some(clocks) = &mut self.clocks {
-            Arc::make_mut(clocks).change(|of, _, value| if of == sensor { change(value) } else { value });
+            Arc::make_mut(clocks).change(change);
         }
     }
 

@@ -1,6 +1,7 @@
 //! A record that becomes longer while readings come in.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::Arc;
 
 use kalmanscope_filters::lists::mapped;
@@ -40,7 +41,7 @@ pub struct LiveRecord {
     /// \[s\]
     newest: f64,
     tracks: Vec<Track>,
-    input: InputTrack,
+    input: Track,
     /// Of each sensor, then of the input, in steps.
     latest: Vec<f64>,
     /// A reading out of order ends this.
@@ -81,7 +82,7 @@ impl LiveRecord {
             record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
             begin: None,
             newest: f64::NEG_INFINITY,
-            input: InputTrack::new(hold),
+            input: Track::default(),
             wait: 0.0,
             side: 0,
             repeated: 0,
@@ -171,10 +172,13 @@ impl LiveRecord {
         self.newest = self.newest.max(time);
         let time = steps(time - begin, dt);
         for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
-            self.repeated += usize::from(!track.put(time, reading));
+            self.repeated += usize::from(track.put(time, reading).is_some());
         }
-        if !input.is_nan() {
-            self.input.put(time, input);
+        // Of several inputs at a time the last one counts.
+        if !input.is_nan()
+            && let Some(before) = self.input.put(time, input)
+        {
+            *before = input;
         }
         for (latest, value) in self.latest.iter_mut().zip(readings.iter().chain([&input])) {
             if !value.is_nan() {
@@ -185,7 +189,7 @@ impl LiveRecord {
         self.complete_until(|newest, live, sample| {
             let late = (newest - sample) * live.record.dt;
             let wait = if live.has_all_readings(sample) { 0.0 } else { live.wait };
-            newest <= sample || late < wait || (late < PATIENCE && live.input.waits_at(sample))
+            newest <= sample || late < wait || (late < PATIENCE && live.waits_for_input(sample))
         });
         Ok(())
     }
@@ -198,6 +202,10 @@ impl LiveRecord {
             && self.side == 0
             && sensors.iter().all(|latest| *latest >= sample)
             && (input >= sample || !has_input)
+    }
+
+    fn waits_for_input(&self, sample: f64) -> bool {
+        self.record.hold == Hold::First && self.input.times.back().is_some_and(|time| *time < sample)
     }
 
     /// `waits` takes the newest time and the sample's, in steps.
@@ -248,8 +256,8 @@ impl LiveRecord {
         let Self { record, tracks, input, side, .. } = self;
         let Clocks { input: told, readings } = Arc::make_mut(record.clocks.get_or_insert_default());
         let measured: Vec<f64> =
-            tracks.iter_mut().zip(readings).map(|(track, timed)| track.step_to(sample, *side, timed)).collect();
-        let input = input.step_to(sample, told);
+            tracks.iter_mut().zip(readings).map(|(track, timed)| track.reading_at(sample, *side, timed)).collect();
+        let input = input.input_at(sample, record.hold, told);
         record.push(input, measured, std::iter::empty());
     }
 }
@@ -291,6 +299,7 @@ fn steps(time: f64, dt: f64) -> f64 {
 
 const ROUNDED: f64 = 1e-6;
 
+/// Values that wait for their samples, and the last ones that samples have taken.
 #[derive(Clone, Debug, Default)]
 struct Track {
     times: VecDeque<f64>,
@@ -303,30 +312,37 @@ impl Track {
         self.times.len() - self.taken
     }
 
-    fn put(&mut self, time: f64, value: f64) -> bool {
+    /// Returns the value that has this time already, which stays.
+    fn put(&mut self, time: f64, value: f64) -> Option<&mut f64> {
         let place = self.times.partition_point(|other| *other < time);
-        let is_new = self.times.get(place) != Some(&time);
-        if is_new {
-            self.times.insert(place, time);
-            self.values.insert(place, value);
+        if self.times.get(place) == Some(&time) {
+            return self.values.get_mut(place);
         }
-        is_new
+        self.times.insert(place, time);
+        self.values.insert(place, value);
+        None
     }
 
-    /// Returns the last reading, shifted to the sample along the cubic through `side` readings to either side; NaN if there is none.
-    fn step_to(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
-        let Self { times, values, taken } = self;
-        let end = times.partition_point(|time| *time <= sample);
-        let own = *taken..end.max(*taken);
-        into.times.extend(times.range(own.clone()));
-        into.values.extend(values.range(own.clone()));
-        *taken = own.end;
-        let last = own.last();
-        let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
-        let old = self.taken.saturating_sub(2 * side + 1);
+    fn take_until(&mut self, sample: f64, into: &mut Timed) -> Range<usize> {
+        let own = self.taken..self.times.partition_point(|time| *time <= sample).max(self.taken);
+        into.times.extend(self.times.range(own.clone()));
+        into.values.extend(self.values.range(own.clone()));
+        self.taken = own.end;
+        own
+    }
+
+    fn forget_all_but(&mut self, last: usize) {
+        let old = self.taken.saturating_sub(last);
         self.times.drain(..old);
         self.values.drain(..old);
         self.taken -= old;
+    }
+
+    /// Returns the last reading, shifted to the sample along the cubic through `side` readings to either side; NaN if there is none.
+    fn reading_at(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
+        let last = self.take_until(sample, into).last();
+        let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
+        self.forget_all_but(2 * side + 1);
         value
     }
 
@@ -340,67 +356,32 @@ impl Track {
         let readings = self.times.range(around.clone()).zip(self.values.range(around));
         change(readings, self.times[place], to - self.times[place], side as f64)
     }
-}
 
-#[derive(Clone, Debug)]
-struct InputTrack {
-    told: VecDeque<(f64, f64)>,
-    /// All but the last value that samples have taken are forgotten.
-    taken: usize,
-    hold: Hold,
-}
-
-impl InputTrack {
-    fn new(hold: Hold) -> Self {
-        Self { told: VecDeque::new(), taken: 0, hold }
-    }
-
-    /// Of several values at a time the last one counts.
-    fn put(&mut self, time: f64, value: f64) {
-        let place = self.told.partition_point(|(other, _)| *other < time);
-        match self.told.get_mut(place) {
-            Some(same) if same.0 == time => same.1 = value,
-            _ => self.told.insert(place, (time, value)),
+    /// Returns the input, zero before the first value; `into` is `None` until there is one. On a line it also has the value at the sample.
+    fn input_at(&mut self, sample: f64, hold: Hold, into: &mut Option<Timed>) -> f64 {
+        if self.times.front().is_none_or(|first| *first > sample) {
+            return 0.0;
         }
-    }
-
-    fn waits_at(&self, sample: f64) -> bool {
-        self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
-    }
-
-    /// Zero before the first value; `into` is `None` until there is one. On a line it also has the value at the sample.
-    fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
-        let Self { told, taken, hold } = self;
-        let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);
-        if next > 0 && into.is_none() {
+        let timed = into.get_or_insert_with(|| {
             // The input was zero before: from the first sample on, and on a line up to the last one.
             let mut times = vec![0.0];
-            if *hold == Hold::First && sample > 1.0 {
+            if hold == Hold::First && sample > 1.0 {
                 times.push(sample - 1.0);
             }
-            times.retain(|zero| *zero < told[0].0);
-            *into = Some(Timed { values: vec![0.0; times.len()], times });
-        }
-        let value = match (next.checked_sub(1).map(|last| told[last]), told.get(next)) {
-            (None, _) => 0.0,
-            (Some((from, value)), Some(&(to, then))) if *hold == Hold::First => {
-                value + (then - value) * (sample - from) / (to - from)
-            }
-            (Some((_, value)), _) => value,
+            times.retain(|zero| *zero < self.times[0]);
+            Timed { values: vec![0.0; times.len()], times }
+        });
+        let next = self.take_until(sample, timed).end;
+        let (from, value) = (self.times[next - 1], self.values[next - 1]);
+        let value = match self.times.get(next) {
+            Some(to) if hold == Hold::First => value + (self.values[next] - value) * (sample - from) / (to - from),
+            _ => value,
         };
-        if let Some(Timed { times, values }) = into {
-            for (time, value) in told.range(*taken..next) {
-                times.push(*time);
-                values.push(*value);
-            }
-            if *hold == Hold::First && times.last().is_some_and(|last| *last < sample) {
-                times.push(sample);
-                values.push(value);
-            }
+        if hold == Hold::First && timed.times.last().is_some_and(|last| *last < sample) {
+            timed.times.push(sample);
+            timed.values.push(value);
         }
-        let old = next.saturating_sub(1);
-        told.drain(..old);
-        *taken = next - old;
+        self.forget_all_but(1);
         value
     }
 }

@@ -6,10 +6,10 @@ use kalmanscope_filters::lists::{numbers, sort_numbers};
 use kalmanscope_filters::{Channel, Hold, Quantity};
 use kalmanscope_records::Record;
 
-use super::likeliest::Climb;
+use super::likeliest::{MOST, climbed, likelihood, tried};
 use super::response::{MeasuredResponse, free_response, is_within, order};
 use super::spectra::{GapTreatment, LONG, Spectra};
-use super::{Suggestion, augment, moments, motion_sensor, rounded};
+use super::{Suggestion, augment, first_for_trial, moments, motion_sensor, rounded};
 use crate::Scenario;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -31,12 +31,11 @@ pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
 
+/// Filters that take a white force for the cause of the motion.
 pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
     sizes: Sizes,
-    pub(super) climb: Climb,
     left_out: Vec<Quantity>,
-    held: Option<Option<f64>>,
 }
 
 impl Ambient {
@@ -46,8 +45,7 @@ impl Ambient {
         let sizes = suggestion.ambient(record)?;
         suggestion.problem = None;
         suggestion.substeps(record.dt(), None);
-        let climb = Climb::new(1 + suggestion.scenario.sensors.len());
-        Some(Self { suggestion, sizes, climb, left_out, held: None })
+        Some(Self { suggestion, sizes, left_out })
     }
 
     /// Takes the sensors out of a scenario that filters of the white force do without: likelihoods compare on equal readings.
@@ -55,29 +53,25 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    pub(super) fn next(&self) -> Option<Sizes> {
-        if let Some(factors) = self.climb.next() {
-            return Some(self.sizes.times(&factors));
+    /// The likeliest sizes of force and noises, and their log likelihood.
+    pub(super) async fn best(&self, record: &Record, samples: usize, progress: impl Fn(f64)) -> Option<(Sizes, f64)> {
+        let mut trials = 0..MOST;
+        let trial = |factors: Vec<f64>| {
+            progress(trials.next().map_or(1.0, |trial| trial as f64 / MOST as f64));
+            self.likelihood(self.sizes.times(&factors), record, samples)
+        };
+        let (factors, likelihood) = climbed(1 + self.suggestion.scenario.sensors.len(), trial).await.best?;
+        let sizes = self.sizes.times(&factors);
+        let held = Sizes { hold: Hold::Zero, ..sizes.clone() };
+        match self.likelihood(held.clone(), record, samples).await.filter(|of_held| *of_held > likelihood) {
+            Some(of_held) => Some((held, of_held)),
+            None => Some((sizes, likelihood)),
         }
-        let (factors, _) = self.climb.found.best.as_ref().filter(|_| self.held.is_none())?;
-        Some(Sizes { hold: Hold::Zero, ..self.sizes.times(factors) })
     }
 
-    pub(super) fn take(&mut self, likelihood: Option<f64>) {
-        if self.climb.next().is_some() {
-            self.climb.take(likelihood);
-        } else {
-            self.held = Some(likelihood);
-        }
-    }
-
-    pub(super) fn best(&self) -> Option<(Sizes, f64)> {
-        let (factors, likelihood) = self.climb.found.best.as_ref()?;
-        let sizes = self.sizes.times(factors);
-        match self.held.flatten().filter(|held| held > likelihood) {
-            Some(held) => Some((Sizes { hold: Hold::Zero, ..sizes }, held)),
-            None => Some((sizes, *likelihood)),
-        }
+    async fn likelihood(&self, sizes: Sizes, record: &Record, samples: usize) -> Option<f64> {
+        let scenario = first_for_trial(&self.suggestion.with_white_force(&sizes));
+        likelihood(&tried(&scenario, record, samples).await?)
     }
 }
 

@@ -7,7 +7,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::mapping::{MappedColumn, Offset};
 
 use super::ambient::has_no_input;
-use super::likeliest::{Likeliest, likelihood_over};
+use super::likeliest::{likelihood_over, tried};
 use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::scenario::option::PLUCKED;
@@ -41,7 +41,7 @@ impl Suggestion {
                 None => self.scenario.sensors.iter().any(|one| one.measures == quantity),
             };
             if is_sensor && (!removed.is_empty() || mean.abs() > OFFSET * std) {
-                record.change_measured(sensor, |value| value - mean);
+                record.change_measured(|of, _, value| if of == sensor { value - mean } else { value });
                 removed.push((quantity.bias(), mean, format!("the {}", quantity.name())));
             }
         }
@@ -246,86 +246,78 @@ impl Course {
     }
 }
 
-pub(super) struct CourseTrials {
-    place: usize,
-    part: Option<Record>,
-    readings: [Likeliest<u32>; 3],
+/// The number of readings and their largest log likelihood, for each course.
+type Tried = [Option<(u32, f64)>; 3];
+
+/// Whether a record that is taken for linear between samples may have another course. False without an input, or where it is stated.
+pub(super) fn has_open_course(record: &Record, given: &Scenario) -> bool {
+    let Scenario { hold, record: mapping, .. } = given;
+    *hold == Hold::First
+        && record.hold() == Hold::First
+        && mapping.as_ref().is_some_and(|mapping| mapping.interpolate == 1)
+        && record.len() >= FEWEST
+        && !has_no_input(record)
 }
 
-impl CourseTrials {
-    /// The trials for a record that is taken for linear between samples. `None` without an input, or where its course is stated.
-    pub(super) fn of(record: &Record, given: &Scenario) -> Option<Self> {
-        let Scenario { hold, record: mapping, filters, .. } = given;
-        let is_open = *hold == Hold::First
-            && record.hold() == Hold::First
-            && mapping.as_ref().is_some_and(|mapping| mapping.interpolate == 1)
-            && !filters.is_empty()
-            && record.len() >= FEWEST
-            && !has_no_input(record);
-        is_open.then_some(Self { place: 0, part: None, readings: [const { Likeliest::new() }; 3] })
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        let shares = self.readings.get(self.place).map_or(0, |tried| tried.trials);
-        (self.place as f64 + shares as f64 / SHARES.len() as f64) / Course::ALL.len() as f64
-    }
-
-    pub(super) fn next(&mut self, suggestion: &Suggestion, record: &Record) -> Option<(&Record, Scenario)> {
-        while self.part.is_none() {
-            let course = Course::ALL.get(self.place)?;
-            // Of a part, a band-limited input is as well known at the end as within.
-            let more = record.part(0..record.len().min(TRIED + 2 * ENDS));
-            let samples = (more.len().min(TRIED) - 1) * course.steps() + 1;
-            self.part = course.of(&more).map(|part| part.part(0..samples));
-            self.place += usize::from(self.part.is_none());
-        }
-        let (part, course) = (self.part.as_ref()?, Course::ALL[self.place]);
+/// The likeliest course of the input between samples, and a sentence about it.
+pub(super) async fn likeliest_course(
+    suggestion: &Suggestion,
+    record: &Record,
+    progress: impl Fn(f64),
+) -> (Course, Option<String>) {
+    let mut all = Tried::default();
+    for (course, best) in Course::ALL.into_iter().zip(&mut all) {
+        // Of a part, a band-limited input is as well known at the end as within.
+        let more = record.part(0..record.len().min(TRIED + 2 * ENDS));
+        let steps = course.steps();
+        let samples = (more.len().min(TRIED) - 1) * steps + 1;
+        let Some(part) = course.of(&more).map(|part| part.part(0..samples)) else { continue };
         let mut suggestion = suggestion.clone();
         course.set(&mut suggestion.scenario);
         suggestion.substeps(part.dt(), None);
-        // Process noise adds up over the steps of a sample.
-        let share = SHARES[self.readings[self.place].trials];
-        Some((part, suggestion.with_share(share / libm::sqrt(course.steps() as f64))))
-    }
-
-    pub(super) fn take(&mut self, run: Option<&Run>) {
-        let steps = Course::ALL[self.place].steps();
-        let found = run.and_then(|run| likelihood_over(run, ENDS * steps..run.samples() - ENDS * steps));
-        let likeliest = &mut self.readings[self.place];
-        let before = likeliest.best.map_or(f64::NEG_INFINITY, |(_, before)| before);
-        let has_fallen = found.is_some_and(|(now, _)| now < before - FALLEN);
-        let (now, readings) = found.unzip();
-        likeliest.take(readings.unwrap_or_default(), now, 0.0);
-        if has_fallen || likeliest.trials == SHARES.len() {
-            (self.place, self.part) = (self.place + 1, None);
+        for (place, share) in SHARES.into_iter().enumerate() {
+            progress((course as usize as f64 + place as f64 / SHARES.len() as f64) / Course::ALL.len() as f64);
+            // Process noise adds up over the steps of a sample.
+            let scenario = suggestion.with_share(share / libm::sqrt(steps as f64));
+            let run = tried(&scenario, &part, part.len()).await;
+            let found = run.and_then(|run| likelihood_over(&run, ENDS * steps..run.samples() - ENDS * steps));
+            let Some((now, readings)) = found else { continue };
+            let before = best.map_or(f64::NEG_INFINITY, |(_, before)| before);
+            if now > before {
+                *best = Some((readings, now));
+            }
+            if now < before - FALLEN {
+                break;
+            }
         }
     }
+    chosen(&all)
+}
 
-    pub(super) fn chosen(&self) -> (Course, Option<String>) {
-        let readings = self.readings.iter().find_map(|one| one.best).map(|(readings, _)| readings);
-        let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| Some(best.0) == readings);
-        let all = || Course::ALL.into_iter().filter_map(|course| Some((course, likelihood(&course)?.1)));
-        let Some(taken) = all().reduce(|taken, other| if other.1 > taken.1 + CLEARLY { other } else { taken }) else {
-            return (Course::Linear, None);
-        };
-        let others = all().filter(|(course, _)| *course != taken.0);
-        let Some(next) = others.max_by(|a, b| a.1.total_cmp(&b.1)) else { return (taken.0, None) };
-        let (lead, name, other) = (taken.1 - next.1, Course::NAMES[taken.0 as usize], Course::NAMES[next.0 as usize]);
-        let digits = usize::from(lead.abs() < 10.0);
-        let sentence = if lead > CLEARLY {
-            format!(
-                "the input is {name} between samples, the likeliest of linear, held and band-limited: by {lead:.digits$} in log \
-                 likelihood before {other}"
-            )
-        } else {
-            format!(
-                "the filters assume that the input is {name} between samples: the readings do not exclude {other}, \
-                 whose log likelihood differs by {:.1}",
-                lead.abs()
-            )
-        };
-        (taken.0, Some(sentence))
-    }
+fn chosen(tried: &Tried) -> (Course, Option<String>) {
+    let readings = tried.iter().flatten().next().map(|(readings, _)| *readings);
+    let likelihood = |course: &Course| tried[*course as usize].filter(|(count, _)| Some(*count) == readings);
+    let all = || Course::ALL.into_iter().filter_map(|course| Some((course, likelihood(&course)?.1)));
+    let Some(taken) = all().reduce(|taken, other| if other.1 > taken.1 + CLEARLY { other } else { taken }) else {
+        return (Course::Linear, None);
+    };
+    let others = all().filter(|(course, _)| *course != taken.0);
+    let Some(next) = others.max_by(|a, b| a.1.total_cmp(&b.1)) else { return (taken.0, None) };
+    let (lead, name, other) = (taken.1 - next.1, Course::NAMES[taken.0 as usize], Course::NAMES[next.0 as usize]);
+    let digits = usize::from(lead.abs() < 10.0);
+    let sentence = if lead > CLEARLY {
+        format!(
+            "the input is {name} between samples, the likeliest of linear, held and band-limited: by {lead:.digits$} in log \
+             likelihood before {other}"
+        )
+    } else {
+        format!(
+            "the filters assume that the input is {name} between samples: the readings do not exclude {other}, \
+             whose log likelihood differs by {:.1}",
+            lead.abs()
+        )
+    };
+    (taken.0, Some(sentence))
 }
 
 #[cfg(test)]
@@ -334,10 +326,6 @@ mod tests {
 
     #[test]
     fn the_likeliest_course_of_the_same_readings_is_taken_and_the_simpler_one_of_two_that_are_alike() {
-        let chosen = |best: [Option<(u32, f64)>; 3]| {
-            let readings = best.map(|best| Likeliest { best, trials: 0 });
-            CourseTrials { place: 0, part: None, readings }.chosen()
-        };
         let of = |likelihood: f64| Some((900, likelihood));
         for (best, expected, says) in [
             ([of(1000.0), of(1300.0), of(900.0)], Course::Held, "is held between samples, the likeliest"),
@@ -347,12 +335,12 @@ mod tests {
             ([of(1000.0), of(1300.0), of(1302.0)], Course::Held, "differs by 2.0"),
             ([of(1000.0), Some((899, 9000.0)), of(800.0)], Course::Linear, "before band-limited"),
         ] {
-            let (course, sentence) = chosen(best);
+            let (course, sentence) = chosen(&best);
             assert_eq!(course, expected);
             assert!(sentence.as_ref().is_some_and(|sentence| sentence.contains(says)), "{sentence:?}");
         }
-        assert_eq!(chosen([of(1000.0), None, None]), (Course::Linear, None));
-        assert_eq!(chosen([None, of(1000.0), None]), (Course::Held, None));
-        assert_eq!(chosen([None, None, None]), (Course::Linear, None));
+        assert_eq!(chosen(&[of(1000.0), None, None]), (Course::Linear, None));
+        assert_eq!(chosen(&[None, of(1000.0), None]), (Course::Held, None));
+        assert_eq!(chosen(&[None, None, None]), (Course::Linear, None));
     }
 }

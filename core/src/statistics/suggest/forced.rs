@@ -35,13 +35,10 @@ struct Readings {
     order: i32,
 }
 
+type Complex = nalgebra::Complex<f64>;
 type Place = [f64; 2];
 /// The columns of a sample, and the parts that fit best: of the response to the input from rest, of a free decay, and constant.
 type Parts = [f64; 4];
-
-fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
-}
 
 impl Readings {
     /// The columns of every sample, by the exact motion from sample to sample:
@@ -51,22 +48,20 @@ impl Readings {
     fn columns(&self, at: &Place) -> Vec<Parts> {
         let [wn, zeta] = at.map(libm::exp);
         let (rate, damped) = (zeta * wn, wn * libm::sqrt(1.0 - zeta * zeta));
-        let pole = (-rate, damped);
+        let pole = Complex::new(-rate, damped);
         let (sin, cos) = libm::sincos(damped * self.dt);
-        let size = libm::exp(-rate * self.dt);
-        let turn = (size * cos, size * sin);
-        let inverse = (pole.0 / (wn * wn), -pole.1 / (wn * wn));
-        let held = times((turn.0 - 1.0, turn.1), inverse);
-        let ramp = times((held.0 / self.dt - 1.0, held.1 / self.dt), inverse);
-        let read = [(1.0, 0.0), pole, times(pole, pole)][self.order as usize];
-        let (mut q, mut free, mut columns) = ((0.0, 0.0), (1.0, 0.0), Vec::with_capacity(self.values.len()));
+        let turn = Complex::new(cos, sin) * libm::exp(-rate * self.dt);
+        let inverse = pole.conj() / (wn * wn);
+        let held = (turn - 1.0) * inverse;
+        let ramp = (held / self.dt - 1.0) * inverse;
+        let read = [Complex::ONE, pole, pole * pole][self.order as usize];
+        let (mut q, mut free, mut columns) = (Complex::ZERO, Complex::ONE, Vec::with_capacity(self.values.len()));
         for (k, &force) in self.force.iter().enumerate() {
             let felt = if self.order == 2 { force } else { 0.0 };
-            columns.push([times(read, q).1 / damped + felt, free.0, free.1, 1.0]);
+            columns.push([(read * q).im / damped + felt, free.re, free.im, 1.0]);
             let next = self.force.get(k + 1).filter(|_| self.hold == Hold::First).map_or(0.0, |next| next - force);
-            let moved = times(turn, q);
-            q = (moved.0 + held.0 * force + ramp.0 * next, moved.1 + held.1 * force + ramp.1 * next);
-            free = times(turn, free);
+            q = turn * q + held * force + ramp * next;
+            free = turn * free;
         }
         columns
     }

@@ -7,8 +7,8 @@ use kalmanscope_filters::lists::{mapped, sort_items};
 use kalmanscope_filters::{Aspect, Channel, FilterKind, InputKind, Quantity};
 use kalmanscope_records::Record;
 
-use super::likeliest::{Likeliest, first_alone, likelihood_over};
-use super::response::{Decay, MeasuredResponse, order};
+use super::likeliest::{Likeliest, first_alone, likelihood_over, tried};
+use super::response::{DecayFit, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::{FilterSettings, PlantKind, Run, Scenario};
 
@@ -44,8 +44,9 @@ impl Suggestion {
         }
     }
 
-    pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
+    pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &DecayFit) {
+        let DecayFit { found: MeasuredResponse { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } =
+            *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {
@@ -247,15 +248,19 @@ impl Search {
         Some(Self { kind: kind.clone(), channels, ranges, points, ends: Likeliest::new() })
     }
 
-    pub(super) fn progress(&self) -> f64 {
-        self.ends.trials as f64 / (self.points + AGAIN) as f64
+    /// Runs a filter from all points, and again from the end of the likeliest run.
+    pub(super) async fn run(&mut self, of: &Scenario, record: &Record, samples: usize, progress: impl Fn(f64)) {
+        while self.ends.trials < self.points + if self.ends.best.is_some() { AGAIN } else { 0 } {
+            progress(self.ends.trials as f64 / (self.points + AGAIN) as f64);
+            let run = tried(&self.scenario(of), record, samples).await;
+            let found = run.and_then(|run| Some((self.ends_of(&run)?, likelihood_over(&run, 1..run.samples())?)));
+            let (point, likelihood) =
+                found.map(|(ends, (likelihood, readings))| ((ends, readings), likelihood)).unzip();
+            self.ends.take(point.unwrap_or_default(), likelihood, 0.0);
+        }
     }
 
-    pub(super) fn is_done(&self) -> bool {
-        self.ends.trials >= self.points + if self.ends.best.is_some() { AGAIN } else { 0 }
-    }
-
-    pub(super) fn scenario(&self, of: &Scenario) -> Scenario {
+    fn scenario(&self, of: &Scenario) -> Scenario {
         let mut scenario = first_alone(of);
         self.set_kind(&mut scenario);
         for filter in &mut scenario.filters {
@@ -295,12 +300,6 @@ impl Search {
         let size = low * libm::pow(high / low, along);
         let is_negative = (guess.0 < 0.0) != is_other;
         (if is_negative { -size } else { size }, 0.5 * size)
-    }
-
-    pub(super) fn take(&mut self, run: Option<&Run>) {
-        let found = run.and_then(|run| Some((self.ends_of(run)?, likelihood_over(run, 1..run.samples())?)));
-        let (point, likelihood) = found.map(|(ends, (likelihood, readings))| ((ends, readings), likelihood)).unzip();
-        self.ends.take(point.unwrap_or_default(), likelihood, 0.0);
     }
 
     fn ends_of(&self, run: &Run) -> Option<Vec<(f64, f64)>> {

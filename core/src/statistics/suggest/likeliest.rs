@@ -5,67 +5,37 @@ use std::ops::Range;
 use kalmanscope_filters::Channel;
 use kalmanscope_filters::lists::numbers;
 use kalmanscope_records::Record;
+use kalmanscope_records::task::pause;
 
-use crate::{FreeRun, Identified, Run, Running, Scenario, Sensor};
+use crate::{Identified, Run, Running, Scenario, Sensor};
 
 const FREE: usize = 16_384;
 
 const CHUNK: usize = 200;
 
-#[derive(Default)]
-pub(super) struct Trial {
-    run: Option<Run>,
-    free: Option<Running>,
+/// A run on the first samples of a record. `None` where it is impossible.
+pub(super) async fn tried(scenario: &Scenario, record: &Record, samples: usize) -> Option<Run> {
+    let part = record.part(0..record.len().min(samples));
+    let mut run = Run::on_record(scenario, part.into()).ok()?;
+    while run.done() < run.samples() {
+        run.advance_to(run.done() + CHUNK);
+        pause().await;
+    }
+    Some(run)
 }
 
-impl Trial {
-    /// Runs it on the first samples of a record. `None` while it is under way, `Some(None)` where it is impossible.
-    #[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
-    pub(super) fn follow(
-        &mut self,
-        scenario: impl FnOnce() -> Scenario,
-        record: &Record,
-        samples: usize,
-        while_time: &mut dyn FnMut() -> bool,
-    ) -> Option<Option<Run>> {
-        if self.run.is_none() {
-            let part = record.part(0..record.len().min(samples));
-            self.run = Run::on_record(&scenario(), part.into()).ok();
-        }
-        let Some(run) = &mut self.run else { return Some(None) };
-        while run.done() < run.samples() {
-            run.advance_to(run.done() + CHUNK);
-            if !while_time() && run.done() < run.samples() {
-                return None;
-            }
-        }
-        Some(self.run.take())
+/// A run, and the errors of a free run of its final model, one for each sensor.
+pub(super) async fn tried_freely(scenario: &Scenario, record: &Record) -> Option<(Run, Option<Vec<f64>>)> {
+    let run = tried(scenario, record, FREE).await?;
+    let Some(mut running) = begin_freely(&run) else { return Some((run, None)) };
+    while !running.advance(run.record(), &mut || false) {
+        pause().await;
     }
-
-    /// Runs it, then a free run of its final model, which has an error for each sensor. `None` while it is under way.
-    pub(super) fn follow_freely(
-        &mut self,
-        scenario: impl FnOnce() -> Scenario,
-        record: &Record,
-        while_time: &mut dyn FnMut() -> bool,
-    ) -> Option<(Option<Run>, Option<Vec<f64>>)> {
-        if self.free.is_none() {
-            let run = self.follow(scenario, record, FREE, while_time)?;
-            self.free = run.as_ref().and_then(begin_freely);
-            if self.free.is_none() {
-                return Some((run, None));
-            }
-            self.run = run;
-        }
-        if let (Some(running), Some(run)) = (self.free.as_mut(), &self.run)
-            && !running.advance(run.record(), while_time)
-        {
-            return None;
-        }
-        let (run, running) = (self.run.take(), self.free.take());
-        let errors = run.as_ref().zip(running).and_then(|(run, free)| errors(run, &free.finish(run.record())));
-        Some((run, errors))
-    }
+    let free = running.finish(run.record());
+    let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
+    let errors = scenario.sensors.iter().map(of).collect::<Option<Vec<f64>>>();
+    let errors = errors.filter(|errors| errors.iter().all(|error| error.is_finite()));
+    Some((run, errors))
 }
 
 fn begin_freely(run: &Run) -> Option<Running> {
@@ -73,12 +43,6 @@ fn begin_freely(run: &Run) -> Option<Running> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
     let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
     Some(model.running(record, 0..record.len()))
-}
-
-fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
-    let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
-    let errors = run.scenario().sensors.iter().map(of).collect::<Option<Vec<f64>>>();
-    errors.filter(|errors| errors.iter().all(|error| error.is_finite()))
 }
 
 pub(super) fn likelihood(run: &Run) -> Option<f64> {
@@ -149,82 +113,62 @@ impl<P> Likeliest<P> {
     }
 }
 
-#[derive(Clone, Debug)]
-pub(super) struct Climb {
-    pub(super) found: Likeliest<Vec<f64>>,
-    sizes: usize,
-    round: usize,
-    size: usize,
-    is_down: bool,
-    has_moved: bool,
-}
-
 const FACTORS: [f64; 3] = [4.0, 2.0, std::f64::consts::SQRT_2];
 /// A change is for the better if the log likelihood rises by more than this.
 const BETTER: f64 = 0.5;
-const MOST: usize = 48;
+pub(super) const MOST: usize = 48;
 const FAR: f64 = 1e9;
 
-impl Climb {
-    pub(super) fn new(sizes: usize) -> Self {
-        Self { found: Likeliest::new(), sizes, round: 0, size: 0, is_down: false, has_moved: false }
-    }
-
-    fn factors(&self) -> Vec<f64> {
-        self.found.best.as_ref().map_or_else(|| vec![1.0; self.sizes], |(factors, _)| factors.clone())
-    }
-
-    pub(super) fn next(&self) -> Option<Vec<f64>> {
-        let mut factors = self.factors();
-        if self.found.trials > 0 {
-            let factor = *FACTORS.get(self.round).filter(|_| self.found.trials < MOST)?;
-            factors[self.size] *= if self.is_down { 1.0 / factor } else { factor };
+/// The factors of some sizes with the largest log likelihood: each is multiplied, or else divided, as long as that rises.
+pub(super) async fn climbed<F: Future<Output = Option<f64>>>(
+    sizes: usize,
+    mut trial: impl FnMut(Vec<f64>) -> F,
+) -> Likeliest<Vec<f64>> {
+    let mut found = Likeliest::new();
+    let begin = vec![1.0; sizes];
+    found.take(begin.clone(), trial(begin.clone()).await, BETTER);
+    for (factor, size) in FACTORS.into_iter().flat_map(|factor| (0..sizes).map(move |size| (factor, size))) {
+        for by in [factor, 1.0 / factor] {
+            let mut has_moved = false;
+            while found.trials < MOST {
+                let best = |found: &Likeliest<Vec<f64>>| found.best.as_ref().map_or(&begin, |(best, _)| best).clone();
+                let mut factors = best(&found);
+                factors[size] *= by;
+                let likelihood = trial(factors.clone()).await;
+                let is_better = found.take(factors, likelihood, BETTER);
+                if !(is_better && (1.0 / FAR..FAR).contains(&best(&found)[size])) {
+                    break;
+                }
+                has_moved = true;
+            }
+            if has_moved {
+                break;
+            }
         }
-        Some(factors)
     }
-
-    pub(super) fn take(&mut self, likelihood: Option<f64>) {
-        let Some(factors) = self.next() else { return };
-        let is_first = self.found.trials == 0;
-        let is_better = self.found.take(factors, likelihood, BETTER);
-        let is_near = (1.0 / FAR..FAR).contains(&self.factors()[self.size]);
-        if is_first || (is_better && is_near) {
-            self.has_moved = !is_first;
-            return;
-        }
-        let is_over = self.is_down || self.has_moved;
-        (self.is_down, self.has_moved) = (!is_over, false);
-        let place = self.round * self.sizes + self.size + usize::from(is_over);
-        (self.round, self.size) = (place / self.sizes, place % self.sizes);
-    }
-
-    pub(super) fn progress(&self) -> f64 {
-        (self.round * self.sizes + self.size) as f64 / (FACTORS.len() * self.sizes) as f64
-    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
+    use kalmanscope_records::task::at_once;
+
     use super::*;
 
     #[test]
     fn a_climb_finds_a_summit_that_is_far_away_and_passes_over_trials_without_a_likelihood() {
+        let off = |factors: &[f64], summit: [f64; 2]| -> f64 {
+            factors.iter().zip(summit).map(|(a, b)| libm::log(a / b)).map(|x| 30.0 * x * x).sum()
+        };
         for summit in [[1.0, 1.0], [3e4, 0.02], [2e-5, 700.0]] {
-            let mut climb = Climb::new(2);
-            while let Some(factors) = climb.next() {
-                let off: f64 = factors.iter().zip(summit).map(|(a, b)| libm::log(a / b)).map(|x| 30.0 * x * x).sum();
-                climb.take(Some(-off));
-            }
-            let (best, _) = climb.found.best.as_ref().unwrap();
+            let trial = |factors: Vec<f64>| std::future::ready(Some(-off(&factors, summit)));
+            let Likeliest { best, trials } = at_once(climbed(2, trial));
+            let best = best.unwrap().0;
             for (found, at) in best.iter().zip(summit) {
                 assert!((found / at).ln().abs() < 0.25, "{best:?} {summit:?}");
             }
-            assert!(climb.found.trials < MOST && climb.progress() >= 1.0, "{}", climb.found.trials);
+            assert!(trials < MOST, "{trials}");
         }
-        let mut climb = Climb::new(2);
-        while climb.next().is_some() {
-            climb.take(None);
-        }
-        assert!(climb.found.best.is_none());
+        assert!(at_once(climbed(2, |_| std::future::ready(None))).best.is_none());
     }
 }

@@ -5,14 +5,14 @@ use std::f64::consts::TAU;
 
 use kalmanscope_filters::fourier::powers;
 use kalmanscope_filters::least_squares::NormalEquations;
-use kalmanscope_filters::lists::{numbers, sort_numbers};
+use kalmanscope_filters::lists::{median, numbers};
 use kalmanscope_filters::{Aspect, Hold, Quantity};
 use kalmanscope_records::Record;
-use kalmanscope_records::free_decay::{Fit, highest};
 use kalmanscope_records::mapping::Mapping;
 
 use super::moments;
 use super::spectra::{GapTreatment, LONG, Spectra, passed};
+use crate::free_decay::{ModeFit, highest};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredResponse {
@@ -208,7 +208,7 @@ pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Decay {
+pub(super) struct DecayFit {
     pub(super) found: MeasuredResponse,
     /// The standard deviation of what it leaves, in the sensor's unit; and those of ωₙ and ζ, if that is white.
     pub(super) rest: f64,
@@ -237,7 +237,7 @@ const LOUD: f64 = 6.0;
 /// The descent begins in the first 64, 128, … samples: light damping shows in long parts and strong damping in short ones. `None` if no
 /// decay explains the readings, for example because an unknown force still acts. Source: Levenberg (1944), A method for the solution of
 /// certain non-linear problems in least squares; Ewins (2000), *Modal Testing*, section 4.4 (time domain).
-pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>) -> Option<Decay> {
+pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>) -> Option<DecayFit> {
     let band = mapping.and_then(|mapping| mapping.band);
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
@@ -252,7 +252,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let fits = lengths.filter_map(|length| {
         let values = numbers(length, &|k| readings[k][1]);
         let frequency = highest(&readings[..length], &values, |frequency| is_within(band, frequency))?;
-        Some(Fit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
+        Some(ModeFit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
     });
     let fit = fits.filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let mode = *fit.modes(&readings)?.first()?;
@@ -263,7 +263,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let all = readings[..first].iter().map(|[_, value]| (value - constant) * (value - constant)).sum::<f64>();
     let is_sound = is_within(band, natural_frequency) && (1e-4..0.7).contains(&damping_ratio);
     let (is_all, nearby) = leaves_noise(&rests, frequency * record.dt(), passed(mapping, record.dt()));
-    let found = Decay {
+    let found = DecayFit {
         found: MeasuredResponse { natural_frequency, damping_ratio, gain: None },
         rest: libm::sqrt(fit.cost / readings.len().saturating_sub(5).max(1) as f64),
         nearby,
@@ -277,14 +277,14 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
 /// Whether the rest has no more power near `frequency` \[rad/sample\] than elsewhere, and its mean power there over that elsewhere.
 fn leaves_noise(rests: &[f64], frequency: f64, passed: [f64; 2]) -> (bool, f64) {
     let length = 1 << rests.len().max(2).ilog2();
-    let mut powers = powers(rests[..length].iter().copied(), length);
+    let powers = powers(rests[..length].iter().copied(), length);
     let (last, line) = (powers.len(), TAU / length as f64);
     let [low, high] = [NEAR.start, NEAR.end].map(|edge| ((edge * frequency / line) as usize).clamp(1, last));
     let near = &powers[low..(high + 1).min(last)];
     let mean = near.iter().sum::<f64>() / near.len().max(1) as f64;
     let [low, high] = passed.map(|share| ((share * last as f64) as usize).min(last));
-    let passed = &mut powers[low.min(high.saturating_sub(1))..high.max(1)];
+    let passed = &powers[low.min(high.saturating_sub(1))..high.max(1)];
     let all = passed.iter().sum::<f64>() / passed.len() as f64;
-    sort_numbers(passed);
-    (mean < LOUD * passed[passed.len() / 2], if all > 0.0 { mean / all } else { 1.0 })
+    let usual = median(passed.to_vec()).unwrap_or(0.0);
+    (mean < LOUD * usual, if all > 0.0 { mean / all } else { 1.0 })
 }

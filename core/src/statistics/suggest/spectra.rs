@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use kalmanscope_filters::fourier::Transform;
-use kalmanscope_filters::lists::sort_numbers;
+use kalmanscope_filters::lists::{median, sort_numbers};
 use kalmanscope_records::Record;
 use kalmanscope_records::mapping::Mapping;
 use kalmanscope_records::record::Timed;
@@ -170,11 +170,8 @@ impl Spectra {
         let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
         let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
-        let mut powers: Vec<f64> =
-            (low..high).map(|place| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left).collect();
-        sort_numbers(&mut powers);
-        let median = *powers.get(powers.len() / 2)?;
-        (median > 0.0).then(|| libm::sqrt(median))
+        let power = |place: usize| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left;
+        median((low..high).map(power).collect()).filter(|usual| *usual > 0.0).map(libm::sqrt)
     }
 }
 
@@ -231,11 +228,7 @@ const MEDIAN: f64 = 0.674_489_750_196_081_7;
 pub(super) fn noise(Timed { times, values }: &Timed) -> Option<f64> {
     let mut sizes: Vec<f64> = times.windows(READINGS).zip(values.windows(READINGS)).map(|(t, z)| size(t, z)).collect();
     sizes.retain(|size| size.is_finite());
-    if sizes.len() < FEWEST {
-        return None;
-    }
-    sort_numbers(&mut sizes);
-    Some(sizes[sizes.len() / 2] / MEDIAN)
+    if sizes.len() < FEWEST { None } else { Some(median(sizes)? / MEDIAN) }
 }
 
 fn size(times: &[f64], values: &[f64]) -> f64 {

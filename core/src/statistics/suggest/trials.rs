@@ -1,13 +1,14 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
-use kalmanscope_records::{Record, Task};
+use kalmanscope_records::task::{Progress, pause};
+use kalmanscope_records::{Record, Work};
 
+use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
-use super::conditioning::{Course, CourseTrials, FILLING, LostReadings, Plucked};
+use super::conditioning::{Course, FILLING, LostReadings, Plucked, has_open_course, likeliest_course};
 use super::initial::Search;
-use super::likeliest::{Trial, first_alone, frequency_error, likelihood, sizes, surprise};
-use super::{Suggestion, first_for_trial};
-use crate::{Run, Scenario};
+use super::likeliest::{first_alone, frequency_error, likelihood, sizes, surprise, tried, tried_freely};
+use crate::Scenario;
 
 const LIKELY: usize = 4096;
 
@@ -25,66 +26,90 @@ const BETTER: f64 = 0.5;
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
 
-/// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
-/// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
-/// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
-/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is likelier. Without an input, a white force that moves the plant
-/// ([`kalmanscope_filters::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
-/// goes into the mapping; the record is then to be read again.
+/// Begins to suggest settings for a scenario's filters on a measured record.
 ///
-/// Of an equation that a user typed, the parameters that spectra do not tell are searched where there is an input: a filter begins
+/// R comes from the high frequencies that the input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the
+/// spectrum), the initial belief from these, and Q from the likelihood of the innovations. So do the course of an input between its
+/// samples, linear as it was taken, held or band-limited, and the exponent of a Bouc-Wen spring. R takes the size of the innovations
+/// where that is likelier. Without an input, a white force that moves the plant ([`kalmanscope_filters::filter::White`]) is tried too.
+/// Where the scenario has a mapping, means are removed and a large gain goes into the mapping; the record is then to be read again.
+///
+/// Of an equation that a user typed, the parameters that spectra do not give are searched where there is an input: a filter begins
 /// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
-pub struct Suggest {
+pub fn begin(scenario: &Scenario, record: Record) -> Work<Suggestion> {
+    let (longest, plucked) = Plucked::of(&record).unzip();
+    let (suggestion, record) = (Suggestion::new(scenario.clone()), longest.unwrap_or(record));
+    Work::new(|progress| Maker { suggestion, record, plucked, course: None, ambient: None, progress }.made())
+}
+
+struct Maker {
     suggestion: Suggestion,
     record: Record,
     plucked: Option<Plucked>,
-    given: Option<(Record, Suggestion)>,
-    lost: Option<LostReadings>,
-    stage: TrialStage,
-    trial: Trial,
-    searches: Vec<Search>,
-    between: Option<CourseTrials>,
     course: Option<(Course, Option<String>)>,
-    likelihoods: Vec<(f64, f64, Vec<f64>)>,
-    quieter: Option<(Suggestion, f64, f64)>,
     ambient: Option<Ambient>,
-    timed: Option<Record>,
-    errors: Vec<f64>,
+    progress: Progress,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum TrialStage {
-    Data,
-    GapTreatment,
-    Search,
-    CourseTrials,
-    Likelihood(usize),
-    WhiteForce,
-    FreeRun,
-    ModelError,
-    Done,
-}
+/// Parts of the work, for its progress: searches, courses, the shares, white force, free run, model error.
+const STAGES: f64 = (SHARES.len() + 5) as f64;
 
-impl Suggest {
-    /// Suggestions for a scenario on a record, none made yet.
-    pub fn new(scenario: &Scenario, record: Record) -> Self {
-        let (longest, plucked) = Plucked::of(&record).unzip();
-        Self {
-            suggestion: Suggestion::new(scenario.clone()),
-            record: longest.unwrap_or(record),
-            plucked,
-            stage: TrialStage::Data,
-            given: None,
-            lost: None,
-            trial: Trial::default(),
-            searches: Vec::new(),
-            between: None,
-            course: None,
-            likelihoods: Vec::new(),
-            quieter: None,
-            ambient: None,
-            timed: None,
-            errors: Vec::new(),
+impl Maker {
+    async fn made(mut self) -> Suggestion {
+        if self.guess().await && self.choose_noise().await {
+            self.compare_free_runs().await;
+        }
+        let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
+        self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
+        self.plucked.iter().for_each(|plucked| plucked.apply(&mut self.suggestion));
+        self.suggestion
+    }
+
+    fn at(&self, stage: usize, share: f64) {
+        self.progress.set((stage as f64 + share) / STAGES);
+    }
+
+    /// From the data, then by searches, and again where the input has another course between samples. Returns false without a filter.
+    async fn guess(&mut self) -> bool {
+        loop {
+            let (record, given) = (self.record.clone(), self.suggestion.clone());
+            let is_decay = self.begin(None);
+            if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
+                // A motion that continues through the pauses is one part.
+                (self.record, self.suggestion) = (whole, given);
+                continue;
+            }
+            if self.suggestion.scenario.filters.is_empty() {
+                return false;
+            }
+            pause().await;
+            // Without a guess, no filter can know the motion in a gap.
+            let can_fill = self.suggestion.problem.is_none() && self.suggestion.has_frequency();
+            if let Some(lost) = LostReadings::of(&record).filter(|_| can_fill) {
+                let scenario = self.suggestion.with_share(FILLING);
+                let run = tried(&scenario, &self.record, self.record.len()).await;
+                if let Some(filled) = run.and_then(|run| lost.filled(&run, &record)) {
+                    (self.suggestion, self.record) = (given.clone(), filled);
+                    self.begin(Some(&lost));
+                    lost.lose(&mut self.record);
+                }
+            }
+            if let Some((Course::BandLimited, _)) = self.course {
+                self.take_course(Course::BandLimited);
+            }
+            self.search().await;
+            if self.course.is_some() || !has_open_course(&record, &given.scenario) {
+                return true;
+            }
+            let found = likeliest_course(&self.suggestion, &self.record, |share| self.at(1, share)).await;
+            let course = self.course.insert(found).0;
+            if course == Course::Linear {
+                return true;
+            }
+            (self.record, self.suggestion) = (record, given);
+            if course == Course::Held {
+                self.take_course(course);
+            }
         }
     }
 
@@ -113,25 +138,6 @@ impl Suggest {
         decay.is_some()
     }
 
-    fn fill(&mut self, run: Option<&Run>) {
-        let (Some(lost), Some((record, given))) = (self.lost.take(), &self.given) else { return };
-        let Some(filled) = run.and_then(|run| lost.filled(run, record)) else { return };
-        (self.suggestion, self.record) = (given.clone(), filled);
-        self.begin(Some(&lost));
-        lost.lose(&mut self.record);
-    }
-
-    fn begin_search(&mut self) -> TrialStage {
-        if let Some((Course::BandLimited, _)) = self.course {
-            self.take_course(Course::BandLimited);
-        }
-        self.searches = Search::all(&self.suggestion);
-        if has_no_input(&self.record) {
-            self.searches.drain(..).take(1).for_each(|search| search.give_up(&mut self.suggestion));
-        }
-        TrialStage::Search
-    }
-
     fn take_course(&mut self, course: Course) {
         if let Some(record) = course.of(&self.record) {
             self.record = record;
@@ -139,23 +145,17 @@ impl Suggest {
         }
     }
 
-    fn choose_course(&mut self) -> TrialStage {
-        self.timed = self.ambient.as_ref().and_then(|_| self.record.clocks()).map(|_| self.record.clone());
-        if self.timed.is_some() {
-            self.record = self.record.clone().at_samples();
+    async fn search(&mut self) {
+        let mut searches = Search::all(&self.suggestion);
+        if has_no_input(&self.record) {
+            searches.into_iter().take(1).for_each(|search| search.give_up(&mut self.suggestion));
+            return;
         }
-        let Some(between) = self.between.take() else { return TrialStage::Likelihood(0) };
-        let course = self.course.insert(between.chosen()).0;
-        if course == Course::Linear {
-            return TrialStage::Likelihood(0);
+        for search in &mut searches {
+            let scenario = &self.suggestion.scenario;
+            search.run(scenario, &self.record, self.likely(), |share| self.at(0, share)).await;
         }
-        if let Some((record, given)) = self.given.take() {
-            (self.record, self.suggestion) = (record, given);
-        }
-        if course == Course::Held {
-            self.take_course(course);
-        }
-        TrialStage::Data
+        Search::choose(searches, &mut self.suggestion);
     }
 
     fn likely(&self) -> usize {
@@ -163,177 +163,77 @@ impl Suggest {
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    fn choose(&mut self) -> TrialStage {
-        let best = self.likelihoods.drain(..).max_by(|a, b| a.1.total_cmp(&b.1));
-        let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
-        let lead = if best.as_ref().is_some_and(|(share, ..)| *share > 0.0) { 0.0 } else { CLEARLY };
-        if let Some(mut ambient) = self.ambient.take()
-            && let Some((sizes, _)) = ambient.best().filter(|(_, white)| *white > likelihood + lead)
-        {
-            ambient.suggestion.take_white_force(&sizes);
-            self.suggestion = ambient.suggestion;
-            let reason =
-                "a white force counts in samples: its filters take each reading at a sample, not at its own time";
-            self.suggestion.reasons.extend(self.timed.as_ref().map(|_| reason.to_owned()));
-            return TrialStage::Done;
+    /// The likeliest share of the motion for its process noise, its log likelihood, and the sizes of the innovations.
+    async fn likeliest_share(&self) -> Option<(f64, f64, Vec<f64>)> {
+        let mut all = Vec::new();
+        for (place, share) in SHARES.into_iter().enumerate() {
+            self.at(2 + place, 0.0);
+            let mut scenario = self.suggestion.with_share(share);
+            self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+            let run = tried(&scenario, &self.record, self.likely()).await;
+            all.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
         }
-        if let Some(timed) = self.timed.take() {
+        all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Takes the likeliest of Q and R, or of a white force. Returns false for that: it leaves nothing to a free run.
+    async fn choose_noise(&mut self) -> bool {
+        let timed = self.ambient.as_ref().and_then(|_| self.record.clocks()).map(|_| self.record.clone());
+        if timed.is_some() {
+            self.record = self.record.clone().at_samples();
+        }
+        let mut best = self.likeliest_share().await;
+        let likelihood = |best: &Option<(f64, f64, Vec<f64>)>| best.as_ref().map_or(f64::NEG_INFINITY, |best| best.1);
+        let samples = self.likely();
+        if let Some(mut ambient) = self.ambient.take() {
+            let lead = if best.as_ref().is_some_and(|(share, ..)| *share > 0.0) { 0.0 } else { CLEARLY };
+            let found = ambient.best(&self.record, samples, |share| self.at(2 + SHARES.len(), share)).await;
+            if let Some((sizes, _)) = found.filter(|(_, white)| *white > likelihood(&best) + lead) {
+                ambient.suggestion.take_white_force(&sizes);
+                self.suggestion = ambient.suggestion;
+                let reason =
+                    "a white force counts in samples: its filters take each reading at a sample, not at its own time";
+                self.suggestion.reasons.extend(timed.map(|_| reason.to_owned()));
+                return false;
+            }
+        }
+        if let Some(timed) = timed {
             self.record = timed;
-            return TrialStage::Likelihood(0);
+            best = self.likeliest_share().await;
         }
-        let before = self.quieter.take();
         let is_open = self.suggestion.problem.is_none() && !has_no_input(&self.record);
-        match (before.filter(|(.., before)| likelihood < before + BETTER), best) {
-            (Some((suggestion, share, _)), _) => {
-                self.suggestion = suggestion;
-                self.suggestion.process_noise(share);
-            }
-            (None, Some((share, likelihood, sizes))) if is_open && sizes.iter().any(|size| !NEARLY.contains(size)) => {
-                self.quieter = Some((self.suggestion.clone(), share, likelihood));
-                self.suggestion.resize_noise(&sizes);
-                return TrialStage::Likelihood(0);
-            }
-            (None, Some((share, ..))) => self.suggestion.process_noise(share),
-            (None, None) => {}
-        }
-        TrialStage::FreeRun
-    }
-
-    fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<TrialStage> {
-        Some(match self.stage {
-            TrialStage::Data => {
-                let (record, given) = (self.record.clone(), self.suggestion.clone());
-                let is_decay = self.begin(None);
-                if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
-                    // A motion that continues through the pauses is one part.
-                    (self.record, self.suggestion) = (whole, given);
-                    return Some(TrialStage::Data);
-                }
-                if self.course.is_none() {
-                    self.between = CourseTrials::of(&record, &given.scenario);
-                }
-                // Without a guess, no filter can know the motion in a gap.
-                let can_fill = self.suggestion.problem.is_none() && self.suggestion.has_frequency();
-                self.lost = LostReadings::of(&record).filter(|_| can_fill);
-                self.given = Some((record, given));
-                match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
-                    (true, _) => TrialStage::Done,
-                    (false, None) => self.begin_search(),
-                    (false, Some(_)) => TrialStage::GapTreatment,
-                }
-            }
-            TrialStage::GapTreatment => {
-                let scenario = || self.suggestion.with_share(FILLING);
-                let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time)?;
-                self.fill(run.as_ref());
-                self.begin_search()
-            }
-            TrialStage::Search => {
-                let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
-                let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
-                    Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
-                    return Some(TrialStage::CourseTrials);
-                };
-                let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time)?;
-                search.take(run.as_ref());
-                TrialStage::Search
-            }
-            TrialStage::CourseTrials => {
-                let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
-                if let Some((part, scenario)) = next {
-                    let run = self.trial.follow(|| scenario, part, part.len(), while_time)?;
-                    self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
-                    TrialStage::CourseTrials
-                } else {
-                    self.choose_course()
-                }
-            }
-            TrialStage::Likelihood(place) => {
-                let (share, samples) = (SHARES[place], self.likely());
-                let scenario = || {
-                    let mut scenario = self.suggestion.with_share(share);
-                    self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
-                    scenario
-                };
-                let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
-                self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
-                if place + 1 < SHARES.len() { TrialStage::Likelihood(place + 1) } else { TrialStage::WhiteForce }
-            }
-            TrialStage::WhiteForce => {
-                let samples = self.likely();
-                if let Some(ambient) = &mut self.ambient
-                    && let Some(sizes) = ambient.next()
-                {
-                    let scenario = || first_for_trial(&ambient.suggestion.with_white_force(&sizes));
-                    let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
-                    ambient.take(run.and_then(|run| likelihood(&run)));
-                    TrialStage::WhiteForce
-                } else {
-                    self.choose()
-                }
-            }
-            TrialStage::FreeRun => {
-                let scenario = || first_alone(&self.suggestion.scenario);
-                let (run, errors) = self.trial.follow_freely(scenario, &self.record, while_time)?;
-                if let Some(run) = run {
-                    self.suggestion.substeps(self.record.dt(), frequency_error(&run, self.record.len()));
-                    if run.estimates().first().is_some_and(|one| one.stop().is_some()) {
-                        self.suggestion.keep_from_rounding();
-                    }
-                }
-                // The errors of a default guess are no noise.
-                self.errors = errors.filter(|_| self.suggestion.problem.is_none()).unwrap_or_default();
-                if self.errors.is_empty() { TrialStage::Done } else { TrialStage::ModelError }
-            }
-            TrialStage::ModelError => {
-                let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
-                let (run, after) = self.trial.follow_freely(scenario, &self.record, while_time)?;
-                if let Some((run, after)) = run.zip(after) {
-                    self.suggestion.model_error(&self.errors, &after, surprise(&run));
-                }
-                TrialStage::Done
-            }
-            TrialStage::Done => TrialStage::Done,
-        })
-    }
-}
-
-impl Task for Suggest {
-    type Outcome = Suggestion;
-
-    fn progress(&self) -> f64 {
-        let all = (SHARES.len() + 4) as f64;
-        match self.stage {
-            TrialStage::Data | TrialStage::GapTreatment | TrialStage::Search if self.course.is_some() => 2.0 / all,
-            TrialStage::Data | TrialStage::GapTreatment => 0.0,
-            TrialStage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
-            TrialStage::CourseTrials => (1.0 + self.between.as_ref().map_or(1.0, CourseTrials::progress)) / all,
-            TrialStage::Likelihood(place) => (2 + place) as f64 / all,
-            TrialStage::WhiteForce => {
-                let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());
-                ((1 + SHARES.len()) as f64 + done) / all
-            }
-            TrialStage::FreeRun => (2 + SHARES.len()) as f64 / all,
-            TrialStage::ModelError => (3 + SHARES.len()) as f64 / all,
-            TrialStage::Done => 1.0,
-        }
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while self.stage != TrialStage::Done {
-            let Some(next) = self.follow(while_time) else { return false };
-            self.stage = next;
-            if !while_time() {
+        let is_other = |sizes: &[f64]| sizes.iter().any(|size| !NEARLY.contains(size));
+        while let Some((share, before, sizes)) = best.take_if(|(.., sizes)| is_open && is_other(sizes)) {
+            let quieter = self.suggestion.clone();
+            self.suggestion.resize_noise(&sizes);
+            best = self.likeliest_share().await;
+            if likelihood(&best) < before + BETTER {
+                self.suggestion = quieter;
+                best = Some((share, before, sizes));
                 break;
             }
         }
-        self.stage == TrialStage::Done
+        best.iter().for_each(|(share, ..)| self.suggestion.process_noise(*share));
+        true
     }
 
-    fn finish(mut self) -> Suggestion {
-        let kept = std::mem::take(&mut self.suggestion.replaceable).into_iter().filter(|reason| !reason.is_empty());
-        self.suggestion.reasons.extend(kept.chain(self.course.and_then(|(_, sentence)| sentence)));
-        self.plucked.iter().for_each(|plucked| plucked.apply(&mut self.suggestion));
-        self.suggestion
+    async fn compare_free_runs(&mut self) {
+        self.at(3 + SHARES.len(), 0.0);
+        let scenario = first_alone(&self.suggestion.scenario);
+        let Some((run, errors)) = tried_freely(&scenario, &self.record).await else { return };
+        self.suggestion.substeps(self.record.dt(), frequency_error(&run, self.record.len()));
+        if run.estimates().first().is_some_and(|one| one.stop().is_some()) {
+            self.suggestion.keep_from_rounding();
+        }
+        // The errors of a default guess are no noise.
+        let Some(errors) = errors.filter(|_| self.suggestion.problem.is_none()) else { return };
+        if errors.is_empty() {
+            return;
+        }
+        self.at(4 + SHARES.len(), 0.0);
+        let scenario = first_alone(&self.suggestion.with_error(&errors));
+        if let Some((run, Some(after))) = tried_freely(&scenario, &self.record).await {
+            self.suggestion.model_error(&errors, &after, surprise(&run));
+        }
     }
 }

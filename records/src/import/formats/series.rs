@@ -173,7 +173,7 @@ pub(super) fn has_58b(bytes: &[u8]) -> bool {
 }
 
 pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
-    let mut reader = SeriesReader::new(next_uff58);
+    let mut reader = SeriesReader::new("universal file, data set 58b", Dialect::default(), next_uff58);
     let (mut rest, mut line, mut is_set) = (bytes, 0, false);
     let mut binary: Option<(usize, [usize; 4])> = None;
     while !rest.is_empty() {
@@ -199,7 +199,7 @@ pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
             (rest, binary) = (&rest[part.len()..], None);
         }
     }
-    reader.finish("universal file, data set 58b", Dialect::default(), line)
+    reader.finish(line)
 }
 
 fn axis(direction: &str) -> &'static str {

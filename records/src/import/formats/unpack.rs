@@ -6,21 +6,21 @@ use flate2::Crc;
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use kalmanscope_filters::lists::mapped;
 
-use super::super::reader::Reader;
-use super::super::{Dialect, ImportError, Mapping, Table};
+use super::super::{Dialect, ImportError, Mapping, Table, reader};
+use crate::task::{Progress, at_once};
 
 /// A packed file may contain itself: it is not unpacked twice.
-fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    if is_zip(&bytes) || bytes.starts_with(b"\x1F\x8B") {
+fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    if is_zip(bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
     }
-    Reader::read(bytes, dialect)
+    at_once(reader::read(bytes, dialect, &Progress::default()))
 }
 
 pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
-    table(file, dialect)
+    table(&file, dialect)
 }
 
 pub(super) fn is_zip(bytes: &[u8]) -> bool {
@@ -82,7 +82,7 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
     let (mut room, mut tables, mut failed) = (Room::of(bytes), Vec::new(), String::new());
     for (place, entry) in entries.iter().enumerate() {
         let file = entry.unpack(&mut room).map_err(ImportError::OtherKind);
-        match file.and_then(|file| table(file, dialect)) {
+        match file.and_then(|file| table(&file, dialect)) {
             Ok(table) => tables.push((place, table)),
             Err(reason) => failed = format!(": `{}`: {reason}", entry.name),
         }
@@ -140,9 +140,12 @@ impl Room {
 }
 
 pub(super) fn whole(bytes: &[u8], place: usize, size: usize, is_big: bool) -> Option<usize> {
-    let part = bytes.get(place..place.checked_add(size)?)?;
-    let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
-    Some(if is_big { part.iter().fold(0, add) } else { part.iter().rev().fold(0, add) })
+    Some(bits(bytes.get(place..place.checked_add(size)?)?, is_big) as usize)
+}
+
+fn bits(bytes: &[u8], is_big: bool) -> u64 {
+    let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+    if is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) }
 }
 
 /// NumPy's letter: `f`, `i`, `u` or `b`; and the bytes.
@@ -155,8 +158,7 @@ pub(super) struct NumberForm {
 
 impl NumberForm {
     pub(super) fn number(self, bytes: &[u8]) -> f64 {
-        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
-        let bits = if self.is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) };
+        let bits = bits(bytes, self.is_big);
         let above = 64 - 8 * self.size;
         match (self.kind, self.size) {
             ('f', 4) => f64::from(f32::from_bits(bits as u32)),
@@ -217,7 +219,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_packed_table_is_the_table() {
-        let plain = Reader::read(record(), None).unwrap();
+        let plain = super::table(&record(), None).unwrap();
         assert_eq!(gzip(&gzip_of(&record()), None).unwrap(), plain);
         let parts = [gzip_of(&record()[..60]), gzip_of(&record()[60..])].concat();
         assert_eq!(gzip(&parts, None).unwrap(), plain);

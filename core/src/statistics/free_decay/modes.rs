@@ -104,7 +104,7 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     let one = best::<5>(readings, &values, &[])?;
     let rests = one.rests(readings);
     let count = readings.len() as f64;
-    let is_better = |two: &Fit<9>| 0.5 * count * libm::log(one.cost / two.cost) > 4.0 * GAIN * libm::log(count);
+    let is_better = |two: &ModeFit<9>| 0.5 * count * libm::log(one.cost / two.cost) > 4.0 * GAIN * libm::log(count);
     let Some(two) = best::<9>(readings, &rests, &one.numbers[1..]).filter(is_better) else {
         return Some((one.modes(readings)?, rests, vec![0.0; readings.len()]));
     };
@@ -118,19 +118,17 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     if is_turned {
         modes.swap(0, 1);
     }
-    let others = mapped(readings, &|[time, _]| Fit::at(&other, time - readings[0][0]).0);
+    let others = mapped(readings, &|[time, _]| ModeFit::at(&other, time - readings[0][0]).0);
     Some((modes, two.rests(readings), others))
 }
 
 /// A constant, then ω, σ, a and b of each decay.
-pub struct Fit<const N: usize> {
-    /// The sum of the squares of what is left.
-    pub cost: f64,
-    /// The numbers of the model.
-    pub numbers: [f64; N],
+pub(crate) struct ModeFit<const N: usize> {
+    pub(crate) cost: f64,
+    pub(crate) numbers: [f64; N],
 }
 
-fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> Option<Fit<N>> {
+fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> Option<ModeFit<N>> {
     if readings.len() < FEWEST * N {
         return None;
     }
@@ -139,13 +137,13 @@ fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> 
         let mut numbers = [0.0; N];
         numbers[1..=so_far.len()].copy_from_slice(so_far);
         numbers[N - 4..N - 2].copy_from_slice(&[frequency, damping * frequency]);
-        Fit::descend(readings, numbers)
+        ModeFit::descend(readings, numbers)
     });
     fits.into_iter().filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// \[rad/s\]
-pub fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
+pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
     let (first, last) = (readings.first()?[0], readings.last()?[0]);
     let dt = (last - first) / (readings.len() - 1) as f64;
     let length = 4 * readings.len().next_power_of_two();
@@ -161,7 +159,7 @@ pub fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -
     places.max_by(|&a, &b| powers[a].total_cmp(&powers[b])).map(frequency)
 }
 
-impl<const N: usize> Fit<N> {
+impl<const N: usize> ModeFit<N> {
     fn at(numbers: &[f64; N], time: f64) -> (f64, [f64; N]) {
         let (mut value, mut by) = (numbers[0], [1.0; N]);
         for (of, by) in numbers[1..].chunks_exact(4).zip(by[1..].chunks_exact_mut(4)) {
@@ -185,7 +183,7 @@ impl<const N: usize> Fit<N> {
     }
 
     /// The least squares from a start on.
-    pub fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
+    pub(crate) fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
         let step = |at: &[f64; N], by: [f64; N]| {
             let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);
             for place in (1..N).step_by(4) {
@@ -199,14 +197,12 @@ impl<const N: usize> Fit<N> {
         Self { cost, numbers }
     }
 
-    /// The difference of each reading from the model.
-    pub fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
+    pub(crate) fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
         let rest = |[time, reading]: &[f64; 2]| reading - Self::at(&self.numbers, time - readings[0][0]).0;
         mapped(readings, &rest)
     }
 
-    /// The modes that the numbers stand for.
-    pub fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {
+    pub(crate) fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {
         let variances = Self::normal(readings, &self.numbers).1.variances()?;
         let noise = self.cost / readings.len().saturating_sub(N).max(1) as f64;
         let modes = self.numbers[1..].chunks_exact(4).zip(variances[1..].chunks_exact(4)).map(|(of, variances)| {

@@ -1,7 +1,8 @@
 //! The ring of a thing that was struck, in the samples of a sound: its pitch, where it rings, and what stands beside it.
 
 use kalmanscope_filters::fourier::powers;
-use kalmanscope_filters::lists::sort_numbers;
+use kalmanscope_filters::lists::median;
+use kalmanscope_records::import::{Mapping, Table};
 
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
 ///
@@ -53,6 +54,30 @@ const GROWTH: f64 = 1.5;
 const FEWEST: f64 = 20.0;
 
 impl Ring {
+    /// The ring in the first channel of a sound. `None` for a table that is no sound, or where nothing rings.
+    pub fn of(table: &Table) -> Option<Self> {
+        let (rate, values) = table.sound()?;
+        Self::in_samples(rate, values)
+    }
+
+    /// Sets the part, the band and the samples of a mapping of a table that is a sound to those of its ring. Returns a sentence about
+    /// it, or that nothing rings. `None` for any other table.
+    pub fn choose(table: &Table, mapping: &mut Mapping) -> Option<String> {
+        table.sound()?;
+        let Some(Self { pitch, part, band, every }) = Self::of(table) else {
+            return Some("nothing rings in this sound: a line that is louder than the room and fades".to_owned());
+        };
+        let round = |x: f64, digits: f64| libm::round(x * digits) / digits;
+        let [from, to] = part.map(|time| round(time, 1e4));
+        (mapping.from, mapping.to, mapping.every) = (Some(from), Some(to), every);
+        mapping.band = Some(band.map(|limit| round(limit, 1e2)));
+        let ([from, to], [low, high]) = (part, band);
+        let kept = if every == 1 { "every sample".to_owned() } else { format!("one of {every} samples") };
+        Some(format!(
+            "a sound that rings at {pitch:.1} Hz: {from:.2} s to {to:.2} s of it are taken, between {low:.0} Hz and {high:.0} Hz, {kept}"
+        ))
+    }
+
     /// Finds the ring in samples that are 1 / `rate` \[s\] apart.
     pub fn in_samples(rate: f64, values: &[f64]) -> Option<Self> {
         let block = ((BLOCK * rate) as usize).max(1);
@@ -65,8 +90,8 @@ impl Ring {
         let after = values.get(blow + 2 * block..)?;
         // The blow may begin in the block before the loudest one.
         let before = &values[..blow.saturating_sub(2 * block)];
-        let spectrum = Spectrum::of(rate, after)?;
-        let silence = Spectrum::of(rate, &before[before.len().saturating_sub(SPECTRUM)..]);
+        let spectrum = RingSpectrum::of(rate, after)?;
+        let silence = RingSpectrum::of(rate, &before[before.len().saturating_sub(SPECTRUM)..]);
         let lines = spectrum.lines(silence.as_ref());
         let &Line { frequency: pitch, power, .. } = lines.iter().max_by(|a, b| a.power.total_cmp(&b.power))?;
         let is_own = |line: &&Line| line.frequency > OWN * pitch || line.frequency < pitch / OWN;
@@ -94,9 +119,7 @@ fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     let largest = *sizes.get(begin)?;
     // The noise is measured in the silence before the blow, or at the end if there is none.
     let silence = if blow > 5 { &sizes[..blow - 1] } else { &sizes[sizes.len() - (sizes.len() / 5).max(1)..] };
-    let mut silence = silence.to_vec();
-    sort_numbers(&mut silence);
-    let noise = silence[silence.len() / 2];
+    let noise = median(silence.to_vec())?;
     if largest < LOUD * noise {
         return None;
     }
@@ -137,14 +160,14 @@ struct Line {
 }
 
 /// A line of amplitude a has the power a² / 4.
-struct Spectrum {
+struct RingSpectrum {
     /// \[Hz\]
     step: f64,
     rate: f64,
     powers: Vec<f64>,
 }
 
-impl Spectrum {
+impl RingSpectrum {
     /// Of the first 65,536 samples. `None` if there are fewer than 256.
     fn of(rate: f64, values: &[f64]) -> Option<Self> {
         let values = &values[..values.len().min(SPECTRUM)];

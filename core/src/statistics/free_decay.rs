@@ -6,15 +6,14 @@ mod sweep;
 
 use std::fmt::Write as _;
 
-use kalmanscope_filters::lists::{mapped, numbers, sort_items, sort_numbers};
+use kalmanscope_filters::lists::{mapped, numbers, sort_items};
 use kalmanscope_filters::{Hold, InputKind, Quantity};
+use kalmanscope_records::record::LiveRecord;
+use kalmanscope_records::resample::{CLEAR, Steps, end_of_part, half_swing, mean, noise_of, side};
 use thiserror::Error;
 
-use crate::record::LiveRecord;
-use crate::resample::Steps;
-
 pub use modes::Mode;
-pub use modes::{Fit, highest};
+pub(crate) use modes::{ModeFit, highest};
 pub use ring::Ring;
 pub use sweep::Sweep;
 
@@ -243,12 +242,6 @@ impl Decay {
     }
 }
 
-pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
-    let middle = mean(values);
-    let around = mapped(values, &|value| value - middle);
-    side(&around, noise_of(times, &around, 1.0))
-}
-
 fn seconds(readings: &[[f64; 4]]) -> f64 {
     readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
 }
@@ -330,58 +323,6 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (us
     (times.len(), false)
 }
 
-/// Share of half a swing, to either side, that a cubic follows; the fewest and the most readings there.
-const FOLLOWED: f64 = 1.0 / 3.0;
-const FEWEST: usize = 3;
-const MOST: usize = 12;
-
-const CLEAR: f64 = 3.0;
-
-fn side(values: &[f64], noise: f64) -> usize {
-    ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST)
-}
-
-fn half_swing(values: &[f64], noise: f64) -> f64 {
-    let (mut turns, mut side) = (Vec::new(), 0.0);
-    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
-        if x.signum() != side {
-            side = x.signum();
-            turns.push(k);
-        }
-    }
-    let mut apart: Vec<f64> = turns.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
-    sort_numbers(&mut apart);
-    apart.get(apart.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// A part has at least one reading: above 2⁵³ s, adding a second changes nothing.
-fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
-    (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
-}
-
-/// A slow swing has next to no third differences. Source: Hamming (1973), *Numerical Methods*, chapter 10.
-fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
-    let (mut least, mut differences) = (f64::INFINITY, Vec::new());
-    let mut place = 0;
-    while place < times.len() {
-        let next = end_of_part(times, place, pace);
-        if next - place >= 10 && times[next - 1] - times[place] > 0.5 * pace {
-            let values = &along[place..next];
-            let middle = mean(values);
-            let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
-            least = least.min(square / (values.len() - 1) as f64);
-            let third = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2);
-            // The squares of 1, 3, 3 and 1 add up to 20.
-            differences.push(values.windows(4).map(third).sum::<f64>() / (20 * (values.len() - 3)) as f64);
-        }
-        place = next;
-    }
-    sort_numbers(&mut differences);
-    let usual = differences.get(differences.len() / 2).copied().unwrap_or(f64::INFINITY);
-    let least = least.min(usual);
-    if least.is_finite() { least.sqrt() } else { 0.0 }
-}
-
 /// The largest component of the axis is positive.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
@@ -414,30 +355,8 @@ fn middle(values: &[f64]) -> f64 {
     weights().zip(values).map(|(weight, x)| weight * x).sum::<f64>() / weights().sum::<f64>()
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
 /// Limits from below the cosine between the axes of two decays of one device.
 const SAME_AXIS: f64 = 0.95;
 
 /// Limits the difference of their swings in a second, as a share, beside one swing over the length of the shorter.
 const SAME_RATE: f64 = 0.03;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_part_has_a_reading_where_a_second_more_is_the_same_number() {
-        for power in -9..=19 {
-            let step = 10_f64.powi(power);
-            for start in [0.0, 1.0, 1.714_564_8e18, 1e19] {
-                let times: Vec<f64> = (0..50).map(|k| start + f64::from(k) * step).collect();
-                let ends = (0..times.len()).map(|place| end_of_part(&times, place, 1.0));
-                assert!(ends.enumerate().all(|(place, end)| end > place && end <= times.len()), "{start} {step}");
-            }
-        }
-        assert_eq!(end_of_part(&[0.0, 0.4, 0.8, 1.2, 1.6], 0, 1.0), 3);
-    }
-}
