@@ -49,7 +49,7 @@ fn one(
     let mut diagnostics = Diagnostics::new(&history, record);
     while pass.done() < record.len() && pass.stop.is_none() {
         pass.follow(record, pass.done() + CHUNK, &mut history);
-        diagnostics.follow(&history, record);
+        diagnostics.follow_to(history.len(), &history, record);
         history.drop_matrices();
     }
     let diagnosis = Diagnosis::new(&diagnostics, &history, record);

@@ -238,22 +238,6 @@ mod tests {
     use super::*;
     use kalmanscope_filters::random::Purpose;
 
-    #[test]
-    fn values_at_and_around_the_changes() {
-        let step = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
-        assert_eq!([step.at(0.0), step.at(29.99), step.at(30.0)], [6.0, 6.0, 4.8]);
-        let ramp = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 20.0 });
-        assert_eq!(
-            [ramp.at(9.0), ramp.at(10.0), ramp.at(15.0), ramp.at(20.0), ramp.at(99.0)],
-            [1.0, 1.0, 2.0, 3.0, 3.0]
-        );
-        let sudden = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 10.0 });
-        assert_eq!([sudden.at(9.9), sudden.at(10.0)], [1.0, 3.0]);
-        let sine = Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 8.0 });
-        assert!((sine.at(2.0) - 6.5).abs() < 1e-15 && (sine.at(6.0) - 5.5).abs() < 1e-15);
-        assert_eq!(sine.minimum(), 5.5);
-    }
-
     fn samples(force: Force, n: usize, dt: f64) -> Vec<f64> {
         let mut noise = Normal::new(1, Purpose::Force);
         (0..n).map(|k| force.sample(k, dt, &mut noise)).collect()

@@ -129,7 +129,7 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
     for done in [700, 1500, 1501, 3000, 4001] {
         kept.forget(650);
         kept.advance_to(done);
-        following.iter_mut().zip(kept.estimates()).for_each(|(d, e)| d.follow(e, kept.record()));
+        following.iter_mut().zip(kept.estimates()).for_each(|(d, e)| d.follow_to(e.len(), e, kept.record()));
         bounds.iter_mut().for_each(|bound| {
             bound.follow_to(kept.record().len(), kept.record());
         });

@@ -1,6 +1,8 @@
 //! How large R and Q are: a filter that learns noise, and filters with several scales of Q.
 
-use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Trouble};
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Signal, Trouble,
+};
 
 use crate::numbers::{apart, mean};
 use crate::run::{finished, finished_on, one_filter, oscillator, values, with_times};
@@ -220,4 +222,21 @@ fn usual_noise_is_scaled_too() {
         let cov = estimates.cov(k);
         assert!((0..n * n).all(|at| cov[at].to_bits() == cov[at % n * n + at / n].to_bits()), "{k}");
     }
+}
+
+#[test]
+fn the_scale_of_q_is_known_where_all_of_q_has_one() {
+    let mut scenario = Scenario::default();
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let mut filter = scenario.filters[0].clone();
+    assert_eq!(scenario.true_process_scale(&filter), None, "nothing shakes it");
+    scenario.plant.disturbance_std = 2.0;
+    assert_eq!(scenario.true_process_scale(&filter), None, "its parameters walk, and the true ones do not");
+    filter.process_std = scenario.true_noise().1;
+    assert_eq!(scenario.true_process_scale(&filter), Some(1.0));
+    filter.process_std[Channel::VELOCITY] *= 0.1;
+    assert_eq!(scenario.true_process_scale(&filter), None, "displacement and velocity differ");
+    filter.process_std[Channel::DISPLACEMENT] = 0.0;
+    let scale = scenario.true_process_scale(&filter).unwrap();
+    assert!((scale - 10.0).abs() < 1e-9, "{scale}");
 }

@@ -126,12 +126,16 @@ fn portions_do_not_matter() {
     assert_eq!(portions.frequencies, frequencies);
 }
 
+fn displacement(dt: f64, measured: Vec<f64>) -> Record {
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; measured.len()] };
+    Record::new(dt, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap()
+}
+
 #[test]
 fn a_tone_that_jumps_is_found_before_and_after() {
     let tone = |k: usize| if k < 4000 { 0.5 } else { 1.5 };
     let measured: Vec<f64> = (0..8000).map(|k| libm::sin(tone(k) * k as f64)).collect();
-    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 8000] };
-    let record = Record::new(0.01, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+    let record = displacement(0.01, measured);
     let spectrogram = Spectrogram::windows(&record, 0, 8000).unwrap().run();
     let peak = |time: f64| {
         let column = &spectrogram.decibels[((time - spectrogram.start) / spectrogram.step) as usize];
@@ -145,8 +149,7 @@ fn a_tone_that_jumps_is_found_before_and_after() {
 #[test]
 fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
     let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * f64::from(k))).collect();
-    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
-    let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+    let record = displacement(0.02, measured);
     let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
     let mut pieces = 1;
     while !windows.advance(&mut || false) {

@@ -218,3 +218,16 @@ fn a_plant_with_hardly_any_cubic_stiffness_answers_like_a_linear_one() {
     let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9 * largest(reference);
     assert!(x.iter().zip(reference).all(is_near), "Runge-Kutta steps against the exact response");
 }
+
+#[test]
+fn values_at_and_around_the_changes() {
+    let step = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
+    assert_eq!([step.at(0.0), step.at(29.99), step.at(30.0)], [6.0, 6.0, 4.8]);
+    let ramp = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 20.0 });
+    assert_eq!([ramp.at(9.0), ramp.at(10.0), ramp.at(15.0), ramp.at(20.0), ramp.at(99.0)], [1.0, 1.0, 2.0, 3.0, 3.0]);
+    let sudden = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 10.0 });
+    assert_eq!([sudden.at(9.9), sudden.at(10.0)], [1.0, 3.0]);
+    let sine = Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 8.0 });
+    assert!((sine.at(2.0) - 6.5).abs() < 1e-15 && (sine.at(6.0) - 5.5).abs() < 1e-15);
+    assert_eq!(sine.minimum(), 5.5);
+}

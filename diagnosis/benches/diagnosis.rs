@@ -26,7 +26,7 @@ fn main() {
     let trials = !is_asked_for("--no-causes");
     let verbose = is_asked_for("--verbose");
     let seeds: Vec<u64> = seeds(NUMBER).collect();
-    let outcomes = on_two_threads(&seeds, |seed| Outcome::at(*seed, trials, verbose, &[]));
+    let outcomes = on_two_threads(&seeds, |seed| Outcome::of(*seed, trials, verbose));
     for known in [true, false] {
         print_verdicts(&outcomes, known);
     }

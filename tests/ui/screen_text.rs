@@ -105,7 +105,7 @@ fn filters_that_are_shown_are_model_classes() {
     let evidence = screen.state().session().evidence();
     for (row, k) in [("0 s", 0), ("6 s", 600), ("60 s", 6000)] {
         let classes = ModelClasses::new(evidence.iter().map(|of| of.at(k).unwrap()));
-        for (name, p) in ["EKF", "UKF"].iter().zip(&classes.0) {
+        for (name, p) in ["EKF", "UKF"].iter().zip(&classes.probabilities) {
             let text = cell(table, row, name);
             match 100.0 * p {
                 p if p > 99.99 => assert_eq!(text, "> 99.99 %"),

@@ -126,23 +126,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scale_of_q_is_known_where_all_of_q_has_one() {
-        let mut scenario = Scenario::default();
-        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-        let mut filter = scenario.filters[0].clone();
-        assert_eq!(scenario.true_process_scale(&filter), None, "nothing shakes it");
-        scenario.plant.disturbance_std = 2.0;
-        assert_eq!(scenario.true_process_scale(&filter), None, "its parameters walk, and the true ones do not");
-        filter.process_std = scenario.true_noise().1;
-        assert_eq!(scenario.true_process_scale(&filter), Some(1.0));
-        filter.process_std[Channel::VELOCITY] *= 0.1;
-        assert_eq!(scenario.true_process_scale(&filter), None, "displacement and velocity differ");
-        filter.process_std[Channel::DISPLACEMENT] = 0.0;
-        let scale = scenario.true_process_scale(&filter).unwrap();
-        assert!((scale - 10.0).abs() < 1e-9, "{scale}");
-    }
-
-    #[test]
     fn the_change_per_step_is_that_of_all_steps() {
         for (duration, dt) in [(60.0, 0.01), (59.987, 0.013), (5.0, 1.0), (0.03, 0.01)] {
             let scenario = Scenario { duration, dt, ..Scenario::default() };

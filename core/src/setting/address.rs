@@ -61,15 +61,15 @@ impl Address {
     /// [`UnknownSetting`] where the scenario has no such number.
     pub fn parse(scenario: &Scenario, text: &str) -> Result<Self, UnknownSetting> {
         let unknown = || UnknownSetting { key: text.to_owned(), instead: Place::instead(scenario, text) };
-        Place::parse(scenario, text).map(Self::of).ok_or_else(unknown)
+        Place::parse(scenario, text).as_ref().map(Self::of).ok_or_else(unknown)
     }
 
-    fn of(place: Place) -> Self {
+    fn of(place: &Place) -> Self {
         let number = |key: String, name: String, unit| {
             let (is_whole, is_std, channel, table) = (false, false, None, None);
             Self { place: place.clone(), key, name, unit, is_whole, is_std, channel, table }
         };
-        match &place {
+        match place {
             Place::Scenario(info) => {
                 let is_std = **info == super::DISTURBANCE;
                 let name = format!("{}{}", if is_std { "true " } else { "" }, info.name);

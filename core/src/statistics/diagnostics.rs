@@ -74,7 +74,7 @@ impl Diagnostics {
     /// Begins again with other estimates, at the same depth, and reuses the memory.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
         self.clear(estimates, record);
-        self.follow(estimates, record);
+        self.follow_to(estimates.len(), estimates, record);
     }
 
     /// Removes what was taken in, and keeps the memory.
@@ -98,13 +98,8 @@ impl Diagnostics {
         }
     }
 
-    /// Takes in the new samples, each in constant time. `estimates` and `record` must be those that the diagnostics
+    /// Takes in the new samples up to one, each in constant time. `estimates` and `record` must be those that the diagnostics
     /// began with, grown longer. Where samples have been forgotten since, begins again with those that are kept.
-    pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
-        self.follow_to(estimates.len(), estimates, record);
-    }
-
-    /// [`Self::follow`] up to a sample.
     pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();

@@ -90,7 +90,7 @@ impl Portioned for FilterWork {
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
         let mut tape = Tape::default();
         self.pass.follow(&self.record, self.pass.done() + count(portion), &mut tape);
-        numbers(tape.numbers(), handed_over)
+        numbers(&tape.0, handed_over)
     }
 }
 

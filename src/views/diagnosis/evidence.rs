@@ -121,8 +121,8 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
                 ui.end_row();
             }
             let Ok(address) = Address::parse(scenario, &filter.address(&key)) else { continue };
-            let label = if key == "fading" { "λ".to_owned() } else { address.name };
-            ui.label(RichText::new(&label).weak());
+            let label: &str = if key == "fading" { "λ" } else { &address.name };
+            ui.label(RichText::new(label).weak());
             let mut value = address.get(scenario);
             let step = if key == "fading" { 0.001 } else { 0.02 * value.abs().max(1e-9) };
             let number = DragValue::new(&mut value).speed(step).range(0.0..=f64::MAX).clamp_existing_to_range(false);

@@ -31,7 +31,7 @@ pub(super) fn contour_on(plot: &mut PlotUi<'_>, graph: &Graph, counts: [usize; 2
 
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table == Some(&INITIAL_MEAN))?;
-    match scenario.plant.parameter(guess.channel()?)? {
+    match scenario.plant.parameter(guess.channel?)? {
         Signal::Constant(value) => Some(value),
         _ => None,
     }
@@ -124,7 +124,7 @@ fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     let steps = axis.count.saturating_sub(1).max(1) as f64;
     let value = axis.at_share(((share * axis.count as f64 - 0.5) / steps).clamp(0.0, 1.0));
     let rounded = parse(&significant(value, 3)).unwrap_or(value);
-    let is_whole = survey.ensemble.settings().get(at).is_some_and(Address::is_whole);
+    let is_whole = survey.ensemble.settings().get(at).is_some_and(|address| address.is_whole);
     if is_whole { value.round() } else { rounded }
 }
 

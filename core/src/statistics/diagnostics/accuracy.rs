@@ -99,77 +99,8 @@ pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::run::sink::Sample;
-    use crate::{Diagnostics, Estimates, FilterSettings, Record, Scenario};
     use kalmanscope_filters::engine::belief::ErrorSquare;
     use kalmanscope_filters::engine::level::Baseline;
-    use kalmanscope_filters::random::{Normal, Purpose};
-    use kalmanscope_filters::{Hold, InputKind};
-
-    const STD: f64 = 0.5;
-    const FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
-    const DAMPING: Channel = Channel::DAMPING_RATIO;
-
-    fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Diagnostics {
-        let mut estimates = Estimates::new(&FilterSettings::default(), &Scenario::default(), Vec::new());
-        let mut record = Record::empty(0.01, InputKind::Force, Hold::Zero, Vec::new(), vec![FREQUENCY, DAMPING]);
-        for pairs in samples {
-            let [frequency, damping] = pairs.map(|(mean, _)| mean);
-            let cov: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { STD * STD } else { 0.0 }).collect();
-            estimates.append(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
-            record.push(0.0, [], pairs.map(|(_, truth)| truth));
-        }
-        Diagnostics::new(&estimates, &record)
-    }
-
-    #[test]
-    fn an_estimate_has_settled_from_when_on_it_is_near_the_truth_for_good() {
-        let (near, far, unknown) = (0.199, -0.201, f64::NAN);
-        for (errors, expected) in [
-            (&[far, near, -near, 0.0][..], Some(1)),
-            (&[near, near], Some(0)),
-            (&[near, far, near], Some(2)),
-            (&[near, near, far], None),
-            (&[far, unknown], None),
-            (&[far, unknown, near, unknown], Some(2)),
-            (&[unknown, unknown], None),
-            (&[], None),
-        ] {
-            let pair = |error: &f64| [(4.0 + error, if error.is_nan() { f64::NAN } else { 4.0 }), (0.0, 0.0)];
-            assert_eq!(of(errors.iter().map(pair)).settled(FREQUENCY), expected, "{errors:?}");
-        }
-    }
-
-    #[test]
-    fn errors_are_those_of_the_canonical_form() {
-        let mirrored = of([[(-6.5, 6.0), (-0.04, 0.05)], [(-6.25, 6.0), (-0.03, 0.05)]]);
-        assert_eq!(mirrored.error(FREQUENCY), Some(0.25));
-        assert!((mirrored.error(DAMPING).unwrap() + 0.02).abs() < 1e-15);
-        assert!((mirrored.tally(FREQUENCY, 0..2).unwrap().squares - (0.25 + 0.0625)).abs() < 1e-15);
-        assert_eq!(mirrored.settled(FREQUENCY), Some(1));
-    }
-
-    #[test]
-    fn normal_errors_are_inside_two_standard_deviations_as_often_as_they_should() {
-        let mut normal = Normal::new(5, Purpose::Force);
-        let diagnostics = of((0..20_000).map(|_| [(7.0 + STD * normal.sample(), 7.0), (2.0, 0.0)]));
-        let tally = diagnostics.tally(FREQUENCY, 0..20_000).unwrap();
-        // 0.9545 ± three standard deviations of a share of 20 000 samples.
-        assert!((tally.coverage() - 0.9545).abs() < 0.0045, "{}", tally.coverage());
-        assert!((tally.rmse() / STD - 1.0).abs() < 0.015, "{}", tally.rmse());
-        let far = ErrorSums { squares: 80_000.0, known: 20_000, inside: 0 };
-        assert_eq!(diagnostics.tally(DAMPING, 0..20_000), Some(far));
-    }
-
-    #[test]
-    fn ranges_are_as_long_as_there_are_samples() {
-        let some = of([[(1.0, 0.0), (0.0, f64::NAN)], [(3.0, 0.0), (2.0, 0.0)], [(f64::NAN, 0.0), (0.0, 0.0)]]);
-        assert_eq!(some.tally(FREQUENCY, 1..99), Some(ErrorSums { squares: 9.0, known: 1, inside: 0 }));
-        assert_eq!((some.tally(DAMPING, 0..1), some.error(FREQUENCY)), (None, None));
-        assert_eq!(some.tally(DAMPING, 0..3).map(|tally| tally.known), Some(2));
-        assert_eq!(of([]).tally(FREQUENCY, 0..5), None);
-    }
 
     fn nees<const N: usize>(places: [usize; N], errors: [f64; N], cov: &[f64]) -> (f64, f64) {
         let mut square = ErrorSquare::new(places.to_vec());

@@ -110,7 +110,7 @@ fn alone(scenario: &Scenario, record: &Record) {
     let mut sum = Sum(0.0);
     let mut pass = Pass::new(scenario, 0, record).expect("the filter is possible");
     pass.follow(record, record.len(), &mut sum);
-    assert!(pass.stop().is_none() && sum.0 > 0.0, "{:?}", pass.stop());
+    assert!(pass.stop.is_none() && sum.0 > 0.0, "{:?}", pass.stop);
 }
 
 struct Sum(f64);
