@@ -50,12 +50,13 @@
 //! ```
 //!
 //! # Modules
-//! The types that most programs need stand here, at the root. Filters, plants and their channels come from
+//! The types that most programs need stand here, at the root. Filters and names of channels come from
 //! [`kalmanscope_filters`], records and files from [`kalmanscope_records`]. Modules import only from those above them:
 //!
 //! | module | for |
 //! |---|---|
-//! | [`channel`], [`plant`], [`equation`], [`filter`] | states, equations of motion and filters, also those of a program |
+//! | [`channel`], [`filter`] | components of states, and filters, also those of a program |
+//! | [`equation`], [`plant`] | equations that a user types, and plants, also those of a program |
 //! | [`record`], [`import`] | the input and the measurements over time, and the files that they are read from |
 //! | [`signal`] | parameters of the truth as functions of time |
 //! | [`scenario`], [`setting`] | all that a run depends on, and each setting with its name, unit, limits and address |
