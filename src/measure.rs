@@ -243,9 +243,8 @@ impl Measure {
         }
         ui.horizontal_wrapped(|ui| {
             for (place, instrument) in self.instruments.iter().enumerate() {
-                let choice = ui
-                    .selectable_value(&mut self.chosen, place, instrument.words().name)
-                    .remembered(instrument.words().name);
+                let name = instrument.words().name;
+                ui.selectable_value(&mut self.chosen, place, name).remembered(name);
             }
         });
         ui.add_space(4.0);

@@ -37,7 +37,7 @@ fn text(seed: u64, wanted: &[usize]) -> String {
 }
 
 fn import(text: &str, even: bool) -> Imported {
-    let table = read(text.as_bytes().to_vec(), None).expect("it is a table");
+    let table = read(text.as_bytes(), None).expect("it is a table");
     let (mut mapping, kind) = Mapping::guess(&table);
     mapping.time.even = even;
     build(&table, &mapping, kind, Hold::First, &[]).expect("it is a record")
@@ -173,7 +173,7 @@ fn files_without_common_time_say_so() {
     let apart = join(&input, &sensor, 0.0).expect_err("they do not overlap").to_string();
     assert!(apart.contains("one clock is from 0 to 10 s, the other from 20 to 30 s"), "{apart}");
     assert!(join(&input, &sensor, -15.0).is_ok());
-    let without = read(b"force,x\n1,2\n3,4\n5,6\n".to_vec(), None).expect("it is a table");
+    let without = read(b"force,x\n1,2\n3,4\n5,6\n", None).expect("it is a table");
     assert!(join(&without, &sensor, 0.0).expect_err("it has no times").to_string().contains("times"));
 }
 

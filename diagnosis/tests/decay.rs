@@ -188,7 +188,7 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
         assert_identified(&decay, &phone, [0.002, 0.15], &format!("file {place}"));
     }
     for text in ["t,force,displacement\n0,0,0\n0.01,1,2\n0.02,1,3\n", "t,x,y\n0,0,0\n0.1,1,1\n0.2,2,2\n"] {
-        let table = read(text.as_bytes().to_vec(), None).expect("it is a table");
+        let table = read(text.as_bytes(), None).expect("it is a table");
         assert_eq!(ThreeAxes::of(&table), None, "{text}");
     }
 }
@@ -320,7 +320,7 @@ fn a_sound_is_a_table_of_its_channels() {
     let (mut mapping, _) = Mapping::guess(&table);
     let _ = Ring::choose(&table, &mut mapping);
     assert!(mapping.input.is_none() && mapping.every > 10 && mapping.from > Some(0.7), "{mapping:?}");
-    let cut = read(FORK.wav(1)[..20].to_vec(), None).expect_err("it is cut");
+    let cut = read(&FORK.wav(1)[..20], None).expect_err("it is cut");
     assert!(matches!(cut, ImportError::Sound(_)), "{cut}");
 }
 

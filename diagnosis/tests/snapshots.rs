@@ -3,16 +3,18 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use kalmanscope_core::import::{build, read};
 use kalmanscope_core::{Channel, Run, Scenario};
 use kalmanscope_diagnosis::{Final, Summary};
 
-use crate::run::{assets, built_in, finished, finished_on_file, truth};
+use crate::run::{assets, built_in, finished, finished_on, truth};
 
 fn run(name: &str) -> Run {
     let scenario = built_in(name);
     let Some(mapping) = &scenario.record else { return finished(&scenario) };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/records");
-    finished_on_file(&scenario, std::fs::read(folder.join(&mapping.file)).unwrap())
+    let table = read(std::fs::read(folder.join(&mapping.file)).unwrap(), mapping.dialect).unwrap();
+    finished_on(&scenario, build(&table, mapping, scenario.input, scenario.hold, &[]).unwrap().record)
 }
 
 fn summaries(run: &Run) -> Vec<Summary> {

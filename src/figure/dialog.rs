@@ -38,7 +38,7 @@ impl FigureDialog {
             ui.set_width(room.x);
             ui.horizontal_wrapped(|ui| {
                 for format in FigureFormat::ALL {
-                    let size = ui.selectable_value(&mut self.format, format, format.name()).remembered(format.name());
+                    ui.selectable_value(&mut self.format, format, format.name()).remembered(format.name());
                 }
             });
             let format = self.format;

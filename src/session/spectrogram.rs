@@ -90,7 +90,9 @@ mod tests {
         let (of, made) = session.spectrogram().unwrap();
         assert_eq!(
             Some(made),
-            Spectrogram::windows(session.run().record(), 0, session.run().len()).map(|windows| windows.run()).as_ref()
+            Spectrogram::windows(session.run().record(), 0, session.run().len())
+                .map(kalmanscope_core::Task::run)
+                .as_ref()
         );
         session.set_scenario(Scenario { seed: 7, ..session.scenario().clone() });
         while session.behind() {

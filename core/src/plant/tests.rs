@@ -34,7 +34,7 @@ fn models() -> impl Iterator<Item = Model> {
 #[test]
 fn all_channels_begin_with_those_of_plants() {
     let mut of_plants: Vec<Channel> = Vec::new();
-    for channel in PlantKind::ALL.iter().flat_map(|kind| kind.channels()) {
+    for channel in PlantKind::ALL.iter().flat_map(PlantKind::channels) {
         if !of_plants.contains(channel) {
             of_plants.push(*channel);
         }

@@ -27,12 +27,6 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
-pub(crate) fn finished_on_file(scenario: &Scenario, file: impl AsRef<[u8]>) -> Run {
-    let mapping = scenario.record.as_ref().expect("it says what the columns are");
-    let table = read(file, mapping.dialect).expect("it is a table");
-    finished_on(scenario, built(&table, mapping, scenario.input, scenario.hold).record)
-}
-
 fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
     build(table, mapping, kind, hold, &[]).expect("it is a record")
 }

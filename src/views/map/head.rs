@@ -185,7 +185,7 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
     if !named.is_empty() {
         let text = format!("computed {}", named.join(", and "));
-        let label = ui.weak(&text).remembered(&text);
+        ui.weak(&text).remembered(&text);
     }
     if let Some(Finding::Lost(reason)) = laboratory.graphics() {
         ui.weak("The graphics processor has failed; maps go on without it.").on_hover_text(reason);
