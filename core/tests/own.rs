@@ -44,7 +44,7 @@ fn a_system_of_ones_own_is_tracked_by_linear_sensors_and_by_others() {
         assert!(filter.belief.cov[(2, 2)].sqrt() < 0.2, "{}", filter.belief.cov);
         assert!(filter.correction.nis < 15.0 && filter.correction.log_likelihood.is_finite());
     }
-    let apart = (radar.belief.mean - differences.belief.mean).amax();
+    let apart = (&radar.belief.mean - &differences.belief.mean).amax();
     assert!(apart > 0.0 && apart < 1e-4, "{apart}");
 }
 

@@ -83,7 +83,7 @@ pub(crate) fn errors(filter: &KalmanFilter) -> Vec<f64> {
 
 fn main() -> Result<(), SystemError> {
     for (name, filter) in [("coordinates", by_coordinates()?), ("radar", by_radar(false)?)] {
-        let (mean, std) = (filter.belief.mean, filter.belief.cov.diagonal().map(f64::sqrt));
+        let (mean, std) = (&filter.belief.mean, filter.belief.cov.diagonal().map(f64::sqrt));
         println!("by {name}: vx = {:.2} ± {:.2} m/s, vy = {:.2} ± {:.2} m/s", mean[2], std[2], mean[3], std[3]);
         println!("  NIS {:.2}, log likelihood {:.2}", filter.correction.nis, filter.correction.log_likelihood);
         println!("  errors in standard deviations: {:.1?}", errors(&filter));
