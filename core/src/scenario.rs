@@ -17,11 +17,11 @@ mod values;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::document::is_default;
 use kalmanscope_filters::catalogue::KnownChannels;
 use kalmanscope_filters::filter::FilterKind;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
-use kalmanscope_records::document::is_default;
 use kalmanscope_records::mapping::Mapping;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -10,10 +10,10 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::LazyLock;
 
+use crate::document::Document;
 use kalmanscope_filters::Quantity;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::random::{Normal, Purpose};
-use kalmanscope_records::document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::row::{Allowed, by_key};

@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
+use crate::document::{is_default, is_one};
 use kalmanscope_filters::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
 use kalmanscope_filters::{Channel, InputKind};
-use kalmanscope_records::document::{is_default, is_one};
 use kalmanscope_records::record::Delays;
 use serde::de::{Error as _, IntoDeserializer as _};
 use serde::{Deserialize, Deserializer, Serialize};

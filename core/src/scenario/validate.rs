@@ -2,10 +2,10 @@
 
 use std::fmt::{Arguments, Display};
 
+use crate::document::{self, Document, DocumentError};
 use kalmanscope_filters::channel::{Role, Sign};
 use kalmanscope_filters::quantity::MAX_SENSORS;
 use kalmanscope_filters::{Channel, InputKind};
-use kalmanscope_records::document::{self, Document, DocumentError};
 use kalmanscope_records::record::Delays;
 use thiserror::Error;
 

@@ -1,8 +1,8 @@
 //! Changes of a scenario, and what was before them.
 
+use crate::document::{self, Document};
 use kalmanscope_filters::lists::sort_items;
 use kalmanscope_filters::quantity::Quantity;
-use kalmanscope_records::document::{self, Document};
 
 use super::filters::split_id;
 use super::{

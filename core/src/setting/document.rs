@@ -1,7 +1,7 @@
 //! Scenarios as documents: the contents of a file of any format, and of TOML files; and the reasons why they are none.
 
+use crate::document::{self, Document, DocumentError};
 use kalmanscope_filters::Quantity;
-use kalmanscope_records::document::{self, Document, DocumentError};
 
 use crate::scenario::{Scenario, ScenarioError, Sensor, Values};
 

@@ -1,8 +1,8 @@
 //! A setting and its new value.
 
+use crate::document::{self, Document, json};
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::quantity::Quantity;
-use kalmanscope_records::document::{self, Document, json};
 use toml::Value;
 
 use super::{SENSOR_STD, TableInfo, filters};
