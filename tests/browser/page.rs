@@ -293,7 +293,7 @@ pub(crate) fn estimate(filter: &Value, channel: &str, number: &str) -> f64 {
     one[number].as_f64().expect("it is a number")
 }
 
-fn place(summary: &Value, name: &str) -> Option<Rect> {
+pub(crate) fn place(summary: &Value, name: &str) -> Option<Rect> {
     let controls = summary["controls"].as_array().expect("controls are a list");
     let control = controls.iter().find(|control| control["name"] == name)?;
     let number = |key: &str| control[key].as_f64().expect("a rectangle is numbers");

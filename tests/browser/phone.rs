@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::wav;
+use serde_json::Value;
 
-use crate::page::{Page, estimate, has};
+use crate::page::{Page, estimate, has, place};
 use crate::sounds::ring;
 use crate::{OVER, START};
 
@@ -84,7 +85,9 @@ const STREAM: &str = "(begin => {
 
 async fn begin_to_measure(page: &Page) {
     page.tap("Scenario").await;
-    page.tap("Measure with this device…").await;
+    // On a busy machine a tap may last longer than a click.
+    let is_open = |summary: &Value| place(summary, "Start measuring").is_some();
+    page.tap_until("Measure with this device…", is_open, PATIENCE).await;
     page.tap("Start measuring").await;
 }
 
