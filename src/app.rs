@@ -148,8 +148,7 @@ impl App {
         })
     }
 
-    /// Follows the system's setting for reduced motion: begins paused with the whole record on screen, without
-    /// animations.
+    /// Begins paused with the whole record on screen, without animations, as the system's setting for motion asks.
     pub fn reduce_motion(&mut self, ctx: &egui::Context) {
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
         self.session.set_mode(Mode::Whole);
@@ -157,8 +156,7 @@ impl App {
         self.session.seek(self.session.end());
     }
 
-    /// Requires that [`eframe::App::clear_color`] clears the window, so that no pixel is filled twice with the ground's
-    /// colour. Filling is slow without a graphics card.
+    /// Requires that [`eframe::App::clear_color`] clears the window: to fill it twice is slow without a graphics card.
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }

@@ -22,7 +22,6 @@ const SKETCH: egui::Vec2 = egui::vec2(54.0, 20.0);
 
 const FORGET: &str = "Remove the record’s file from this device: it will not be here next time";
 
-/// The ways through the changes of settings.
 #[derive(Clone, Copy)]
 pub(crate) struct History {
     pub(crate) has_undo: bool,

@@ -83,6 +83,7 @@ pub fn controls_ui(
         }
         // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        // Every field is named, so that a new one cannot be left without a control.
         let Scenario {
             seed: _,
             dt: _,

@@ -21,12 +21,12 @@ const HANDLE: f32 = 26.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drawer {
     is_low: bool,
-    /// The height while the handle is dragged \[points\].
     dragged: Option<f32>,
 }
 
 impl Drawer {
     fn heights(window: f32, room: f32) -> [f32; 2] {
+        // Not `clamp`, which panics where a low window has less room than the least height.
         let high = (room - FOR_PLOTS * window).max(LEAST).min(room.max(0.0));
         [(LOW * window).max(LEAST).min(high), high]
     }

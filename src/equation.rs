@@ -34,8 +34,7 @@ fn typed(kind: &PlantKind) -> EquationSettings {
 
 const SMALL: f32 = 0.72;
 
-/// An equation of text, a line for each equation, powers raised and subscripts lowered. A text that is no equation,
-/// such as that of some built-in plants, stays unchanged.
+/// A line for each equation, powers raised and subscripts lowered. A text that is no equation stays unchanged.
 pub(crate) fn job(text: &str, font: &FontId, color: Color32) -> LayoutJob {
     let Ok(lines) = typeset(text) else {
         return LayoutJob::simple(text.to_owned(), font.clone(), color, f32::INFINITY);

@@ -79,6 +79,7 @@ impl Exporting {
     }
 
     pub(crate) fn progress(&self) -> f64 {
+        // One more for the text: the share is not whole before the file is.
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
 
@@ -88,6 +89,7 @@ impl Exporting {
         layout: &ViewLayout,
     ) -> Option<Result<ExportFile, String>> {
         let session = context.session;
+        // One figure a frame, since all figures of a report would be one long frame.
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
             return None;
@@ -184,6 +186,7 @@ impl Task for Everything {
         0.0
     }
 
+    // JSON is written in one go, in `finish`: on a thread, and on a page, which has none, in a frame.
     fn advance(&mut self, _: &mut dyn FnMut() -> bool) -> bool {
         true
     }

@@ -23,7 +23,6 @@ pub(crate) use dialog::FigureDialog;
 
 pub struct Figure {
     parts: Vec<FigurePart>,
-    /// Width and height \[points of the canvas\].
     size: Vec2,
     scale: f32,
 }
@@ -43,19 +42,17 @@ impl Figure {
     }
 }
 
-/// The margin around a figure, and the space between views \[points of the canvas\].
 const MARGIN: f32 = 4.0;
 const GAP: Vec2 = vec2(16.0, 8.0);
 
-/// The height of a plot with its heading, and that of a view's name \[points of the
-/// canvas\].
+/// The height of a plot with its heading, and that of a view's name \[points of the canvas\].
 const PLOT: f32 = 100.0;
 const NAME: f32 = 17.0;
 
 /// Limits the width below which plots of one view are in one column \[points of the canvas\].
 const TWO_COLUMNS: f32 = 480.0;
 
-/// Room for text of any length \[points of the canvas\].
+/// Text is drawn in more room than any needs, since only its shapes say how large it is \[points of the canvas\].
 const AMPLE: f32 = 3000.0;
 
 const LARGEST: f32 = 3.0;
@@ -65,6 +62,7 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
     let palette = Palette::of(egui::Theme::Light);
     let mut visible = context.visible.clone();
     visible.verdicts = false;
+    // What is under the pointer is no part of a figure.
     let axis = TimeAxis { pointed: None, ..*context.axis };
     let laboratory = context.laboratory;
     let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
@@ -88,6 +86,7 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
         let needed = top + natural.iter().sum::<f32>() + gaps + MARGIN;
         let height = geometry.aspect.map_or(needed, |aspect| aspect * width);
         if needed > height * 1.001 && growth < LARGEST {
+            // By 5 % at least, so that the loop ends.
             growth *= (needed / height).sqrt().max(1.05);
             continue;
         }

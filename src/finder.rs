@@ -92,6 +92,7 @@ impl Finder {
             (self.place + usize::from(down)).min(found.len().saturating_sub(1)) - usize::from(up).min(self.place);
         let mut chosen = if enter { found.get(self.place).copied() } else { None };
         let height = ROWS * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+        // A floating bar would cover the kinds of the entries at the right.
         ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
         let list = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]);
         list.show(ui, |ui| {
@@ -252,6 +253,7 @@ fn found<'a>(entries: &'a [FinderEntry], text: &str) -> Vec<&'a FinderEntry> {
         };
         entries.iter().filter(|entry| words.iter().all(|word| has(entry, word))).collect()
     };
+    // Hints have many words: they count only where no title has the words.
     let mut found = with(false);
     if found.is_empty() {
         found = with(true);

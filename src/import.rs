@@ -70,6 +70,7 @@ impl Import {
     }
 
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
+        // A stage owns its work, which the next stage takes over: so it is moved out and put back.
         let stage = std::mem::replace(&mut self.stage, ImportStage::Failed(String::new()));
         self.stage = match stage {
             ImportStage::Reading(mut reading) => match reading.advance(while_time) {

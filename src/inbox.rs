@@ -25,7 +25,6 @@ pub enum Arrival {
     File(String, Result<Vec<u8>, String>),
     Kept(String, Vec<u8>),
     Done(String),
-    /// A record with this name will be here at the next start.
     Shelved(String),
     Failure(String),
 }
@@ -35,6 +34,7 @@ pub struct Inbox(Arc<Mutex<Vec<Arrival>>>);
 
 impl Inbox {
     pub fn put(&self, arrival: Arrival, ctx: &Context) {
+        // A thread that panics holds the lock for one push or take only, so the list is whole.
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(arrival);
         ctx.request_repaint();
     }
@@ -78,6 +78,7 @@ pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
     let read = move || {
         let bytes = read_path(&path);
         let record = bytes.as_ref().ok().and_then(|bytes| record_beside(&path, bytes));
+        // The scenario first: it names the record, and nothing waits for a record that nothing names.
         there.put(Arrival::File(file_name(&path), bytes), &screen);
         if let Some((name, bytes)) = record {
             there.put(Arrival::Kept(name, bytes), &screen);

@@ -41,6 +41,7 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("L", "live, or the whole record", &[Key::L], |session| {
                 Request::SetMode(if session.mode() == Mode::Live { Mode::Whole } else { Mode::Live })
             }),
+            // On an American keyboard + is = with Shift.
             plain("+", "faster", &[Key::Plus, Key::Equals], |session| Request::SetSpeed(session.next_speed(true))),
             plain("−", "slower", &[Key::Minus], |session| Request::SetSpeed(session.next_speed(false))),
         ],
@@ -52,6 +53,7 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("X", "keep a snapshot of the settings, or exchange them with it", &[Key::X], |_| {
                 Request::SwapSnapshot
             }),
+            // Before Ctrl+Z, which egui also matches with Shift.
             plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
                 .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
             plain("Ctrl+Z", "undo the last change of a setting", &[Key::Z], |_| Request::Undo).with(Modifiers::COMMAND),
@@ -132,6 +134,7 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
     ctx.input_mut(|input| {
         let all = GROUPS.iter().flat_map(|(_, shortcuts)| *shortcuts);
         for Shortcut { keys, modifiers, request, .. } in all.filter(|shortcut| !is_taken(shortcut.keys)) {
+            // Shift is allowed, because many keyboards need it for + and ?.
             let alone = !input.modifiers.command && !input.modifiers.alt;
             let pressed = keys.iter().any(|&key| {
                 if modifiers.is_none() { alone && input.key_pressed(key) } else { input.consume_key(*modifiers, key) }
@@ -148,13 +151,11 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
     });
 }
 
-/// The least width of a window that shows the list in two columns \[points\].
 const TWO_COLUMNS: f32 = 660.0;
 
 /// The groups in the left one of two columns, which have about half of all rows.
 const LEFT: usize = 3;
 
-/// The width of a column at most, and of the names of keys in it \[points\].
 const COLUMN: f32 = 400.0;
 const NAMES: f32 = 112.0;
 
@@ -200,7 +201,6 @@ fn column_ui(ui: &mut Ui, groups: &[Group], width: f32) {
     ui.vertical(|ui| {
         ui.set_width(width);
         ui.spacing_mut().item_spacing.x = 10.0;
-        // Nothing is pressed here.
         ui.spacing_mut().interact_size.y = 0.0;
         for (title, rows) in groups {
             ui.label(RichText::new(*title).small().weak());

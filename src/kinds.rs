@@ -20,7 +20,6 @@ pub enum Answer {
     Skipped,
 }
 
-/// The contents of a view: all of it, or one of its tabs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ViewKind {
     Oscillator,

@@ -41,8 +41,7 @@ pub struct Laboratory {
     before: Option<Survey>,
     pub seeds: Seeds,
     pub tuning: Tuning,
-    /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
-    /// drawn again, also when rows have come.
+    /// Its number changes whenever the map has to be drawn again, also when rows have come.
     pub state: WorkState,
     pub edition: u64,
 }
@@ -114,6 +113,7 @@ impl Laboratory {
             Ok(choice) => {
                 let source = match (&self.survey, run.source()) {
                     (Some(survey), source) => survey.steady(source),
+                    // A live record grows; a map is of one record, the one with which it began.
                     (None, Source::Live(record)) => Source::Measured(record),
                     (None, source) => source,
                 };
@@ -133,6 +133,7 @@ impl Laboratory {
         if !is_in_sight {
             return self.seeds.rest();
         }
+        // The map comes first: seeds beside it would share its workers, and both would come late.
         let team = Some(&self.team).filter(|_| !self.is_working());
         self.seeds.follow(session.run(), filters, team, ctx);
     }
@@ -166,6 +167,7 @@ impl Laboratory {
         match Survey::new(run.scenario(), source, choice, self.survey.as_ref()) {
             Ok(survey) => {
                 if let Some(mut last) = self.survey.replace(survey).filter(|last| last.sheet.covers_all()) {
+                    // The earlier map stays on screen, but its missing cells would take the workers of the new one.
                     last.work = None;
                     self.before = Some(last);
                 }

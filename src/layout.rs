@@ -104,6 +104,7 @@ impl ViewLayout {
     }
 
     pub(crate) fn rearrange(&mut self, tree: Tree<ViewKind>) {
+        // The tree is a copy of the last frame's: a view that was closed since then must not come back.
         if shown(&tree) == self.shown() {
             self.tree = tree;
         }
@@ -128,6 +129,7 @@ impl ViewLayout {
     }
 
     pub(crate) fn choose_tab(&mut self, shown: ViewKind, wanted: ViewKind) {
+        // Both places are found before either changes: where both tabs are on screen, they exchange places.
         let places = [shown, wanted].map(|view| self.tree.tiles.find_pane(&view));
         for (place, view) in places.into_iter().zip([wanted, shown]) {
             if let Some(Tile::Pane(pane)) = place.and_then(|place| self.tree.tiles.get_mut(place)) {
@@ -260,6 +262,7 @@ fn shared(height: f32, shares: &[f32], leasts: &[f32]) -> Vec<f32> {
             of.iter().zip(&is_least).filter(|(_, is)| **is == least).map(|(x, _)| x).sum()
         };
         let unit = (height - sum(leasts, true)) / sum(shares, false).max(f32::MIN_POSITIVE);
+        // One row at a time: raising it lowers all others, which may then be too low themselves.
         let low = (0..shares.len()).find(|&at| !is_least[at] && shares[at] * unit < leasts[at]);
         let Some(low) = low else {
             let part = |at: usize| if is_least[at] { leasts[at] } else { shares[at] * unit };

@@ -55,6 +55,7 @@ impl Legend<'_> {
         ui.spacing_mut().item_spacing.x = 12.0;
         let is_one_row = extent == LegendExtent::OneRow;
         let before = self.session.before();
+        // In one row, which scrolls, the change that was just made and the filters come first, in sight.
         if let Some(before) = before.filter(|_| is_one_row) {
             self.before_ui(ui, before, requests);
         }

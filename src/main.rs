@@ -67,6 +67,7 @@ mod web {
 
     impl Page {
         fn read_dropped_files(&mut self, ctx: &egui::Context) {
+            // The explorer reads dropped files by their paths, which they do not have on a page: they are taken before.
             let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
             for file in dropped.iter().filter_map(|file| file.web_file()) {
                 file_input::open(file.clone(), ctx, &self.app.inbox);
@@ -78,6 +79,7 @@ mod web {
         fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
             self.read_dropped_files(ctx);
             let fragment = &frame.info().web_info.location.hash;
+            // A link within the open page changes the fragment alone, and the browser loads nothing.
             if *fragment != self.fragment {
                 self.fragment.clone_from(fragment);
                 self.app.open_address(fragment);

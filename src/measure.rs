@@ -41,7 +41,6 @@ use crate::widgets::primary;
 
 const WIDTH: f32 = 460.0;
 
-/// The height of the curve that shows the readings \[points\].
 const CURVE: f32 = 120.0;
 
 /// A sensor is still silent after this time \[s\].
@@ -49,7 +48,6 @@ const PATIENCE: f64 = 3.0;
 
 const AT_LEAST: Duration = Duration::from_millis(100);
 
-/// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
 struct SensorWords {
@@ -78,8 +76,7 @@ trait Instrument {
 
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
 
-    /// The file of the measurement, to be imported, or the reason why nothing can be identified. `None` if the record that is
-    /// watched is all there is.
+    /// The file to be imported, or why nothing can be identified. `None` if the record that is watched is all there is.
     fn file(&self) -> Option<Result<RawFile, String>>;
 }
 
@@ -216,6 +213,7 @@ impl Measure {
                     self.fail(refusal);
                     return true;
                 }
+                // A silent sensor asks for no frames, but its silence must be said.
                 ui.ctx().request_repaint_after(AT_LEAST);
                 // Above the numbers, so that it stays where it is while sentences come and go.
                 let [stop, close] = buttons_ui(ui, [instrument.words().ending, "Cancel"], palette);

@@ -15,7 +15,6 @@ use crate::theme::Palette;
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
 
-/// The least height of a menu's contents \[points\].
 const LEAST: f32 = 100.0;
 
 /// The width of an entry with a sentence, where there is room \[points\].

@@ -7,16 +7,12 @@ use crate::request::Request;
 use crate::theme::Palette;
 use crate::widgets::named;
 
-/// The time that a message about a finished action stays \[s\].
 const STAYS: f64 = 8.0;
 
-/// The distance of a message from the foot and the sides of the plots \[points\].
 const APART: f32 = 12.0;
 
-/// The room for the buttons of a message that has one \[points\].
 const BUTTON: f32 = 120.0;
 
-/// Limits the width of a message \[points\].
 const WIDEST: f32 = 560.0;
 
 pub(crate) struct Notice {
@@ -48,6 +44,7 @@ impl Notice {
             return false;
         }
         let now = ctx.input(|input| input.time);
+        // Counted from the first frame that shows it: a long frame before must not use up its time.
         let rest = *self.since.get_or_insert(now) + STAYS - now;
         if rest > 0.0 {
             ctx.request_repaint_after(std::time::Duration::from_secs_f64(rest));

@@ -194,6 +194,7 @@ impl Panes<'_> {
         let is_shown = ui.rect_contains_pointer(whole) || has_focus;
         let layout = egui::Layout::right_to_left(egui::Align::Center);
         let mut ui = ui.new_child(UiBuilder::new().id_salt("corner").max_rect(corner).layout(layout));
+        // Invisible and not left out: the keyboard must reach the buttons.
         ui.set_opacity(if is_shown { 1.0 } else { 0.0 });
         let ground = ui.painter().add(egui::Shape::Noop);
         let dragged = self.bar_ui(&mut ui, kind);
@@ -293,12 +294,10 @@ impl Behavior<ViewKind> for Panes<'_> {
 /// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
 const ENOUGH: f32 = 250.0;
 
-/// The least height of views that are not flat, if views scroll \[points\].
 const LEAST_IN_COLUMN: f32 = 300.0;
 
 const TALL: f32 = 1.7;
 
-/// The least height of a tall view that is higher than the column \[points\].
 const LEAST_TALL_IN_COLUMN: f32 = 240.0;
 
 /// The height of a flat view without its bar, as a share of the column's width.
@@ -317,8 +316,7 @@ pub(crate) struct Heights {
 }
 
 impl Heights {
-    /// Views in a room, each under a bar of the height `bar` and above a `gap`. A flat view has the height of its picture; the
-    /// others share the rest.
+    /// A flat view has the height of its picture, above its bar and a gap; the others share the rest.
     pub(crate) fn new(kinds: &[ViewKind], room: Vec2, bar: f32, gap: f32) -> Self {
         let proportions: Vec<Proportions> = kinds.iter().map(|kind| kind.proportions()).collect();
         let others = proportions.iter().filter(|proportions| **proportions != Proportions::Flat).count();

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use egui::{Context, Id, Rect, Response};
 
-/// Each control's position \[points\] and the frame in which it was drawn.
 type Places = BTreeMap<String, (u64, Rect)>;
 
 fn id() -> Id {
@@ -15,6 +14,7 @@ pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
     let frame = ctx.cumulative_frame_nr();
     ctx.data_mut(|data| {
         let places: &mut Places = data.get_temp_mut_or_default(id());
+        // A name is copied once and not in each frame.
         match places.get_mut(name) {
             Some(place) => *place = (frame, rect),
             None => _ = places.insert(name.to_owned(), (frame, rect)),

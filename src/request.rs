@@ -20,7 +20,6 @@ pub enum Request {
     Step,
     StepBack,
     Restart,
-    /// Go to a time after the start \[s\].
     Seek(f64),
     SetMode(Mode),
     SetSpeed(f64),
@@ -76,7 +75,6 @@ pub enum Request {
     PointAt(Option<f64>),
     /// Mark a time \[s\]: A, then B, then the nearer of both moves.
     MarkTime(f64),
-    /// Move a mark to a time \[s\].
     PlaceMark(RulerEnd, f64),
     ToggleMark(RulerEnd),
     ClearMarks,

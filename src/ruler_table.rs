@@ -11,7 +11,6 @@ use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
 
 pub(crate) struct RulerReading {
-    /// \[s\]
     pub(crate) times: [f64; 2],
     pub(crate) is_b_set: bool,
     pub(crate) rows: Vec<RulerRow>,
@@ -50,7 +49,6 @@ impl RulerReading {
     }
 }
 
-/// Limits the height of the rows \[points\].
 const HEIGHT: f32 = 220.0;
 
 pub(crate) fn table_ui(ctx: &Context, reading: &RulerReading, requests: &mut Vec<Request>) {

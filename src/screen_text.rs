@@ -70,7 +70,6 @@ impl ScreenText {
         });
         let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
         let troubles = troubles(session).into_iter().map(|FilterTrouble { sentence, .. }| sentence);
-        // Marks on the axis of time.
         let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over && !is_missing);
         let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));
         Self {

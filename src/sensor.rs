@@ -58,6 +58,7 @@ pub struct ReadingQueue<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
 pub(crate) struct ReadingBuffer<T> {
     pub(crate) readings: Vec<T>,
+    // Not the length of `readings`, which a stream takes out.
     count: usize,
     pub(crate) has_ended: bool,
     pub(crate) rate: Option<f64>,
@@ -89,6 +90,7 @@ impl<T: SensorReading> ReadingQueue<T> {
         told.count += readings.len().min(room);
         told.readings.extend_from_slice(&readings[..readings.len().min(room)]);
         drop(told);
+        // Thirty frames a second are enough to watch a sensor that sends hundreds of readings.
         ctx.request_repaint_after(std::time::Duration::from_millis(33));
         readings.len() <= room
     }

@@ -76,7 +76,6 @@ pub struct Session {
     judged: LiveVerdicts,
     before: Option<Before>,
     other: Option<Version>,
-    /// Real time since the last edit \[s\].
     since_edit: f64,
     hand: Hand,
     trials: Trials,
@@ -171,8 +170,7 @@ impl Session {
         self.study.run()
     }
 
-    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have
-    /// been forgotten. Results from earlier samples are then invalid.
+    /// Changes whenever the sample at an index becomes another one: results from earlier samples are then invalid.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -217,8 +215,7 @@ impl Session {
         self.study.analysis().smoothed()
     }
 
-    /// The quantities that the run's filters use, in the order of their innovations. A measured record may have more,
-    /// and in another order.
+    /// The quantities that the run's filters use, in the order of their innovations; a record may have more of them.
     pub fn sensors(&self) -> Vec<Quantity> {
         self.run().scenario().sensors.iter().map(|sensor| sensor.measures).collect()
     }

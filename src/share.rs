@@ -94,12 +94,14 @@ fn dictionary() -> Vec<u8> {
 fn packed(text: &str) -> String {
     let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(LEVEL, RAW, 0));
     // The result begins on a full byte after this.
+    // What the dictionary has is a reference in the text after it: usual keys take a few bits of a link.
     compress_to_output(&mut compressor, &dictionary(), TDEFLFlush::Sync, |_| true);
     let mut bytes = Vec::new();
     compress_to_output(&mut compressor, text.as_bytes(), TDEFLFlush::Finish, |part| {
         bytes.extend_from_slice(part);
         true
     });
+    // Programs cut long links: what is left may still be base64, and only the check shows that it is damaged.
     bytes.extend_from_slice(&short_hash(text.as_bytes()).to_be_bytes());
     format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(bytes))
 }

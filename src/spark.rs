@@ -104,6 +104,7 @@ impl SparkPicture {
                 SparkMark::Line => spark.paint(painter, rect, color),
                 SparkMark::Dots => painter.extend(spark.ends(rect).map(|end| Shape::circle_filled(end, 1.1, color))),
                 SparkMark::Band => {
+                    // Triangles, since a polygon that is filled must be convex.
                     let mut mesh = Mesh::default();
                     for end in spark.ends(rect) {
                         mesh.colored_vertex(end, color.gamma_multiply(0.25));

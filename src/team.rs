@@ -92,6 +92,7 @@ impl<T: 'static> From<WorkParts<T>> for Handle<T> {
 
 fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
     let ctx = ctx.clone();
+    // The end is shown at once, progress ten times a second: frames take time from the threads.
     move |is_over| if is_over { ctx.request_repaint() } else { ctx.request_repaint_after(BETWEEN) }
 }
 

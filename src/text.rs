@@ -29,8 +29,7 @@ pub fn in_hertz(x: f64, unit: &str) -> Option<String> {
     (unit == "rad/s").then(|| format!("{} Hz", significant(x / TAU, 4)))
 }
 
-/// An error of an angular frequency \[rad/s\] in hertz, for one that is written with `decimals`. `None` for another
-/// unit.
+/// An error of an angular frequency \[rad/s\] in hertz, for one with `decimals`. `None` for another unit.
 pub fn error_in_hertz(x: f64, unit: &str, decimals: usize) -> Option<String> {
     // A hertz is more than six radians a second.
     (unit == "rad/s").then(|| format!("{} Hz", fixed(x / TAU, decimals + 1)))

@@ -60,7 +60,6 @@ pub fn is_for_fingers(ctx: &egui::Context) -> bool {
     ctx.global_style().spacing.interact_size.y >= FINGER
 }
 
-/// The height of buttons for fingers \[points\].
 const FINGER: f32 = 40.0;
 
 /// Fits the sizes of texts to a window of this width \[points\]; in a lecture hall the numbers are larger.
@@ -83,6 +82,7 @@ const NARROW: f32 = 720.0;
 
 fn sizes(width: f32, presenting: bool) -> BTreeMap<TextStyle, FontId> {
     let scale = (0.5 + 0.5 * width / USUAL_WIDTH).clamp(1.0, LARGEST);
+    // Half points: each other size would draw all glyphs again while a window is made wider.
     let size = |style, size: f32, family| (style, FontId::new((2.0 * scale * size).round() / 2.0, family));
     let plain = |style, points| size(style, points, FontFamily::Proportional);
     [
@@ -179,10 +179,7 @@ impl Plugin for Texels {
     }
 }
 
-/// Every colour of one theme.
-///
-/// Filters have the colours of Okabe and Ito, which colour-blind readers can distinguish, a little lighter on dark
-/// ground.
+/// Filters have the colours of Okabe and Ito, for readers with any colour vision, a little lighter on dark ground.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Palette {
     pub ground: Color32,
@@ -263,6 +260,7 @@ impl Palette {
     }
 }
 
+// Viridis: its lightness rises evenly, for colour-blind readers and in grey too.
 const SEQUENTIAL: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],

@@ -20,10 +20,8 @@ const BEGINNING: usize = 20;
 
 const PIECE: usize = 32;
 
-/// The cells that are computed side by side.
 const PORTION: usize = 8;
 
-/// The cells across and up in the picture of a map.
 const CELLS: [usize; 2] = [24, 12];
 
 #[derive(Clone)]
@@ -58,6 +56,7 @@ fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) ->
     }
     let (turn, frame) = (Id::unique("thumbnail made"), ctx.cumulative_frame_nr());
     ctx.request_repaint();
+    // One picture a frame, so that a menu of many opens at once.
     if ctx.data(|data| data.get_temp::<u64>(turn)) == Some(frame) {
         return None;
     }
@@ -152,6 +151,7 @@ fn colors(scores: &[f64]) -> Vec<Color32> {
     let decades: Vec<f64> = scores.iter().map(|score| score.abs().max(f64::MIN_POSITIVE).log10()).collect();
     let mut sorted: Vec<f64> = decades.iter().copied().filter(|score| score.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
+    // Without the outermost cells: a filter that is lost in one would take the whole range of colours.
     let few = sorted.len() / 20;
     let [low, high] = [few, sorted.len().saturating_sub(few + 1)].map(|at| sorted.get(at).copied().unwrap_or(0.0));
     let share = |score: &f64| if score.is_finite() { (score - low) / (high - low).max(1e-9) } else { 1.0 };

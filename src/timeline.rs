@@ -16,16 +16,13 @@ use crate::widgets::{hover_text, named};
 
 const HEIGHT: f32 = 28.0;
 
-/// The thickness of a filter's strip of bad parts \[points\].
 const STRIP: f32 = 3.0;
 
 const STRIPS: usize = 4;
 
-/// The distance within which a mark is under the pointer \[points\].
 const NEAR: f32 = 5.0;
 
 struct Event {
-    /// Its first and last time \[s\].
     times: (f64, f64),
     shape: EventShape,
     color: Color32,
@@ -53,6 +50,7 @@ pub(crate) fn track_ui(
     ui.spacing_mut().slider_width = width;
     ui.spacing_mut().interact_size.y = HEIGHT;
     let events = events(session, ruler, palette);
+    // Events lie below the slider's handle, but their places follow from the slider.
     let ground = ui.painter().add(Shape::Noop);
     let slider =
         named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time").remembered("Time");

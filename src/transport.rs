@@ -114,6 +114,7 @@ fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
 }
 
 fn progress_ui(ui: &mut Ui, share: f64) {
+    // Rounded down: 100 % must not be said before it is true.
     let label = ui.weak(format!("computing, {:.0} %", (100.0 * share).floor()));
     let label = label.on_hover_text("The last complete picture stays until the next one is computed. Esc gives it up.");
     let bar = Rect::from_min_max(label.rect.left_bottom(), label.rect.right_bottom() + vec2(0.0, BAR));

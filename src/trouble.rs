@@ -71,6 +71,7 @@ impl Gap {
                 let is_over = remark.last + 1 < estimates.stop().map_or(run.done(), |stop| stop.sample);
                 let [from, to] = [remark.sample, remark.last].map(|sample| record.time_of(sample));
                 let gap = Self { quantity, times: (from, to), is_over };
+                // Each filter with this sensor reports the same gap.
                 if !gaps.contains(&gap) {
                     gaps.push(gap);
                 }

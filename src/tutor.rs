@@ -74,8 +74,7 @@ impl Tutor {
         }
     }
 
-    /// The addresses of the settings that the step is about. Lessons name filters, and the user may rename them: an address that
-    /// is found is kept with the filter's id.
+    /// Lessons name filters, and the user may rename them: an address that is found is kept with the filter's id.
     pub(crate) fn lit(&mut self, scenario: &Scenario) -> Vec<String> {
         if self.lit.is_empty()
             && let Some(change) = self.current().and_then(|step| step.change.as_ref())
@@ -194,6 +193,7 @@ pub struct Catalogue {
 
 impl Default for Catalogue {
     fn default() -> Self {
+        // Read when a menu first needs them: a start need not wait for all lessons.
         let read = || kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect();
         Self { lessons: LazyLock::new(read), finished: BTreeSet::new() }
     }

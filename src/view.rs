@@ -85,8 +85,7 @@ impl<'a> ViewContext<'a> {
         self.palette.shade(of.color())
     }
 
-    /// Adds a filter to a chart: its band below everything else, its line, and its words in the readout, at the samples that it
-    /// has.
+    /// Adds a filter to a chart, at the samples that it has: its band below everything else.
     pub(crate) fn add(
         &self,
         chart: &mut Chart<'a>,
@@ -121,6 +120,7 @@ impl<'a> ViewContext<'a> {
 
 type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 
+// A table, since a trait would need a type for each view and a function for each constant.
 pub struct View {
     pub name: &'static str,
     pub help: [&'static str; 3],
@@ -128,6 +128,7 @@ pub struct View {
     pub(crate) wants_free_runs: bool,
     pub(crate) is_of_laboratory: bool,
     pub(crate) charts: for<'a> fn(&ViewContext<'a>) -> Vec<Chart<'a>>,
+    // A number of its own, so that the heights of tiles do not build every chart once more in each frame.
     pub(crate) plots: fn(&ViewContext<'_>) -> usize,
     pub(crate) without_charts: &'static str,
     pub(crate) sheets: Option<for<'a> fn(&ViewContext<'a>) -> Vec<Sheet<'a>>>,

@@ -5,6 +5,7 @@ use egui::{Button, Context, CornerRadius, Id, Key, LayerId, Order, Response, Ric
 use crate::theme::Palette;
 
 pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Response {
+    // A screen reader needs every text; else one is made under the pointer only, not for each number of each frame.
     if response.ctx.has_accesskit_node(response.id) {
         return response.on_hover_text(text());
     }

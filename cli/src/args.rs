@@ -151,12 +151,10 @@ impl InputArgs {
     }
 }
 
-/// A part of a table's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shard {
     /// Its number, from 1 on.
     pub(crate) number: usize,
-    /// The number of shards.
     pub(crate) of: usize,
 }
 
@@ -183,6 +181,7 @@ pub(crate) struct SourceArgs {
     #[arg(long)]
     pub(crate) no_input: bool,
     /// Seed of the random numbers instead of the scenario's; has no effect on a measured record
+    // A report writes its scenario as TOML, whose integers end there.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
 }
@@ -224,7 +223,6 @@ pub(crate) struct RunArgs {
     pub(crate) verbose: bool,
 }
 
-/// The help of `--score`: a list of all scores.
 fn score_help() -> String {
     let words = |of: fn(MeasureKind) -> bool| {
         let kinds = MeasureKind::all().filter(|kind| kind.info().is_number() && !kind.info().needs_others && of(*kind));
@@ -295,6 +293,7 @@ pub(crate) struct ImportArgs {
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
     /// Find the free decay in a record of three accelerations, such as a phone's; write it to this file and use it as the record
+    // The decay's own file has other columns than the one that a user would name here.
     #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
     /// A second file from the same time with another clock, such as that of another logger

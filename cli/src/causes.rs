@@ -14,7 +14,6 @@ pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Remedy>> {
     run.estimates().iter().zip(analysis.diagnostics()).enumerate().map(of).collect()
 }
 
-/// The remedies of the verdict on the filter at `place` of a scenario.
 pub(crate) fn causes_of(
     scenario: &Scenario,
     place: usize,

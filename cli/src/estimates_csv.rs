@@ -43,6 +43,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             for value in values(estimates, &channels, k).chain(of_process).chain(of_readings) {
                 writer.write_field(number(value))?;
             }
+            // The csv crate ends a row of single fields where an empty record follows.
             writer.write_record(None::<&[u8]>)?;
         }
     }
@@ -70,11 +71,8 @@ const READING: [ReadingColumn; 6] = [
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.
 pub(crate) struct SensorEstimate {
     pub(crate) innovation: f64,
-    /// The standard deviation that the filter expects of it.
     pub(crate) std: f64,
-    /// The prediction from all samples before.
     pub(crate) predicted: f64,
-    /// How much the reading counts, if the filter weighs it.
     pub(crate) weight: f64,
     /// The standard deviation of the sensor's noise, if the filter learns it, and that of this number.
     pub(crate) noise: [f64; 2],

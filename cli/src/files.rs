@@ -64,9 +64,11 @@ fn read_limited(file: &Path, most: u64) -> Result<Result<Vec<u8>, u64>, InputErr
     let unread = |error: io::Error| InputError::bad(file, &error);
     let mut bytes = Vec::new();
     if is_standard_input(file) {
+        // A pipe does not report its size: one byte more shows that it has too much.
         io::stdin().take(most + 1).read_to_end(&mut bytes).map_err(unread)?;
     } else {
         let kind = fs::metadata(file).map_err(unread)?;
+        // A file reports its size: none of one that is too large is read.
         if kind.is_file() && kind.len() > most {
             return Ok(Err(kind.len()));
         }
@@ -95,7 +97,6 @@ pub(crate) fn is_standard_input(file: &Path) -> bool {
 /// Files by the words of the arguments that name them.
 pub(crate) type Places<'a> = Vec<(&'static str, &'a Path)>;
 
-/// The files of an argument that may be left out.
 pub(crate) fn places<'a>(word: &'static str, files: impl IntoIterator<Item = &'a PathBuf>) -> Places<'a> {
     files.into_iter().map(|file| (word, file.as_path())).collect()
 }
@@ -112,6 +113,7 @@ pub(crate) fn check(inputs: &Places<'_>, outputs: &Places<'_>) -> Result<(), Inp
             (one, both) => one && both,
         };
         let input = |other: &Path| {
+            // Standard input may be a file, as in `< record.csv --out record.csv`, which would be overwritten too.
             let other = if is_standard_input(other) { Path::new("/dev/stdin") } else { other };
             !is_standard_output(file) && output::is_same(file, other)
         };
@@ -171,10 +173,11 @@ pub(crate) fn report_error(error: &dyn std::fmt::Display) {
 
 /// Prints a line on standard error, without characters that steer a terminal, and ignores that this can fail.
 pub(crate) fn say(line: &dyn std::fmt::Display) {
+    // `eprintln!` would panic where standard error is closed.
     let _ = writeln!(io::stderr(), "{}", scenario::shown(&line.to_string()));
 }
 
-/// Standard output. Output to a closed pipe is dropped without a message.
+/// `| head` closes the pipe early, which is no failure of a run: the rest is dropped without a message.
 struct Open<'a>(StdoutLock<'a>);
 
 impl Write for Open<'_> {

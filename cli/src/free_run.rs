@@ -8,14 +8,12 @@ use crate::number::{fixed, short};
 
 pub(crate) struct FreeRunResults {
     pub(crate) name: String,
-    /// Whether the filters have followed this record.
     pub(crate) is_own: bool,
     pub(crate) samples: usize,
     /// The fits, filter by filter, and each sensor by sensor.
     pub(crate) fits: Vec<FreeFit>,
 }
 
-/// The free run of one filter's final model, for one sensor.
 pub(crate) struct FreeFit {
     pub(crate) filter: String,
     pub(crate) sensor: Quantity,
@@ -27,11 +25,11 @@ pub(crate) struct FreeFit {
 
 impl FreeRunResults {
     pub(crate) fn new(name: &str, record: &Record, own: &Record) -> Self {
+        // By address: a held-out file may have the same numbers, and is still not the record that the filters followed.
         let is_own = std::ptr::eq(own, record);
         Self { name: name.to_owned(), is_own, samples: record.len(), fits: Vec::new() }
     }
 
-    /// The fits, a line a filter and sensor.
     pub(crate) fn lines(&self, length: Length) -> impl Iterator<Item = String> {
         self.fits.iter().map(move |fit| line(fit, length))
     }
@@ -51,8 +49,7 @@ pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
     run.estimates().iter().enumerate().flat_map(of).collect()
 }
 
-/// The free run of the final model of the filter at `place` of a scenario, from the filter's estimates. `None` if it
-/// has no free run. Over the record that the filter has followed, its predictions one step ahead are compared too.
+/// `None` without a free run. Over the record that the filter has followed, its one-step predictions are compared too.
 pub(crate) fn fits_of(
     scenario: &Scenario,
     place: usize,

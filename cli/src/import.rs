@@ -25,6 +25,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = ProgressDisplay::wait(false, "reading");
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
+    // Without `--decay` the rate goes into the mapping, so that `run` reads the same file with it.
     table.rate = args.rate.filter(|_| decay.is_some()).or(table.rate);
     let (of_file, ..) = mapping(&table, args);
     // A column that is the input may be the force of a sweep.
@@ -59,6 +60,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let (mut mapping, kind, guesses) = mapping(&table, args);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
+    // A part or a band that the user names must not be replaced by that of a ring.
     let is_said = from.is_some() || to.is_some() || *every != 1 || band.is_some();
     let remark = if is_said { None } else { Ring::choose(&table, &mut mapping) };
     if remark.is_none() {
@@ -66,6 +68,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
+    // Nothing holds a measured input between its samples, as a simulation does.
     let imported = build(&table, &mapping, kind, Hold::First, plant.channels());
     drop(progress);
     // Without a sensor, the reasons say what is to be chosen.
@@ -135,7 +138,6 @@ fn say_modes(modes: &[Mode], second: &str) {
     }
 }
 
-/// Writes a file. Returns its columns and its hash.
 fn written(text: String, to: &Path) -> Result<(Table, String), InputError> {
     let bytes = text.into_bytes();
     write_bytes(to, &bytes)?;
@@ -163,14 +165,14 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
     format!("column `{}`: {what}: {why}", guess.column)
 }
 
-/// The path of a record as a scenario in `out` names it: relative if both are in one folder, and none for a pipe, which cannot be
-/// read again.
+/// The path of a record in a scenario: relative if both are in one folder, none for a pipe, which is read only once.
 pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
     if !file.is_file() || is_standard_input(file) {
         return String::new();
     }
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     let name = match out {
+        // A folder with both files can then be moved.
         Some(out) if folder(out) == folder(file) => file.file_name().map_or(file, Path::new).to_owned(),
         Some(_) => fs::canonicalize(file).unwrap_or_else(|_| file.to_owned()),
         None => file.to_owned(),
@@ -197,6 +199,7 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
         mapping.take_no_input(&guesses);
     } else if let Some(column) = input {
         mapping.input = Some(mapped(column));
+        // The guess may have taken this column for a sensor, and a filter must not be driven by its own reading.
         mapping.sensors.retain(|_, sensor| sensor.column != *column);
     }
     if *ground {

@@ -55,6 +55,7 @@ fn one(
     let diagnosis = Diagnosis::new(&diagnostics, &history, record);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
     let causes = causes_of(scenario, place, diagnosis.as_ref(), &diagnostics, &history, record);
+    // Free runs and the bound need it no more, and both take memory of their own.
     drop(diagnostics);
     for (runs, (_, other)) in free_runs.iter_mut().zip(records) {
         runs.fits.extend(fits_of(scenario, place, &history, other, runs.is_own));
@@ -64,8 +65,7 @@ fn one(
     Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec() })
 }
 
-/// The bound for a filter over a whole record. Filters with the same initial belief and process noise share one; only the last one
-/// is kept.
+/// Filters with the same initial belief and process noise share a bound; only the last one is kept.
 fn bound_for<'b>(
     scenario: &Scenario,
     place: usize,
@@ -73,6 +73,7 @@ fn bound_for<'b>(
     bounds: &'b mut Vec<LastBound>,
 ) -> Option<&'b CramerRao> {
     if !bounds.iter().any(|(_, bound)| bound.is_for(scenario, place)) {
+        // A bound has numbers for each sample: one for every filter would take the memory that running in turn saves.
         bounds.clear();
         let mut bound = CramerRao::new(scenario, place, record.dt())?;
         bound.follow_to(record.len(), record);
@@ -87,6 +88,7 @@ fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Option
         return Ok(None);
     }
     let alone = Scenario { filters: vec![settings.clone()], ..scenario.clone() };
+    // The pass has dropped its gains and covariances, so the filter runs again before its smoother.
     let mut run = Run::on_record(&alone, Arc::new(record.clone()))?;
     run.finish();
     let analysis = Analysis::new(&run, Wanted { smoothed: Hindsight::All, ..Wanted::NOTHING });

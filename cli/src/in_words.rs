@@ -18,6 +18,7 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
     counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
     let line = |one: &&Evidence| {
+        // A rule has no probability: its p is 0 or 1, and is not printed.
         let p = match one.p_value {
             p if p > 0.0 && p < LEAST_P => format!(" (p < {LEAST_P:e})"),
             p if p > 0.0 && p < 1.0 => format!(" (p = {p:.0e})"),
@@ -57,14 +58,12 @@ pub(crate) fn unexplained(causes: &[Remedy], summary: &Summary) -> Option<String
     Some(format!("none of these causes explains it: even with the best remedy it is {after}"))
 }
 
-/// The verdict with a remedy, if there is one.
 fn after(remedy: &Remedy, summary: &Summary) -> Option<String> {
     let kind = remedy.after.as_ref()?.kind;
     let is_same = summary.verdict.as_ref().is_some_and(|verdict| verdict.kind == kind);
     Some(if is_same && !kind.is_good() { format!("still {}", kind.name()) } else { kind.name().to_owned() })
 }
 
-/// The causes of a remedy, in order.
 pub(crate) fn sentence(remedy: &Remedy) -> String {
     let each = remedy.causes().map(|likely| format!("{}: {}", likely.cause.name, likely.sentence));
     each.collect::<Vec<_>>().join("; and then ")

@@ -40,6 +40,7 @@ impl Results<'_> {
             "filters": Document::from_iter(filters.chain(smoothers)),
             "free_runs": Document::from_iter(free_runs),
         });
+        // With series, lines for each element would give every number of every sample its own.
         if series.is_empty() { document::to_json_lines(&all) } else { document::to_json(&all) }
     }
 

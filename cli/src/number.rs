@@ -84,6 +84,7 @@ pub fn significant(value: f64, digits: usize, most: i32) -> String {
 }
 
 fn trimmed(text: &str) -> &str {
+    // Without a point the zeros count: 100 must not become 1.
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 

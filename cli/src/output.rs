@@ -22,6 +22,7 @@ pub fn write<E: From<io::Error>>(path: &Path, fill: impl FnOnce(&mut dyn Write) 
         Some(old) if !old.is_file() || is_stream(path) => {
             return filled(&OpenOptions::new().append(true).open(path)?, fill);
         }
+        // A rename asks the folder for permission only, and would replace a file that is protected.
         Some(old) if old.permissions().readonly() => {
             return Err(io::Error::from(ErrorKind::PermissionDenied).into());
         }
@@ -33,6 +34,7 @@ pub fn write<E: From<io::Error>>(path: &Path, fill: impl FnOnce(&mut dyn Write) 
     // The default keeps a temporary file from other users, but this one becomes an ordinary one.
     #[cfg(unix)]
     beside.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    // In the same folder, since a rename works within one file system only.
     let temporary = beside.tempfile_in(folder(&target))?;
     filled(temporary.as_file(), fill)?;
     if let Some(old) = old {

@@ -11,7 +11,6 @@ use crate::table::heading;
 const WIDTH: f32 = 1100.0;
 const PLOT_HEIGHT: f32 = 240.0;
 const MARGINS: [f32; 4] = [92.0, 24.0, 10.0, 8.0];
-/// Room for the time axis below the last plot.
 const TIME_HEIGHT: f32 = 48.0;
 const PER_PAGE: usize = 3;
 /// Limits the columns of a line, and the number of dots.
@@ -134,6 +133,7 @@ fn draw_panel(svg: &mut Svg, run: &Run, panel: PlotPanel, top: f32, with_time: b
             let (mean, std) = curve(k);
             (record.time(k), mean - 2.0 * std, mean + 2.0 * std)
         };
+        // All bands come before all lines: none hides the estimate of another filter.
         for outline in bands(estimates.len(), columns, range, edges) {
             axes.outline(svg, &outline, color.faded(BAND_OPACITY));
         }
@@ -151,8 +151,7 @@ fn draw_panel(svg: &mut Svg, run: &Run, panel: PlotPanel, top: f32, with_time: b
 
 const SAMPLES: usize = 4000;
 
-/// The range of a plot: all of the truth, nearly all of the measurements and estimates, and most of the
-/// bands. It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
+/// It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
 fn range_of(run: &Run, panel: PlotPanel) -> (f64, f64) {
     let record = run.record();
     let out = |tail: f64| (record.len().min(SAMPLES) as f64 * tail) as usize;
@@ -177,6 +176,7 @@ fn range_of(run: &Run, panel: PlotPanel) -> (f64, f64) {
     let known = union(truth, measured);
     let range = match known {
         Some((low, high)) => {
+            // A constant truth has no span: half its size stands in for it.
             let room = 6.0 * (high - low).max(0.5 * low.abs().max(high.abs()));
             let near = |(a, b): (f64, f64)| (a.max(low - room), b.min(high + room));
             let wanted = union(estimated, banded);
@@ -197,8 +197,7 @@ enum PlotPanel {
 type Curve<'a> = Box<dyn Fn(usize) -> (f64, f64) + 'a>;
 
 impl PlotPanel {
-    /// The plots of a run, from top to bottom. A sensor has its own plot if no channel equals its reading, or if no
-    /// truth is known: then its prediction is the only comparison.
+    /// A sensor has its own plot if no channel equals its reading, or if its prediction is the only comparison.
     fn all(run: &Run) -> Vec<Self> {
         let (channels, record) = (run.channels(), run.record());
         let knows_truth = !record.true_channels().is_empty();
@@ -217,7 +216,6 @@ impl PlotPanel {
         format!("{name} {symbol} [{}]", if unit.is_empty() { "-" } else { unit })
     }
 
-    /// The measurements, if there is a sensor.
     fn measured(self, record: &Record) -> Option<&[f64]> {
         let sensor = match self {
             Self::Channel(channel) => *Quantity::all().iter().find(|q| q.channel() == Some(channel))?,

@@ -15,7 +15,6 @@ use crate::files::{InputError, print};
 use crate::prepared::scenario_and_record;
 use crate::sweep::{filters, run_in_order};
 
-/// The members that have run.
 struct MemberRuns {
     runner: Arc<Runner>,
     statistics: MonteCarlo,
@@ -29,6 +28,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     scenario.number_filters();
     let places = filters(&scenario, filter).map_err(|reason| bad(&reason))?;
     scenario.filters = places.iter().filter_map(|&place| scenario.filters.get(place).cloned()).collect();
+    // A draw of a filter that does not run would name nothing.
     scenario.keep_draws();
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let all = (0..scenario.filters.len()).collect();
@@ -37,6 +37,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     let runner = ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(&error))?;
     let runner = Arc::new(runner);
     let mut statistics = MonteCarlo::new(runner.ensemble());
+    // Sums in the order of the seeds have the same bits on any number of threads.
     run_in_order(&runner, 0..runner.ensemble().cells(), *threads, (*quiet || *json, "members"), &mut |slice| {
         statistics.take(runner.ensemble(), slice);
         Ok(())

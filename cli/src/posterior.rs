@@ -12,7 +12,6 @@ use crate::files::{InputError, places, print_beside, write_text};
 use crate::prepared::scenario_and_record;
 use crate::tune::{number, place_of};
 
-/// Prints the posterior of a filter's parameters beside the filter's own belief, and writes its points.
 pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
     let PosteriorArgs { input, filter, out } = args;
     let file = &input.scenario;

@@ -14,8 +14,7 @@ use crate::args::{InputArgs, SourceArgs};
 use crate::files::{InputError, NO_FILE, Places, check, places, read_record, read_short, say, to_text};
 use crate::progress::ProgressDisplay;
 
-/// Limits the samples of a run: at 100 Hz more than five hours, and less than a gigabyte for a filter without outputs of its
-/// history.
+/// More than five hours at 100 Hz, and less than a gigabyte for a filter without outputs of its history.
 const MOST: usize = 2_000_000;
 
 const CHUNK: usize = 10_000;
@@ -24,14 +23,12 @@ pub(crate) struct Prepared {
     pub(crate) file: PathBuf,
     pub(crate) scenario: Scenario,
     source: Source,
-    /// Whether the record was measured, not simulated.
     pub(crate) is_measured: bool,
     pub(crate) held_out: Vec<(String, Record)>,
 }
 
 impl Prepared {
-    /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
-    /// prints no remarks.
+    /// Refuses outputs that are inputs. Remarks on a record are printed on standard error, unless the run is quiet.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
         let SourceArgs { input, holdout, no_input, seed } = source;
         let file = &input.scenario;
@@ -51,6 +48,7 @@ impl Prepared {
             imported.map_or((None, Vec::new()), |Imported { record, remarks, .. }| (Some(record), remarks));
         remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
         let held_out =
+            // Reading writes a mapping into its scenario: a copy, as the run's is that of its own record.
             holdout.iter().map(|path| Ok((path.display().to_string(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
         let source = record.map_or(Source::Simulated, |record| Source::Measured(Arc::new(record)));
@@ -68,6 +66,7 @@ impl Prepared {
 
     pub(crate) fn truth(&self) -> Result<Run, InputError> {
         let scenario = Scenario { filters: Vec::new(), ..self.scenario.clone() };
+        // A run without filters would accept filters that are refused later, after the whole simulation.
         let run = self.scenario.validate().map_err(RunError::from);
         let run = run.and_then(|()| Run::from_source(&scenario, self.source.clone()));
         let mut run = run.map_err(|error| self.bad_run(&error))?;
@@ -75,8 +74,7 @@ impl Prepared {
         Ok(run)
     }
 
-    /// The records over which the final models run freely, each with its name: that of a run, if it was measured, and those of the
-    /// arguments.
+    /// The records for free runs, each with its name: that of a run, if it was measured, and those of the arguments.
     pub(crate) fn for_free_runs<'a>(&'a self, run: &'a Run) -> Vec<(&'a str, &'a Record)> {
         let own = self.is_measured.then(|| ("its own record", run.record()));
         own.into_iter().chain(self.held_out.iter().map(|(name, record)| (name.as_str(), record))).collect()
@@ -101,6 +99,7 @@ pub(crate) fn scenario_and_record(
 pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputError> {
     let bytes = read_short(file)?;
     let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| document::from_toml(text).is_ok());
+    // A record in the wrong place would otherwise be reported as a syntax error in its first line.
     if !is_toml && import::read(bytes.as_slice(), None).is_ok() {
         let reason =
             "this is a record, not a scenario: `kalmanscope-cli import RECORD --out SCENARIO.toml` writes one for it";
@@ -125,7 +124,6 @@ fn check_with_record(
     check(&[inputs, places("the record of the scenario", &file)].concat(), outputs)
 }
 
-/// The sentence on settings that a measured record overrides.
 const OVERRIDDEN: &str = "the scenario's dt, duration, force and true values have no effect on a measured record";
 
 /// The first line of a measured record that was written as the filters read it: it needs no mapping any more.
@@ -169,8 +167,7 @@ fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Resul
     read(&path, scenario).map(Some)
 }
 
-/// The record in a file, with the meaning that the scenario gives its columns. A record that the program has written
-/// already has that meaning.
+/// The scenario says what the columns mean, except where the program has written the record.
 fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bytes = read_record(path)?;
     let mapping = scenario.record.clone().unwrap_or_default();
@@ -186,7 +183,6 @@ fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
     imported
 }
 
-/// The record of a file's columns, with the meaning that the scenario gives them.
 fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let mapping = scenario.record.clone().unwrap_or_default();
     let mut left_out = None;

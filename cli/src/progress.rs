@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// The time between two pictures of a bar.
 const TICK: Duration = Duration::from_millis(200);
 
 pub(crate) struct ProgressDisplay(Option<ProgressBar>);
@@ -23,7 +22,6 @@ impl ProgressDisplay {
         }
     }
 
-    /// Shows that work of unknown length is under way.
     pub(crate) fn wait(quiet: bool, what: &'static str) -> Self {
         let progress = Self::new(0, quiet);
         progress.show(0, what);

@@ -78,8 +78,7 @@ pub fn report(results: &Results<'_>, parts: &ReportParts<'_>) -> Result<String, 
 const HEADINGS: [&str; COLUMNS] =
     ["", "quantity", "estimate", "±2σ", "unit", "error", "", "RMSE", "last third", "inside ±2σ", "settled"];
 
-/// Writes the verdict with evidence and causes, the last estimates with their scores, and consistency in numbers. A smoother has no
-/// results but its summary.
+/// A smoother has no results but its summary.
 fn section(page: &mut Html, summary: &Summary, filter: Option<&FilterResults>, results: &Results<'_>) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {

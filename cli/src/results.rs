@@ -19,7 +19,6 @@ pub struct Results<'a> {
     pub(crate) filters: Vec<FilterResults>,
     pub(crate) smoothers: Vec<Summary>,
     pub(crate) free_runs: Vec<FreeRunResults>,
-    /// The command that repeats the run.
     pub(crate) command: String,
 }
 

@@ -26,6 +26,7 @@ fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     let scored = score.map(|score| {
         let in_stds = if std > 0.0 { format!("({}σ)", fixed(score.error.abs() / std, 1)) } else { String::new() };
         let settled = match score.settled {
+            // A known parameter has nothing to settle, and a state keeps moving.
             _ if std == 0.0 || !channel.is_parameter() => String::new(),
             Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
             None => "never".to_owned(),
@@ -62,6 +63,7 @@ fn gain(last: &Final, length: Length, mapping: &Mapping) -> Option<[String; COLU
 }
 
 fn scaled(last: &Final, length: Length, factor: f64, [symbol, name, unit]: [&str; 3]) -> [String; COLUMNS] {
+    // A column with its sign turned has a negative gain, which a σ must not get.
     let other = Final { mean: factor * last.mean, std: factor.abs() * last.std, score: None, ..*last };
     let mut row = row(&other, length);
     [row[0], row[1], row[4]] = [symbol, name, unit].map(str::to_owned);

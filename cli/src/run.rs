@@ -17,7 +17,6 @@ use crate::import::path_from;
 use crate::prepared::{Prepared, READY, named};
 use crate::progress::ProgressDisplay;
 
-/// The reason why a result could not be written.
 #[derive(Debug, Error)]
 enum OutputError {
     #[error(transparent)]
@@ -32,7 +31,6 @@ enum OutputError {
     Document(#[from] DocumentError),
 }
 
-/// The form of a file of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum OutputForm {
     Estimates,
@@ -60,8 +58,7 @@ impl OutputForm {
     }
 }
 
-/// Runs the scenario, writes the wanted files and prints the table. Reports files that cannot be written on standard
-/// error. Returns the exit code.
+/// Files that cannot be written are reported on standard error. Returns the exit code.
 pub(crate) fn run(args: &RunArgs) -> Result<u8, InputError> {
     let RunArgs { source, fix, out, record_out, fail_on, json: as_json, quiet, verbose } = args;
     let bad = |reason: &dyn ToString| InputError::bad(&source.input.scenario, reason);
@@ -159,8 +156,7 @@ fn page(prepared: &Prepared, run: &Run, results: &Results<'_>) -> Result<String,
     report(results, &ReportParts { title: &title, reasons: &[], figures: &pages(run) })
 }
 
-/// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.
-/// `causes` are those of the run.
+/// Writes the scenario with remedy `number` of each filter with a bad verdict, and names these filters.
 fn write_fixed<'a>(
     prepared: &Prepared,
     causes: impl Iterator<Item = &'a [Remedy]>,
@@ -191,6 +187,7 @@ fn write_fixed<'a>(
         return Err(bad(&reason));
     }
     if let Some(mapping) = fixed.record.as_mut().filter(|mapping| !mapping.file.is_empty()) {
+        // The new file may be in another folder, from which the record's path is another one.
         mapping.file = path_from(Some(out), &named(&prepared.file, mapping));
     }
     write_text(out, &fixed.to_toml().map_err(|error| bad(&error))?)?;

@@ -13,6 +13,7 @@ fn columns(samples: usize, columns: usize) -> impl Iterator<Item = (usize, usize
 
 /// The line through `samples` values, reduced to the lowest and the highest of each column.
 pub(crate) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> Point) -> Vec<Point> {
+    // The reduction would keep as many points.
     if samples <= 2 * max_columns {
         return (0..samples).map(value).collect();
     }
@@ -31,8 +32,7 @@ pub(crate) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> 
     points
 }
 
-/// The outlines of a band, one for each part without a gap: forwards along the highest upper edge of each column, backwards
-/// along the lowest lower edge. `edges` gives time, lower and upper edge of a sample; NaN for a gap.
+/// An outline for each part without a gap. `edges` gives time, lower and upper edge of a sample; NaN for a gap.
 pub(crate) fn bands(
     samples: usize,
     max_columns: usize,
@@ -75,6 +75,7 @@ pub(crate) fn padded((low, high): (f64, f64)) -> (f64, f64) {
     let [low, high] = [low, high].map(|value| value.clamp(-LARGEST, LARGEST));
     let size = low.abs().max(high.abs());
     let span = high - low;
+    // Else the rounding of a constant would fill the whole plot.
     if span > 1e-6 * size {
         (low - 0.06 * span, high + 0.06 * span)
     } else if size > 0.0 {

@@ -24,11 +24,11 @@ struct Followed {
     has_stopped: bool,
 }
 
-/// Reads lines until there are no more, and writes the estimates at the newest time after each, flushed. What is refused is
-/// said on standard error. Returns whether a filter is left that has not stopped.
+/// Writes the estimates after each line, flushed. Returns whether a filter is left that has not stopped.
 pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let StreamArgs { scenario: file, source, late, json } = args;
     let both = [places("SCENARIO", [file]), places("SOURCE", [source])].concat();
+    // A source such as `tcp://HOST:PORT` is no file: only standard input, named twice, can be a mistake.
     check(&both.into_iter().filter(|(_, file)| is_standard_input(file)).collect(), &Vec::new())?;
     let scenario = read_scenario(file, false)?;
     let mut filters = followed(file, &scenario, *late)?;
@@ -59,6 +59,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
             }
         };
         let mut reason = take(&mut filters, &row);
+        // After a single line either of the two may be wrong; once two agree, it is the odd one that is refused.
         if let (Some(EventError::Gap { before, .. }), [first]) = (&reason, taken.as_slice()) {
             refuse(
                 *first,
@@ -172,7 +173,6 @@ impl Watch {
 const LAST: [&str; 3] = ["nis", "again", "verdict"];
 
 impl Followed {
-    /// The names of its columns.
     fn columns(&self) -> Vec<String> {
         let of = |prefix: &str| {
             let each = |channel: &Channel| ["", "std_"].map(|what| format!("{prefix}{what}{}", channel.key()));
@@ -187,8 +187,7 @@ impl Followed {
         columns
     }
 
-    /// A value for each column: the newest estimate, and that in hindsight. `null` for a filter that has stopped, and where nothing is
-    /// old enough.
+    /// `null` for a filter that has stopped, and where nothing is old enough for hindsight.
     fn values(&mut self) -> Vec<Document> {
         let Self { filter, watch, has_stopped, name: _ } = self;
         let channels = filter.channels.to_vec();
@@ -226,7 +225,6 @@ fn moments(sample: &Sample<'_>, channels: &[Channel]) -> Vec<Document> {
 struct EstimateWriter<W> {
     output: W,
     json: bool,
-    /// The names of each filter's columns.
     columns: Vec<Vec<String>>,
 }
 
@@ -237,6 +235,7 @@ impl<W: Write> EstimateWriter<W> {
         if self.json {
             return Ok(true);
         }
+        // Lines are written and read without quotes, so a name must need none.
         let names = filters.iter().map(|one| harmless(&one.name).replace([',', '"'], "_"));
         let names = names
             .zip(&self.columns)

@@ -22,8 +22,7 @@ use crate::progress::ProgressDisplay;
 
 const MOST_THREADS: usize = 256;
 
-/// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
-/// sweep, or row by row on standard output.
+/// A file continues that of an interrupted call of the same sweep; standard output begins with the first row.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { input: InputArgs { scenario: file, .. }, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
@@ -45,7 +44,6 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     part.finish(out).map_err(|error| InputError::unwritten(out, &error))
 }
 
-/// Writes the table on standard output, row by row.
 fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result<(), InputError> {
     let ensemble = runner.ensemble();
     let mut run = Ok(());
@@ -72,7 +70,6 @@ fn run_cells(
     })
 }
 
-/// The reason why cells could not be run.
 #[derive(Debug, Error)]
 pub(crate) enum SweepError {
     #[error(transparent)]
@@ -116,6 +113,7 @@ fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| InputError::bad(file, &reason))?;
     let measures = if score.is_empty() {
+        // A measured record has no truth: such a column would be NaN in every row.
         let is_known = |measure: &Measure| !measure.info().needs_truth || matches!(source, Source::Simulated);
         Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
     } else {
@@ -158,6 +156,7 @@ pub(crate) fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize
 }
 
 fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
+    // The product of two counts may exceed 64 bits.
     let cut = |shard: usize| (all as u128 * shard as u128 / of as u128) as usize;
     cut(number - 1)..cut(number)
 }
@@ -165,6 +164,7 @@ fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
 fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
     let Shard { number, of } = args.shard;
     let version = env!("CARGO_PKG_VERSION");
+    // Another version may compute other bits, and a table must not mix the rows of two.
     let all = [version, &ensemble.to_json(), record, &format!("{number}/{of}")].join("\n");
     hash(all.as_bytes())
 }
@@ -220,6 +220,7 @@ impl SweepFile {
     }
 
     fn append(&mut self, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
+        // Flushed with each slice: an interruption loses only the cells that are running.
         write_rows(&mut self.file, ensemble, slice)?;
         self.file.flush()
     }
@@ -227,9 +228,11 @@ impl SweepFile {
     fn finish(self, out: &Path) -> io::Result<()> {
         let Self { path, mut file } = self;
         file.flush()?;
+        // Windows refuses to read or to remove a file that another handle has locked.
         drop(file);
         let mut lines = BufReader::new(File::open(&path)?);
         lines.skip_until(b'\n')?;
+        // A copy and no rename: the table must not begin with the line that says which sweep it is.
         output::write(out, |table| io::copy(&mut lines, table).map(|_| ()))?;
         fs::remove_file(&path)
     }
@@ -245,6 +248,7 @@ fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::R
     for (at, &cell) in slice.cells.iter().enumerate() {
         let row = &slice.rows[at * width..(at + 1) * width];
         let (values, drawn) = (ensemble.values(cell), ensemble.member(cell));
+        // The shortest text of a number reads back as the same bits.
         let numbers: Vec<String> = values.iter().chain(&drawn).chain(row).map(f64::to_string).collect();
         writeln!(file, "{}", numbers.join(","))?;
     }
@@ -255,5 +259,6 @@ fn names(ensemble: &Ensemble) -> Vec<String> {
     let axes = ensemble.plan().axes.iter().map(|axis| axis.key.clone());
     let scenario = ensemble.scenario();
     let drawn = ensemble.drawn().iter().map(|address| scenario.address_by_name(&address.to_string()));
+    // A continued file counts the commas of its rows, so no name may have one.
     axes.chain(drawn).chain(ensemble.columns()).map(|name| name.replace([',', '\n', '"'], "_")).collect()
 }

@@ -44,6 +44,7 @@ impl Results<'_> {
         let rows: Vec<Vec<[String; COLUMNS]>> = summaries
             .zip(&sections)
             .map(|(summary, [above, below])| {
+                // It cannot be negative: in brief, five lines at most stand above and two below.
                 self.rows(summary, if all { None } else { Some(MOST - above.len() - below.len()) })
             })
             .collect();
@@ -65,7 +66,6 @@ impl Results<'_> {
         Ok(())
     }
 
-    /// The lines above the estimates of a filter, or of a smoother, which has no results but its summary.
     fn above(&self, summary: &Summary, filter: Option<&FilterResults>, all: bool) -> Vec<String> {
         let mut lines = vec![heading(&summary.name, summary.kind)];
         let Some(filter) = filter else { return lines };
@@ -162,6 +162,7 @@ fn bounds(over_bound: &[(Channel, f64)]) -> Option<String> {
 }
 
 pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
+    // A line break in a name would break the table.
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     match name.trim() {
         "" => kind.name().to_owned(),
@@ -191,6 +192,7 @@ fn write_row(text: &mut String, row: &[String; COLUMNS], widths: &[usize; COLUMN
 }
 
 fn width(text: &str) -> usize {
+    // `format!` pads by characters, and ωₙ has more bytes than characters.
     text.chars().count()
 }
 

@@ -32,9 +32,6 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
 }
 
 /// The place of the filter with a name, or of the first one.
-///
-/// # Errors
-/// [`InputError`] where the scenario has none.
 pub(crate) fn place_of(file: &Path, scenario: &Scenario, name: Option<&str>) -> Result<usize, InputError> {
     let Some(name) = name else {
         let first = (!scenario.filters.is_empty()).then_some(0);
@@ -51,6 +48,7 @@ fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
         let setting = Address::parse(scenario, text).map_err(|error| error.to_string())?;
         return Ok(Axis { key: text.to_owned(), ..Axis::usual(&setting, scenario, 2) });
     };
+    // An axis is written with a number of values; a search has two ends only.
     let counted = match range.strip_suffix(":log") {
         Some(range) => format!("{key}={range}:2:log"),
         None => format!("{key}={range}:2"),

@@ -45,6 +45,7 @@ impl Adjustment {
     pub fn change(&self, scenario: &Scenario) -> Result<setting::Change, LessonError> {
         let Self { label: _, remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
         let (mut change, mut scenario) = (setting::Change::default(), scenario.clone());
+        // Removal comes first, so that an added filter may take the name of one that goes.
         for name in remove_filters {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
             let filter = scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);

@@ -92,7 +92,6 @@ impl Check {
         is_within(value, (self.above, self.below), &self.is)
     }
 
-    /// Validates the check against a scenario.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         for (name, smoothed) in [(self.filter.as_str(), self.smoothed), self.reference_filter()] {
             if !scenario.filters.iter().any(|filter| filter.name == name && (filter.smoother || !smoothed)) {

@@ -10,7 +10,6 @@ use crate::LessonError;
 /// Limits the values on one axis: a check runs the scenario for each.
 const MOST: usize = 256;
 
-/// The axis in a text, with 2 to 256 values.
 fn axis(text: &str) -> Result<Axis, LessonError> {
     let axis = Axis::parse(text).ok().filter(|axis| (2..=MOST).contains(&axis.count));
     axis.ok_or_else(|| LessonError::Axis(text.to_owned()))
@@ -32,7 +31,7 @@ pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>,
     Ok(cells)
 }
 
-/// Checks that the corners of a grid are possible scenarios.
+/// Settings are limited by ranges: possible corners make a possible grid, and all its cells may be 256² scenarios.
 fn check_corners(scenario: &Scenario, axes: &[Axis]) -> Result<(), LessonError> {
     let ends: Vec<Axis> = axes.iter().map(|axis| Axis { count: 2, ..axis.clone() }).collect();
     cells(scenario, &ends).map(|_| ())
@@ -103,7 +102,6 @@ impl GridCells {
         is_within(value, (self.above, self.below), &self.is)
     }
 
-    /// The axes.
     pub(crate) fn axes(&self) -> Result<Vec<Axis>, LessonError> {
         [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| axis(text)).collect()
     }
@@ -111,6 +109,7 @@ impl GridCells {
     /// Checks that all cells can be run.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let axes = self.axes()?;
+        // Each trial of a claim sets the seed of all its cells, over that of an axis.
         if axes.iter().any(|axis| axis.key == SEED.key) {
             return Err(LessonError::Axis(self.x.clone()));
         }

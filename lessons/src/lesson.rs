@@ -174,6 +174,7 @@ impl Lesson {
         }
         if let Some(picture) = &lesson.picture {
             let mut steps = lesson.steps.iter().zip(&scenarios);
+            // Step 0 wraps to a place that no lesson has.
             let (step, scenario) = steps.nth(picture.step.wrapping_sub(1)).ok_or(LessonError::Picture("step"))?;
             picture.validate(scenario, step.map.is_some())?;
         }

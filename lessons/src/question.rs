@@ -36,7 +36,6 @@ impl Question {
         self.answer.checked_sub(1).and_then(|place| self.choices.get(place)).map_or("", String::as_str)
     }
 
-    /// Validates the question of a step that begins with this scenario.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let Self { ask, choices, answer, because, until } = self;
         let blank = |text: &String| text.trim().is_empty();

@@ -55,6 +55,7 @@ pub fn verify_with(
                 let value = share.map_or_else(|| claim.check.value(now, &before), |share| Ok(Value::Number(share)));
                 claim.values.push((seed, value.map_err(|error| error.in_step(number))?));
             }
+            // A step without a change keeps the run before it: nothing runs twice.
             before = changed.unwrap_or(before);
         }
     }
@@ -98,8 +99,7 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
     Ok(claims)
 }
 
-/// The shares of the cells in which checks hold, of those checks that have cells. Each cell of a grid is run once for all checks
-/// over the same grid.
+/// The shares of the cells in which checks hold: each cell of a grid is run once for all checks over that grid.
 fn shares(
     checks: &[&Check],
     scenario: &Scenario,

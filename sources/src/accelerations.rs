@@ -38,7 +38,6 @@ pub enum NoAxes {
     Unknown(usize),
 }
 
-/// The name of the column with the times of arrival.
 const ARRIVAL: &str = "arrival";
 
 impl Accelerations {
@@ -67,6 +66,7 @@ impl Accelerations {
         };
         match (names, row) {
             // A device that starts again sends its header again.
+            // Fewer words than axes are a message of the device, not a header.
             (Some(names), None) if self.meaning.is_none() && names.len() > 2 => {
                 (self.names, self.waiting) = (Some(names), Vec::new());
             }
@@ -123,6 +123,7 @@ impl Accelerations {
         };
         let axes = |columns| ThreeAxes::of(&Table::of_columns("lines", columns, Vec::new()));
         let axes = match named {
+            // The device's own time comes first, since the arrival jitters with the connection.
             Some(mut names) => axes(columns(names.clone(), 0..width - 1)).or_else(|| {
                 names.push(format!("{ARRIVAL} (s)"));
                 axes(columns(names, 0..width))

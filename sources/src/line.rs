@@ -73,6 +73,7 @@ impl<'a> StreamLine<'a> {
         if bytes.len() > LONGEST {
             return Err(BadLine::TooLong);
         }
+        // Programs of Windows begin a text with the mark of its byte order.
         let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim_start_matches('\u{feff}');
         // A tab at either end is an empty cell.
         let text = text.trim_matches(['\r', '\n', ' ']);
@@ -84,6 +85,7 @@ impl<'a> StreamLine<'a> {
                 Err(error) => Err(BadLine::NoJson(error.to_string())),
             },
             Some(_) => {
+                // The comma comes last: between semicolons or tabs it may be a decimal comma.
                 let mark = mark.or_else(|| [';', '\t', ','].into_iter().find(|mark| text.contains(*mark)));
                 let mark = mark.unwrap_or(' ');
                 let cells: Vec<&str> =
@@ -116,10 +118,12 @@ pub const LONGEST: usize = 65_536;
 /// # Errors
 /// Those of the source.
 pub fn read_line(input: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<bool> {
+    // Not `read_until`, which would take a stream without line ends into memory whole.
     line.clear();
     let mut some = false;
     loop {
         let buffer = match input.fill_buf() {
+            // A signal, such as that of a resized terminal, is no end of the source.
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
             buffer => buffer?,
         };
@@ -129,6 +133,7 @@ pub fn read_line(input: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<bool
         some = true;
         let end = buffer.iter().position(|byte| *byte == b'\n');
         let part = &buffer[..end.unwrap_or(buffer.len())];
+        // One byte more than allowed is kept: by it the line is refused as too long, and not read as a shorter one.
         let room = (LONGEST + 1).saturating_sub(line.len());
         line.extend_from_slice(&part[..part.len().min(room)]);
         let read = end.map_or(buffer.len(), |end| end + 1);

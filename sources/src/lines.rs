@@ -40,13 +40,11 @@ pub struct LineReader {
 /// The times of the lines before, in the unit of the lines.
 #[derive(Clone, Debug)]
 struct LineClock {
-    /// The scenario's \[s\].
     dt: f64,
     last: f64,
     step: f64,
     /// What a counter that turned over has lost.
     added: f64,
-    /// Whether the unit has been asked about.
     is_asked: bool,
 }
 
@@ -64,6 +62,7 @@ impl LineClock {
         match turn(self.last, time, self.step) {
             Some(range) => self.added += range,
             // The first time may be that of a clock that was not set.
+            // It falls by a tenth at most: after a burst a turned counter must still lie within five of these steps.
             None if step > 0.0 && step * unit.unwrap_or(1.0) < FAR * self.dt => self.step = step.max(0.9 * self.step),
             None => {}
         }

@@ -20,6 +20,7 @@ pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
         Some(("tcp", address)) => Box::new(BufReader::new(TcpStream::connect(address.trim_start_matches('/'))?)),
         Some(("udp", address)) => Box::new(BufReader::new(Datagrams::bind(address.trim_start_matches('/'))?)),
         Some(("serial", port)) => Box::new(BufReader::new(open_serial(port)?)),
+        // Only `//` makes a kind of source: `C:\record.csv` is a file.
         Some((scheme, rest)) if rest.starts_with("//") => {
             let reason = format!("there is no source of the kind {scheme}://, only tcp://, udp:// and serial:");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
@@ -46,7 +47,9 @@ impl Read for Datagrams {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let Self { socket, datagram, read } = self;
         if *read == datagram.len() {
+            // UDP has no datagram beyond 65 507 bytes, so none is cut.
             datagram.resize(LONGEST, 0);
+            // After an error, the zeros of the buffer must not be read as a datagram.
             let length = socket.recv(datagram).inspect_err(|_| *read = LONGEST)?;
             datagram.truncate(length);
             *read = 0;
@@ -85,6 +88,7 @@ impl Read for Serial {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             match self.0.read(buffer) {
+                // A serial port must have a time limit, but an instrument may be silent for longer.
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => {}
                 read => return read,
             }

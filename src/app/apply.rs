@@ -103,6 +103,7 @@ impl App {
             Request::DismissNotice => self.notice = None,
             Request::Leave if self.stalled.first().is_some() => self.stop_stalled(),
             Request::Leave => {
+                // Esc leaves one thing at a time: `||` stops at the first that was there.
                 let is_done = std::mem::take(&mut self.keys_open)
                     || self.exporting.take().is_some()
                     || self.figure_dialog.take().is_some()
@@ -123,6 +124,7 @@ impl App {
             Request::ChooseTab(shown, wanted) => layout.choose_tab(shown, wanted),
             Request::ShowView(view) => {
                 layout.show(view);
+                // In a narrow window the new view would stand below the others, out of sight.
                 if self.width < NARROW {
                     layout.enlarge(view);
                 }

@@ -70,6 +70,7 @@ impl App {
     }
 
     pub fn figure(&self, format: FigureFormat) -> Figure {
+        // Figures are for paper, whatever the theme of the screen.
         let palette = Palette::of(egui::Theme::Light);
         Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
     }

@@ -27,7 +27,9 @@ const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind
 impl App {
     pub(super) fn import(&mut self, RawFile { name, bytes, is_measured }: RawFile) {
         self.inviting = false;
+        // It is stored once it has opened: a file that is no record must not take the place of one that is.
         self.candidate = self.store.is_some().then(|| StoredFile::of(&name, &bytes)).flatten();
+        // A phone has no room for the columns, and those of a measurement are known.
         let at_once = is_measured || self.width < NARROW;
         self.importing = Some(Import::new(&name, bytes, at_once, Rc::clone(self.session.team())));
     }
@@ -89,6 +91,7 @@ impl App {
 
     fn end_measure(&mut self, ctx: &Context) {
         self.measure = None;
+        // The importer stores the file itself once it has opened it.
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));
         if let Some(bytes) = self.session.end_live(MEASURED).filter(|_| !is_imported) {
             self.candidate = self.store.is_some().then(|| StoredFile::of(MEASURED, &bytes)).flatten();
@@ -148,6 +151,7 @@ impl App {
         self.importing.is_none() && self.awaits(name, || hash(bytes))
     }
 
+    // A function, as hashing 85 MB takes 150 ms, and most files are not waited for.
     fn awaits(&self, name: &str, hash: impl FnOnce() -> String) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
         let is_it = if mapping.hash.is_empty() { name_of(mapping) == name } else { mapping.hash == hash() };

@@ -16,8 +16,7 @@ use crate::theme::Palette;
 use crate::views::view;
 use crate::visibility::Visibility;
 
-/// The page at which links of the desktop program begin. It is set when the program is built; without it a link is the
-/// fragment alone, which any page and any program opens.
+/// The page at which links of the desktop program begin; without it a link is the fragment alone, which any page opens.
 pub(super) const PAGE: Option<&str> = option_env!("KALMANSCOPE_PAGE");
 
 impl App {
@@ -26,8 +25,7 @@ impl App {
         Self { page: page.to_owned(), ..self }
     }
 
-    /// Opens the picture, scenario or lesson that an address names, or says why it cannot be opened. An address without
-    /// one changes nothing.
+    /// Opens what an address names, or says why it cannot be opened. An address that names nothing changes nothing.
     pub fn open_address(&mut self, address: &str) {
         self.requests.push(Request::OpenAddress(address.to_owned()));
     }
@@ -116,6 +114,7 @@ impl App {
 }
 
 pub(super) fn pasted(ctx: &Context, requests: &mut Vec<Request>) {
+    // Text that is pasted into a field belongs to the field.
     if ctx.text_edit_focused() {
         return;
     }

@@ -25,7 +25,6 @@ const IMPORT: &str = "The import";
 #[derive(Default)]
 pub(super) struct StalledWorks {
     works: Vec<(&'static str, f64, f64)>,
-    /// The time of the last frame \[s\].
     last: f64,
 }
 

@@ -21,8 +21,7 @@ pub(super) const NARROW: f32 = 720.0;
 /// Limits the width of a window in which a lesson replaces the settings, unless the user opens them \[points\].
 pub(super) const WIDE: f32 = 1500.0;
 
-/// In presenter mode the bar is shown if the pointer is near it, on touch screens, and while a widget has the
-/// keyboard's focus or a menu is open.
+/// In presenter mode the bar is shown only while it may be used: by a pointer near it, a finger, the keyboard, a menu.
 fn is_bar_wanted(ctx: &Context) -> bool {
     let near =
         ctx.input(|input| input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top()));
@@ -34,7 +33,6 @@ fn is_bar_wanted(ctx: &Context) -> bool {
 /// Limits the height of a window that shows settings beside plots, unless the user opens them \[points\].
 const LOW: f32 = 480.0;
 
-/// The distance from the top at which a pointer is near the bar \[points\].
 const NEAR_BAR: f32 = 50.0;
 
 fn missing_ui(ui: &mut Ui, name: &str, requests: &mut Vec<Request>) {
@@ -105,6 +103,7 @@ impl App {
         if self.keys_open {
             keys::window_ui(ui.ctx(), &mut self.keys_open);
         }
+        // Taken out, since its picture is drawn from the whole app.
         if let Some(mut dialog) = self.figure_dialog.take() {
             let mut requests = Vec::new();
             let is_open = dialog.ui(ui.ctx(), |format| self.figure(format), &mut requests);
@@ -117,6 +116,7 @@ impl App {
         editor.take_if(|editor| !editor.ui(ui.ctx(), session.scenario(), &palette, requests));
         self.measure_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
+        // Requests are applied in the next frame, for which nothing else may ask.
         if !self.requests.is_empty() {
             ui.ctx().request_repaint();
         }

@@ -21,6 +21,7 @@ use crate::widgets::named;
 pub(super) fn filter_section_ui(ui: &mut Ui, edits: &mut Edits<'_>, place: usize, palette: &Palette) {
     let scenario = edits.scenario;
     let filter = &scenario.filters[place];
+    // By id: at a place, the section of another filter would open when one is removed.
     let id = ui.make_persistent_id(("filter", filter.id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
     let open = state.is_open();
@@ -90,6 +91,7 @@ fn changes_ui(ui: &mut Ui, filter: &FilterSettings, edits: &mut Edits<'_>) {
     let (hint, name) = ("How the filter expects its parameters to change", format!("{} parameters", filter.name));
     let mut list = |ui: &mut Ui| {
         list_ui(ui, ("parameters", hint), summary, &name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
+            // The answers exclude each other: whether one serves is asked of a filter without the others.
             let mut still = filter.clone();
             CHANGES.iter().for_each(|(row, ..)| (row.set)(&mut still, (row.get)(&off)));
             ui.selectable_value(&mut chosen, None, "still").on_hover_text("They stay as they are");
@@ -128,6 +130,7 @@ pub(super) fn add_filter_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     }
 }
 
+// As many as there are colours that readers with any colour vision can distinguish.
 const MOST_FILTERS: usize = 6;
 
 fn rename_ui(ui: &mut Ui, filter: &FilterSettings, others: &[String], edits: &mut Edits<'_>) {

@@ -23,6 +23,7 @@ pub(super) fn highlight_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce
     let lit =
         ui.data(|data| data.get_temp::<Highlight>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
     let Some(lit) = lit else { return add_contents(ui) };
+    // It takes its place below the contents before their size is known.
     let ground = ui.painter().add(Shape::Noop);
     let shown = ui.scope(add_contents);
     let rect = shown.response.rect.expand2(egui::vec2(4.0, 1.0));
@@ -40,7 +41,9 @@ pub(super) fn highlight_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce
 }
 
 fn concerns(lit: &str, path: &str) -> bool {
+    // The id becomes a part of its own, for which `*` can stand.
     let [lit, path] = [lit, path].map(|path| path.replacen("filters#", "filters.#", 1));
+    // The shorter one decides: a lit table lights each of its numbers.
     lit.split('.').zip(path.split('.')).all(|(a, b)| a == b || a == "*")
 }
 

@@ -70,6 +70,7 @@ impl<'a> NumberField<'a> {
             let slider = Slider::new(value, low..=high)
                 .logarithmic(logarithmic)
                 .smallest_positive(smallest(low, high))
+                // A number of a file may lie beyond the slider: showing it must not change it.
                 .clamping(SliderClamping::Never)
                 .show_value(false)
                 .ui(ui);
@@ -153,6 +154,7 @@ pub(super) fn tell_hertz(response: Response, value: f64, unit: &str, words: &str
 }
 
 pub fn begin_anew(ctx: &egui::Context) {
+    // A count in the keys, since the names of all numbers on screen are not known here.
     ctx.data_mut(|data| *data.get_temp_mut_or_default::<u64>(Id::unique("numbers' beginning")) += 1);
 }
 
@@ -171,14 +173,14 @@ fn reset(control: &Response, value: &mut f64, initial: f64) {
     }
 }
 
-/// The wheel changes the number that is being edited, and with Alt the one under the pointer. Otherwise it scrolls the
-/// page.
+/// The wheel changes the number that is being edited, or with Alt the one under the pointer; else it scrolls the page.
 fn scroll(ui: &Ui, field: &Response, value: &mut f64, step: f64) {
     if !field.enabled() || !field.contains_pointer() {
         return;
     }
     let typing = field.has_focus();
     let turned = ui.input_mut(|input| {
+        // The turn of the wheel is taken, so that the panel does not scroll with it.
         let wanted = typing || input.modifiers.alt;
         if wanted { std::mem::take(&mut input.smooth_scroll_delta).y } else { 0.0 }
     });
@@ -197,6 +199,7 @@ fn drag_value(value: &mut f64, low: f64, high: f64) -> DragValue<'_> {
         .speed(speed)
         .custom_formatter(|x, _| significant(x, 5))
         .custom_parser(parse)
+        // Each digit that is typed would begin a run: 1, then 12, then 120.
         .update_while_editing(false)
 }
 

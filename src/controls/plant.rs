@@ -153,6 +153,7 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             value(ui, "before", from);
             value(ui, "after", to);
             time(ui, "begins at", start, 0.0);
+            // A beginning that is dragged past the end takes the end along: a ramp cannot run backward.
             *end = end.max(*start);
             time(ui, "ends at", end, *start);
         }

@@ -66,7 +66,6 @@ fn lines(mapping: &Mapping) -> Vec<String> {
 /// Limits the length of a record: a day \[s\].
 const LONGEST: f64 = 86_400.0;
 
-/// Lengths with a button \[s\].
 const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", LONGEST)];
 
 pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
@@ -93,6 +92,7 @@ pub(super) fn general_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
 fn seed_ui(ui: &mut Ui, seed: &mut u64) {
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text(SEED.hint);
+        // TOML has no larger integer, and a scenario is saved as TOML.
         named(ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1)), "Seed");
         if ui.button("New noise").clicked() {
             *seed = (*seed + 1) % i64::MAX as u64;

@@ -10,7 +10,6 @@ use super::number::NumberField;
 use crate::text::sentence;
 use crate::widgets::named;
 
-/// Limits the quantities that are all shown with a check box.
 const FEW: usize = 12;
 
 fn is_measured(scenario: &Scenario, quantity: Quantity) -> bool {
@@ -79,6 +78,7 @@ fn usual_noise(quantity: Quantity) -> f64 {
 
 fn offered(scenario: &Scenario) -> Vec<Quantity> {
     let (kind, input) = (scenario.plant.kind.clone(), scenario.input);
+    // Under a force total and relative acceleration are equal, and so are drift and displacement of the first mass.
     let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
         aspect if aspect == Aspect::TOTAL_ACCELERATION => input == InputKind::GroundAcceleration,
         aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,

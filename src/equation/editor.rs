@@ -69,6 +69,7 @@ impl Editor {
     }
 
     fn follow(&mut self, scenario: &Scenario) {
+        // Undo or a link may have brought another equation, of which the draft knows nothing.
         let now = scenario.plant.kind.own_equation().map(Equation::settings);
         if now != self.taken.as_ref() {
             *self = Self { is_new: self.is_new, ..Self::new(scenario) };
@@ -198,7 +199,6 @@ impl Editor {
 const HINT: &str = "x'' or ẍ; z' = … is an internal state; f is the force over mass; sin cos tan exp log sqrt abs sign tanh; \
                     ; parts equations.";
 
-/// The widths of symbols, names, units and numbers \[points\].
 const WIDTHS: [f32; 4] = [40.0, 160.0, 64.0, 70.0];
 
 fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettings, truth: &mut Option<f64>) -> bool {
@@ -269,6 +269,7 @@ fn number_ui(ui: &mut Ui, value: &mut f64, name: String) -> bool {
         .custom_parser(parse)
         .update_while_editing(false);
     let response = named(ui.add_sized(vec2(WIDTHS[3], ui.spacing().interact_size.y), field), name);
+    // Each change makes the plant again, so a number counts when the hand or the keyboard leaves it.
     let is_at_once = response.changed() && !response.dragged() && !response.has_focus();
     response.drag_stopped() || response.lost_focus() || is_at_once
 }

@@ -91,7 +91,6 @@ fn extend(shape: &Shape, extent: &mut Vec2) {
     }
 }
 
-/// The length of a point \[mm\].
 pub(super) const MILLIMETRES_PER_POINT: f32 = 25.4 / 72.0;
 
 /// The size of type on the canvas \[points of the canvas\]. Views are laid out for type of about this size.
@@ -150,7 +149,6 @@ impl FigureFormat {
 const ON_SCREEN: [f32; 2] = [1.6, 4.0];
 
 pub(super) struct Pen {
-    /// The widths of the finest and of the boldest curve \[points of the canvas\].
     curves: [f32; 2],
 }
 
@@ -159,8 +157,7 @@ impl Pen {
         Self { curves }
     }
 
-    /// The width in the figure of a line with the width `on_screen`. Lines finer than any curve, such as those of the
-    /// grid, stay finer.
+    /// Lines finer than any curve, such as those of the grid, stay finer.
     fn width(&self, on_screen: f32) -> f32 {
         let ([fine, bold], [least, most]) = (self.curves, ON_SCREEN);
         let share = ((on_screen - least) / (most - least)).min(1.0);

@@ -42,6 +42,7 @@ impl FigureDialog {
                 }
             });
             let format = self.format;
+            // A figure takes several passes over every view: it is drawn once for each size and not in each frame.
             self.drawn.take_if(|(of, _)| *of != format);
             let (_, figure) = self.drawn.get_or_insert_with(|| (format, draw(format)));
             let [width, height] = figure.millimetres();

@@ -22,6 +22,7 @@ fn write_clipped(svg: &mut Svg, shape: &Shape, limits: Rect) {
         return shapes.iter().for_each(|shape| write_clipped(svg, shape, limits));
     }
     let bounds = shape.visual_bounding_rect();
+    // Nothing of it would be seen, and the file would be larger.
     if !bounds.is_finite() || !bounds.intersects(limits) {
         return;
     }
@@ -138,6 +139,7 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
                 at: [*from, *baseline],
                 anchor: Anchor::Start,
                 size: format.font_id.size,
+                // A reader may have another font: the length keeps each text in its place.
                 length: Some(to - from),
                 bold: matches!(format.font_id.family, FontFamily::Name(_)),
                 color: color(ink(format)),

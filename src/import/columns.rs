@@ -144,7 +144,6 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
     });
 }
 
-/// The shortest step that can be asked for \[s\].
 const SHORTEST: f64 = 1e-6;
 
 pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {

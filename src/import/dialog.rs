@@ -16,7 +16,6 @@ use crate::widgets::{named, primary};
 /// The width of the window, folded and unfolded, if there is room \[points\].
 const WIDTHS: [f32; 2] = [540.0, 940.0];
 
-/// The height of what stands around the columns \[points\].
 const AROUND: f32 = 170.0;
 
 enum DialogChoice {
@@ -62,6 +61,7 @@ impl Import {
         if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
             return None;
         }
+        // Enter presses the button that has the focus, such as Cancel.
         let has_focus = ctx.memory(|memory| memory.focused().is_some());
         let [escape, enter] = ctx.input(|input| [Key::Escape, Key::Enter].map(|key| input.key_pressed(key)));
         match (escape, enter && !has_focus) {

@@ -140,6 +140,7 @@ impl Draft {
     }
 
     pub(super) fn is_possible(&self) -> bool {
+        // No start values follow from a sensor that never moves; without them the record can be opened.
         let is_fit = |imported: &Imported| !(self.suggest && imported.still.is_some());
         !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))
     }

@@ -47,6 +47,7 @@ impl Draft {
     pub(super) fn left_out(&self, made: &Imported) -> Vec<String> {
         let (every, most) = (self.mapping.every, grouped(Session::LONGEST_WHOLE));
         let kept = (every > 1).then(|| format!("One of {every} samples is kept: at most {most} are shown."));
+        // Here most steps have no reading by construction: none of them is missing.
         if made.record.clocks().is_some() || self.mapping.interpolate > 1 {
             return kept.into_iter().collect();
         }

@@ -25,8 +25,7 @@ pub struct MapChoice {
 }
 
 impl MapChoice {
-    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. `None` if
-    /// there is no filter, or there are no two settings to vary.
+    /// The usual map: the guess of the first parameter and the factor on Q. `None` without a filter or these settings.
     pub fn usual(scenario: &Scenario, record: &Record, is_measured: bool, count: usize) -> Option<Self> {
         let filter = scenario.filters.first()?.id;
         let part = part_of(scenario, &[filter]);
@@ -91,6 +90,7 @@ impl MapChoice {
 pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     let filter = |id: &u32| scenario.filters.iter().find(|filter| filter.id == *id).cloned();
     let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
+    // A colour changes no score, so another one must not begin the map again.
     filters.iter_mut().for_each(|filter| filter.color = None);
     let mut part = Scenario { filters, ..scenario.clone() };
     part.keep_draws();

@@ -144,6 +144,7 @@ impl SeedRuns {
 }
 
 fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
+    // Each run sets its own seed: another one of the scenario must not begin the statistics again.
     Scenario { seed: 0, ..part_of(scenario, filters) }
 }
 
@@ -152,8 +153,7 @@ pub struct Seeds {
     pub choice: SeedChoice,
     runs: Option<SeedRuns>,
     before: Option<SeedRuns>,
-    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
-    /// to be drawn again: while seeds come in, whenever there are 5 % more.
+    /// Its number changes while seeds come in, whenever there are 5 % more.
     pub state: WorkState,
     counted: usize,
 }

@@ -9,8 +9,7 @@ use kalmanscope_lab::channels;
 
 use crate::text::unit_in;
 
-/// The keys of the settings that may be varied, in the order of a menu: first the filters' settings, then the record's.
-/// `scenario` has the chosen filters only; all of them get the same value.
+/// The keys of the settings that may be varied, the filters' first; all filters of `scenario` get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
     let mut keys = of_filters(scenario);
     if is_measured {
@@ -75,13 +74,13 @@ const MOST_CHANNELS: usize = 8;
 fn scored(scenario: &Scenario) -> Vec<Channel> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let mut channels = channels(scenario, &places);
+    // Parameters first: in a long chain the motion of the last masses is what is cut off.
     channels.sort_by_key(|channel| !channel.is_parameter());
     channels.truncate(MOST_CHANNELS);
     channels
 }
 
-/// The scores that are computed for every cell: all that need no history, so that the map can switch between them at
-/// once.
+/// The scores of every cell: all that need no history, so that the map can switch between them at once.
 pub(crate) fn taken(scenario: &Scenario) -> Vec<Measure> {
     Measure::of_sums(&scored(scenario))
 }

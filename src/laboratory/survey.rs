@@ -27,8 +27,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The survey of a scenario and the source of its samples. Factors stay relative to the numbers that they had before, so
-    /// that the map does not move.
+    /// Factors stay relative to the numbers that they had before, so that the map does not move.
     pub(super) fn new(
         scenario: &Scenario,
         source: Source,
@@ -111,6 +110,7 @@ impl Survey {
         let part = part_of(scenario, &self.filters);
         part.filters.len() == self.filters.len() && self.has_its_factors(&part) && {
             let base = self.ensemble.scenario();
+            // The axes' settings are made alike before the comparison: a change of them only moves the dot.
             let moved = |scenario: &Scenario| {
                 let mut moved = scenario.clone();
                 self.ensemble.settings().iter().for_each(|setting| setting.set(&mut moved, setting.get(base)));
@@ -120,8 +120,7 @@ impl Survey {
         }
     }
 
-    /// The source for a survey of a run's scenario. A live record that has grown since this survey gets a new one when it is
-    /// a quarter longer, and this one is complete.
+    /// A live record that has grown by a quarter since this survey gets a new source, once the survey is complete.
     pub(super) fn steady(&self, source: Source) -> Source {
         let Source::Live(record) = source else { return source };
         let shorter = self.source.record().filter(|known| {
@@ -176,6 +175,7 @@ impl Survey {
 }
 
 fn are_close(a: &[f64], b: &[f64]) -> bool {
+    // A factor is multiplied and divided again, so the numbers differ by rounding.
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs())
 }
 

@@ -111,6 +111,7 @@ impl Tuning {
         let record = given.unwrap_or_else(|| Arc::new(simulate(&of)));
         let tuner = Tuner::new(of.clone(), 0, record, choice.axes.clone(), choice.goal);
         let mut tuner = tuner.map_err(|error| format!("This cannot be tuned: {error}."))?;
+        // A map on screen has run all its cells already: its best one is a start that costs one run.
         if let Some(values) = survey.and_then(|survey| best_of_map(survey, &choice, &of)) {
             tuner.try_values(&values);
         }
@@ -206,6 +207,7 @@ impl TuneChoice {
 
     pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
         let is_ticked = self.axes.iter().any(|axis| axis.key == key);
+        // A table and one of its own numbers cannot be turned together.
         self.axes.retain(|axis| !collide(&axis.key, key, part));
         if let Ok(setting) = Address::parse(part, key)
             && !is_ticked
@@ -215,8 +217,7 @@ impl TuneChoice {
     }
 }
 
-/// The filter's place in the map, and the places of the map's axes among those of a search. `None` if the search lacks
-/// one of them or the map lacks the filter.
+/// The filter's place in the map, and the places of the map's axes among those of a search. `None` if one is missing.
 fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
     let filter = survey.filters.iter().position(|id| *id == choice.filter)?;
     let place = |key: &str| choice.axes.iter().position(|axis| axis.key == key);
@@ -224,16 +225,14 @@ fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
     Some((filter, [place(&x.key)?, place(&y.key)?]))
 }
 
-/// For each axis of the map, the ratio of the map's number to the search's number. A factor is relative to the numbers at the
-/// beginning, and map and search begin at different times.
+/// For each axis, the map's number over the search's: both begin at different times, and factors are relative.
 fn ratios(survey: &Survey, part: &Scenario) -> [f64; 2] {
     let present = survey.present(part);
     let settings = survey.ensemble.settings();
     [0, 1].map(|at| if settings.get(at).is_some_and(Address::is_factor) { present[at] } else { 1.0 })
 }
 
-/// The values of the tuned settings in the best cell of a map: its own settings must be among them. The others stay as they
-/// are.
+/// The tuned settings in the best cell of a map, which must vary some of them; the others stay as they are.
 fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario) -> Option<Vec<f64>> {
     let (filter, places) = places(survey, choice)?;
     let score = |cell: usize| {

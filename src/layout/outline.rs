@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinds::ViewKind;
 
-/// Limits the containers inside each other.
+/// Limits the containers inside each other: a text from outside must not overflow the stack.
 pub(super) const DEEPEST: usize = 16;
 
 pub(super) const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;

@@ -20,7 +20,6 @@ use crate::theme::Palette;
 
 const DRAWN: usize = 1200;
 
-/// The distance between the numbers of a row \[points\].
 const APART: f32 = 18.0;
 
 const FILE: &str = "measured-here.csv";

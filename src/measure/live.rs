@@ -40,7 +40,6 @@ struct Following {
     record: Arc<Record>,
     scenario: Scenario,
     run: Run,
-    /// The time of the last reading that was taken \[s\].
     taken: f64,
 }
 
@@ -92,10 +91,10 @@ impl LiveFilter {
         estimates.map_or(self.known, |estimates| Some(self.together(estimates)))
     }
 
-    /// The estimates combined with those of another decay: their mean, each weighted by its certainty, where both agree, else
-    /// the later alone.
+    /// The mean of both decays' estimates, each weighted by its certainty, where they agree; else the later alone.
     fn together(&self, later: [Band; 2]) -> [Band; 2] {
         let Some(known) = self.known else { return later };
+        // A band is 2σ: the difference may be three of its standard deviations.
         let agrees = |(a, b): (&Band, &Band)| (a.mean - b.mean).abs() <= 0.5 * AGREES * a.band.hypot(b.band);
         if !known.iter().zip(&later).all(agrees) {
             return later;
@@ -129,6 +128,7 @@ impl Following {
     fn new(decay: Decay) -> Option<Self> {
         let live = decay.live();
         let first = decay.acceleration[..decay.acceleration.len().min(LOOKED_AT)].to_vec();
+        // Once the hand is gone, nothing drives it.
         let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; first.len()] };
         let record = Record::new(live.record().dt(), input, vec![(Quantity::ACCELERATION, first)]).ok()?;
         let mut scenario = suggest(&scenario_for(&record), &record).scenario;

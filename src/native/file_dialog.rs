@@ -21,6 +21,7 @@ const NO_DIALOG: &str = "this desktop opens no dialog for files: neither its por
 pub(super) fn choose() -> Choose {
     let mut open: Option<JoinHandle<()>> = None;
     Box::new(move |ctx, inbox| {
+        // A second click must not open a second dialog, which may lie behind the first.
         if open.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }

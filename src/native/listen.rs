@@ -86,6 +86,7 @@ impl<P: Parser> SensorDevice<P::Reading> for SensorListener<P> {
     fn begin(&self, ctx: &Context, to: &ReadingQueue<P::Reading>) {
         self.shared.heard().to = Some((ctx.clone(), to.clone()));
         let mut thread = self.thread.borrow_mut();
+        // Nothing can end a thread that waits for a line, so the next beginning uses it again.
         if thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }

@@ -33,6 +33,7 @@ impl RecordStore for Folder {
         // The name alone: a path in it leads nowhere else.
         let path = self.0.join(file_name(Path::new(name)));
         let kept = fs::create_dir_all(&self.0).and_then(|()| {
+            // The new file comes before the others go: a full disk must not leave none.
             output::write(&path, |file| file.write_all(&bytes))?;
             self.files().filter(|other| *other != path).try_for_each(fs::remove_file)
         });

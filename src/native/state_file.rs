@@ -24,8 +24,7 @@ pub(super) struct StateFile {
 }
 
 impl StateFile {
-    /// The file in a folder and the picture in it. A file that cannot be read is renamed, and so is one with which a start has ended
-    /// before it was saved. Fails where nothing can be kept.
+    /// Renames a file that cannot be read, or that has ended a start before its save. Fails where none can be kept.
     pub(super) fn open(folder: &Path) -> Result<(Self, LastPicture), String> {
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         let [path, opened] = [NAME, OPENED].map(|name| folder.join(name));
@@ -49,8 +48,7 @@ impl StateFile {
         Ok((Self { folder: folder.to_owned(), text: String::new(), trouble: None }, last))
     }
 
-    /// Writes a picture, if the file has another one: beside the file, which is then replaced. Returns the reason where that
-    /// fails, unless the save before has failed for the same one.
+    /// Writes another picture beside the file, then replaces that. Returns why it fails, but not twice the same reason.
     pub(super) fn save(&mut self, picture: &SavedPicture) -> Option<String> {
         let text = picture.lines().map_err(|error| error.to_string());
         let saved = text.and_then(|text| {

@@ -19,6 +19,7 @@ struct DesktopTeam {
 
 pub(super) fn team(software: Software, ctx: &Context) -> Rc<dyn Team> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    // One processor is left to the frames; of two it would be half of all.
     let count = if processors > 2 { processors - 1 } else { processors };
     let threads = Threads::new(count, 1).map_err(|error| log::warn!("Long work stays in the frames: {error}"));
     Rc::new(DesktopTeam { threads: threads.ok(), processor: Rc::new(Processor::new(software)), ctx: ctx.clone() })

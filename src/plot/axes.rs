@@ -6,8 +6,7 @@ use egui_plot::GridMark;
 
 use crate::text::{fixed, significant};
 
-/// Multiples of 1, 2 or 5 times a power of ten: about `count`, and at least two if they fit, because one tick shows no
-/// scale.
+/// Multiples of 1, 2 or 5 times a power of ten: about `count`, at least two if they fit, as one tick shows no scale.
 pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     let rough = (high - low) / f64::from(count.max(2.0));
     if !rough.is_finite() || rough <= 0.0 {
@@ -55,6 +54,7 @@ pub(crate) fn tick(value: f64, step: f64) -> String {
         return significant(if value.abs() < 1e-3 * step { 0.0 } else { value }, 3);
     }
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+    // Zero may be 1e-17 by rounding, and must not be labelled as -0.
     fixed(if value.abs() < 1e-3 * step { 0.0 } else { value }, decimals)
 }
 
@@ -114,8 +114,7 @@ impl ValueScale {
         Self { ends, is_logarithmic }
     }
 
-    /// The scale of `count` cells in equal steps. `from` and `to` are the middles of the first and last; the scale
-    /// reaches half a step beyond them.
+    /// `count` cells in equal steps from middle to middle of the outermost; the scale reaches half a step beyond them.
     pub(crate) fn of_cells(from: f64, to: f64, count: usize, is_logarithmic: bool) -> Self {
         let Self { ends: (from, to), .. } = Self::new(from, to, is_logarithmic);
         let steps = count.saturating_sub(1).max(1) as f64;

@@ -44,7 +44,6 @@ pub(crate) struct Chart<'a> {
 pub(crate) struct Curve<'a> {
     pub(crate) line: PlotSeries<'a>,
     pub(crate) band: Option<PlotSeries<'a>>,
-    /// \[points\]
     pub(crate) width: f32,
 }
 
@@ -150,7 +149,6 @@ impl<'a> Chart<'a> {
 }
 
 fn labels_ui(ui: &Ui, transform: &PlotTransform, layers: &[Layer<'_>]) {
-    /// The height of a label \[points\].
     const ROOM: f32 = 16.0;
     let labels: Vec<(f64, &str, Color32)> = layers.iter().filter_map(Layer::label).collect();
     let middle = labels.iter().map(|(value, ..)| value).sum::<f64>() / labels.len().max(1) as f64;
@@ -172,6 +170,7 @@ pub(crate) fn charts_ui(
 ) -> Option<f64> {
     let count = charts.len();
     let id = ui.scope_id().with("alone");
+    // The plot that was shown alone may be gone with its sensor.
     let mut alone: Option<usize> = ui.data(|data| data.get_temp(id)).filter(|place| *place < count);
     let (first, shown) = alone.map_or((0, count), |place| (place, 1));
     let mut pointed = None;

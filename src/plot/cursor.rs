@@ -15,7 +15,6 @@ use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::text::fixed;
 
-/// A mark is dragged from within this distance \[points\].
 const GRIP: f32 = 6.0;
 
 const PADDING: f32 = 3.0;
@@ -27,7 +26,6 @@ pub(super) struct Cursors {
 }
 
 struct CursorLine {
-    /// \[s\]
     time: f64,
     text: String,
     color: Color32,
@@ -72,6 +70,7 @@ impl Cursors {
             if !frame.x_range().contains(x) {
                 continue;
             }
+            // A thin line between two pixels would be blurred, and flicker while it moves.
             let x = (x * ui.ctx().pixels_per_point()).round() / ui.ctx().pixels_per_point();
             let [top, bottom] = [pos2(x, frame.top()), pos2(x, frame.bottom())];
             let stroke = Stroke::new(1.2, line.color);
@@ -141,7 +140,6 @@ pub(super) fn cursor_gestures(
     }
 }
 
-/// A line is hit from within this distance \[points\].
 const REACH: f32 = 5.0;
 
 pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos2) -> Option<u32> {
@@ -178,7 +176,6 @@ const ABOVE: f32 = 44.0;
 
 const LENS_PADDING: f32 = 8.0;
 
-/// The radius of the dot in the colour of a value's owner, and its room \[points\].
 const DOT: (f32, f32) = (4.0, 16.0);
 
 /// Shows values above a finger that is held on a plot and moves. Returns its time \[s\].

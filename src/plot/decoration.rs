@@ -16,6 +16,7 @@ pub(super) fn gap_shapes(gaps: &[Gap], transform: &PlotTransform, palette: &Pale
     let frame = *transform.frame();
     for gap in gaps {
         let [left, right] = [gap.times.0, gap.times.1].map(|time| transform.position_from_point_x(time));
+        // One missing reading in a long record is narrower than a pixel, and must be seen.
         let whole = Rect::from_x_y_ranges(left..=right.max(left + MARK.1), frame.y_range()).intersect(frame);
         if whole.is_positive() {
             shapes.push(Shape::rect_filled(whole, 0.0, palette.faint.gamma_multiply(GROUND)));
@@ -28,7 +29,6 @@ const HEIGHT: f32 = 4.0;
 
 const OPACITY: f32 = 0.5;
 
-/// Half the width of the triangle of a jump [points].
 const JUMP: f32 = 4.5;
 
 pub(super) fn strip_shapes(input: &PlotInput<'_>, transform: &PlotTransform, shapes: &mut Vec<Shape>) {

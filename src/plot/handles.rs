@@ -8,13 +8,11 @@ use super::time_axis::PlotInput;
 use crate::request::Request;
 use crate::widgets::hover_text;
 
-/// Radius of a handle, and of the room in which it is grasped \[points\].
 const RADIUS: f32 = 4.5;
 const GRASP: f32 = 10.0;
 
 pub(crate) struct PlotHandle<'a> {
     pub(crate) name: String,
-    /// \[s\]
     pub(crate) time: f64,
     pub(crate) value: f64,
     pub(crate) color: Color32,
@@ -58,6 +56,7 @@ pub(super) fn handles_ui(
         let fill = if is_lit { handle.color } else { input.palette.ground };
         painter.circle(at, RADIUS, fill, Stroke::new(2.0, handle.color));
         let response = hover_text(response.on_hover_cursor(CursorIcon::Grab), &|| format!("Drag: {}", handle.name));
+        // An axis that follows its curves would move under the hand; after the drag it follows again.
         if response.drag_started() && input.axis.follows {
             ui.data_mut(|data| data.insert_temp(id, true));
             requests.push(Request::Unfollow);

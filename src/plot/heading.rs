@@ -36,12 +36,9 @@ impl Readout {
 const GAP: f32 = 8.0;
 /// Width of the dot in the colour of a value's owner, with the space after it \[points\].
 const DOT: f32 = 9.0;
-/// Space for the sign of omitted values \[points\].
 const ELLIPSIS: f32 = 20.0;
 
-/// Name and unit at the left, values at the cursor or at playback at the right, as many as fit; the values take
-/// precedence. Returns the symbol at the very left.
-///
+/// Values at the right take precedence over the name and its unit. Returns the symbol at the very left.
 /// Each frame has many of them, so texts are laid out once and painted in place.
 pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     let colors = [ui.visuals().text_color(), ui.visuals().weak_text_color()];
@@ -125,6 +122,7 @@ impl<'a> HeadingValues<'a> {
 }
 
 fn place(ui: &Ui, row: Rect, left: f32, text: &Arc<Galley>, of: (&str, usize)) -> Response {
+    // Glyphs are drawn texel by texel, so they begin on a whole pixel.
     let at = pos2(left, row.center().y - 0.5 * text.size().y).round_to_pixels(ui.pixels_per_point());
     ui.painter().galley(at, Arc::clone(text), Color32::PLACEHOLDER);
     let response = ui.interact(Rect::from_min_size(at, text.size()), ui.unique_id().with(of), Sense::hover());
@@ -143,6 +141,7 @@ fn value(text: &str) -> &str {
 fn steady(ui: &Ui, id: Id, width: f32) -> f32 {
     ui.data_mut(|data| {
         let kept = data.get_temp_mut_or(id, width);
+        // One long number, such as that of a wide first guess, must not keep its room for ever.
         *kept = if *kept > 1.3 * width { width } else { kept.max(width) };
         *kept
     })

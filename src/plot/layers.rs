@@ -85,8 +85,7 @@ impl<'a> Layer<'a> {
 const COLUMN: f32 = 2.0;
 const AREA: f32 = 3.0;
 
-/// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
-/// than the one below it, so that both are seen where they coincide \[points\].
+/// Each line is a little thinner than the one below it, so that both are seen where they coincide \[points\].
 pub(crate) fn line_width(place: usize, first: f32) -> f32 {
     (first - 0.8 * place as f32).max(1.2)
 }
@@ -311,8 +310,7 @@ impl Shown<'_> {
     }
 }
 
-/// A curve breaks at a gap of at least `SAMPLES` samples that is `DISTANCES` times as long as the mean distance between columns.
-/// So the curve of a sensor with a slow clock does not break.
+/// A curve breaks at a gap of `SAMPLES` samples and `DISTANCES` times the mean distance: that of a slow clock does not.
 const SAMPLES: usize = 10;
 const DISTANCES: usize = 8;
 
@@ -337,7 +335,6 @@ const OUTLIERS: f64 = 0.006;
 /// Limits the pieces of a layer; the range uses the extremes of each piece.
 const PIECES: usize = 250;
 
-/// The share of a run that is its beginning.
 const BEGINNING: f64 = 0.2;
 
 fn value_range<'a>(

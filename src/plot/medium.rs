@@ -58,8 +58,7 @@ fn id() -> Id {
 const LEAST_HEIGHT: f32 = 72.0;
 const ROW_GAP: f32 = 6.0;
 const GUTTER: f32 = 16.0;
-/// Limits the width for two columns of plots, and the width at which two columns avoid plots lower than [`LOW`]
-/// \[points\].
+/// Limits the width for two columns of plots, and that for two that avoid plots lower than [`LOW`] \[points\].
 const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
 /// Limits the height of plots below which two columns are better \[points\].
 const LOW: f32 = 120.0;
@@ -104,5 +103,6 @@ pub(crate) fn cells_ui(ui: &mut Ui, count: usize, cell_ui: &mut dyn FnMut(&mut U
 pub(crate) const Y_AXIS: f32 = 44.0;
 
 pub(crate) fn sense(ui: &Ui) -> Sense {
+    // A finger that drags scrolls the page.
     if ui.input(InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
 }

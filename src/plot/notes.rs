@@ -6,7 +6,6 @@ use egui_plot::PlotTransform;
 use crate::theme::Palette;
 
 pub(crate) struct Note {
-    /// \[s\]
     pub(crate) time: f64,
     pub(crate) value: f64,
     pub(crate) words: String,
@@ -14,11 +13,9 @@ pub(crate) struct Note {
     pub(crate) leftwards: bool,
 }
 
-/// The radius of the dot, and the distance of the words from it \[points\].
 const DOT: f32 = 3.0;
 const APART: f32 = 6.0;
 
-/// The least size of a plot with words \[points\].
 const ENOUGH: [f32; 2] = [260.0, 90.0];
 
 pub(super) fn note_shapes(notes: &[Note], ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {

@@ -26,6 +26,7 @@ impl<'a> Plane<'a> {
     }
 
     pub(crate) fn plot<'p>(&self, ui: &mut Ui, palette: &Palette) -> Plot<'p> {
+        // `egui_plot` has no setting for the type of its ticks: it takes that of the body.
         let small = TextStyle::Small.resolve(ui.style());
         ui.style_mut().text_styles.insert(TextStyle::Body, small);
         let Self { key, labels, logarithmic, has_x } = *self;
@@ -102,8 +103,7 @@ pub(super) fn frame_ui(ui: &Ui, transform: &PlotTransform, palette: &Palette) {
     ui.painter().add(Shape::line(corners.to_vec(), Stroke::new(1.0, palette.grid)));
 }
 
-/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are in
-/// single precision, and their squares overflow.
+/// Limits points, in widths and heights of the plot from its middle: in single precision their squares overflow.
 const FARTHEST: f64 = 1e6;
 
 /// Limits points in the first frame, before a plot has bounds.
@@ -114,6 +114,7 @@ pub(crate) fn drawable(plot: &PlotUi<'_>, point: [f64; 2]) -> [f64; 2] {
     let bounds = plot.plot_bounds();
     std::array::from_fn(|axis| {
         let (low, high) = (bounds.min()[axis], bounds.max()[axis]);
+        // Halves first: the sum of two large ends overflows.
         let (middle, most) = (0.5 * low + 0.5 * high, FARTHEST * (high - low));
         let (middle, most) = if most > 0.0 && most.is_finite() { (middle, most) } else { (0.0, FARTHEST_AT_FIRST) };
         point[axis].clamp(middle - most, middle + most)
@@ -125,6 +126,7 @@ const SHADES: usize = 6;
 pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32, width: f32) {
     let length = path.len().div_ceil(SHADES).max(1);
     for shade in (0..SHADES).rev() {
+        // Each part begins with the last point of the one before, so that there is no gap between shades.
         let part = path.get(shade * length..path.len().min((shade + 1) * length + 1)).unwrap_or_default();
         if part.len() > 1 {
             let color = color.gamma_multiply(1.0 - shade as f32 / (SHADES as f32 + 0.8));

@@ -79,6 +79,7 @@ fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usiz
     let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
     let first = index(from).floor() as usize;
     let last = (index(to).ceil() as usize + 1).min(len);
+    // One sample beyond each edge, so that lines reach the frame.
     first.saturating_sub(1).min(last)..last
 }
 
@@ -145,6 +146,7 @@ pub(crate) fn central_range(mut values: Vec<f64>, share: f64) -> Option<(f64, f6
     }
     let last = values.len() - 1;
     let cut = (share * last as f64) as usize;
+    // Two selections take less time than a sort, and this runs for each chart that is drawn again.
     let (_, &mut low, _) = values.select_nth_unstable_by(cut, f64::total_cmp);
     let (_, &mut high, _) = values.select_nth_unstable_by(last - cut, f64::total_cmp);
     Some((low, high))

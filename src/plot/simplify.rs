@@ -3,9 +3,7 @@
 /// Limits the distance of an omitted point from the line \[points of the screen\].
 const TOLERANCE: f64 = 0.35;
 
-/// The indices of the points that a polyline needs for the same picture, including its ends. Coordinates are in points
-/// of the screen.
-///
+/// The indices of the points that a polyline needs for the same picture on screen, including its ends.
 /// After a kept point, points are omitted while a single line passes them within the tolerance and they lead away from
 /// the kept point. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
 pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usize> {

@@ -19,8 +19,7 @@ impl Default for TimeAxis {
     }
 }
 
-/// The range of the past on screen while the record grows; short at first, so that the closing of the bands is visible
-/// \[s\].
+/// The past on screen while the record grows; short at first, so that the closing of the bands is visible \[s\].
 const LIVE_SPAN: (f64, f64) = (5.2, Session::LIVE_SPAN);
 
 impl TimeAxis {

@@ -12,8 +12,7 @@ use super::{Mode, Session};
 const PATIENCE: usize = 6;
 
 impl Session {
-    /// Whether something is yet to be computed: the next picture, or missing parts of this one. Playback waits for it;
-    /// [`Self::advance`] computes it.
+    /// Whether [`Self::advance`] has something to compute: the next picture, or missing parts of this one.
     pub fn behind(&self) -> bool {
         self.job.is_some() || !self.complete
     }

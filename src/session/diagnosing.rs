@@ -73,8 +73,7 @@ impl Session {
     /// Limits the time that live plots show \[s\].
     pub const LIVE_SPAN: f64 = 20.0;
 
-    /// The diagnosis of the filter at a place, over the whole record. While the record grows it is over the time on
-    /// screen, and up to 0.3 s old. `None` if it is not known, or not wanted.
+    /// Over the whole record; while that grows, over the time on screen and up to 0.3 s old. `None` if not known.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         if self.is_whole() {
             return self.study.analysis().diagnosis(place);

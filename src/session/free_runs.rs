@@ -89,6 +89,7 @@ impl Session {
         let is_still = run.done() == run.samples() && !run.is_live() && !self.behind() && run.record().forgotten() == 0;
         let wanted = self.free.wanted.filter(|_| is_still)?;
         let of = (self.generation, run.done(), wanted);
+        // It is not begun again for the same picture: it would be lost in each frame.
         if self.free.lost == Some(of) {
             return None;
         }
@@ -132,6 +133,7 @@ impl Session {
         };
         let model = Identified::over(run.scenario(), settings, estimates, samples);
         let given = run.source().record().map(Arc::clone);
+        // A thread needs its own copy, but no model uses the truth.
         let record = given.unwrap_or_else(|| Arc::new(run.record().clone().without_truth()));
         let under = |record: Arc<Record>| {
             let running = model.running(&record, 0..record.len());

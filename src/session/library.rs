@@ -133,6 +133,7 @@ impl Library {
 
     pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
         let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
+        // The part was chosen by the times of the other file.
         let mapping = Mapping { from: None, to: None, ..mapping.clone() };
         self.held_out = Some((file.name.clone(), Arc::new(built(file, &mapping, scenario)?.record)));
         Ok(())

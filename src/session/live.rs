@@ -17,15 +17,13 @@ impl Session {
         self.playing = true;
     }
 
-    /// Takes in the live record, which has become longer, and shows its end unless time stands still. While another scenario
-    /// is on screen, it grows unseen.
+    /// Takes in the longer record and shows its end, unless time stands still or another scenario is on screen.
     pub fn lengthen(&mut self, record: Arc<Record>) {
         self.library.lengthen(record);
         self.compute();
     }
 
-    /// Says that nothing is added to the live record any more. It is a measured record from now on, of a file with this name,
-    /// whose bytes are returned. `None` if no live record is on screen.
+    /// Ends the live record on screen, if any: from now on it is a measured one with this name. Returns its bytes.
     pub fn end_live(&mut self, name: &str) -> Option<Vec<u8>> {
         let record = self.library.end_live().filter(|_| self.is_live())?;
         let mut bytes = Vec::new();

@@ -83,6 +83,7 @@ impl Session {
     }
 
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
+        // While only threads work, frames have nothing to do but to show the progress.
         if self.only_waits() {
             ctx.request_repaint_after(BETWEEN);
         } else if self.playing() && !self.is_live() || self.behind() {

@@ -98,7 +98,6 @@ impl Session {
 
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
-        // A live record continues at its end.
         self.playing &= !self.is_live();
         self.go_back();
         self.compute();
@@ -107,6 +106,7 @@ impl Session {
     pub fn seek_end(&mut self) {
         if self.can_be_whole {
             self.playing = false;
+            // The length is known only once the job has its record; the end of the job limits the clock.
             self.clock = f64::INFINITY;
             self.compute();
         }

@@ -41,6 +41,7 @@ impl Session {
             return;
         }
         let run = self.study.run();
+        // While a record grows, each frame has more samples; a new spectrogram for each would never be complete.
         let of = (self.generation, run.len() / EVERY);
         let Spectrograms { made, next, .. } = &mut self.spectrograms;
         // One of fewer samples is shown before the next begins.

@@ -20,8 +20,7 @@ pub struct Attempt {
     search: Option<RunningTask<Search, SearchProgress>>,
     pub progress: f64,
     pub before: Option<Verdict>,
-    /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
-    /// first time, each keeps the place at which it was found.
+    /// The likeliest first; during the first search each keeps the place at which it was found.
     pub remedies: Vec<Remedy>,
     is_complete: bool,
 }
@@ -120,6 +119,7 @@ impl Session {
 
     fn is_outdated(&self, attempt: &Attempt) -> bool {
         let (done, before) = (self.run().done(), attempt.of.1);
+        // While it plays, a search is worth its seconds again once the record is half as long again.
         !attempt.is_under_way() && if self.playing { done > before + before / 2 } else { done != before }
     }
 

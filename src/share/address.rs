@@ -63,6 +63,7 @@ fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
 }
 
 fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
+    // The number orders the menu and may change; links of other pages must still open.
     let without_number = |file: &'static str| file.split_once('-').map_or(file, |(_, name)| name);
     let place = LESSONS.iter().position(|(file, _)| *file == name || without_number(file) == name);
     let place = place.ok_or_else(|| AddressError::Lesson {
@@ -87,5 +88,6 @@ fn value<'a>(address: &'a str, key: &str) -> Option<&'a str> {
 }
 
 fn shortened(name: &str) -> String {
+    // An address may have any length; a sentence on screen may not.
     name.chars().take(60).collect()
 }

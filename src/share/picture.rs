@@ -125,6 +125,7 @@ impl SavedPicture {
     }
 
     pub(crate) fn of_file(bytes: &[u8]) -> Option<Result<Self, PictureError>> {
+        // A record may have 500 MB: it is not read as JSON only to find that it is none.
         if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
             return None;
         }
@@ -136,6 +137,7 @@ impl SavedPicture {
         if *format != FORMAT {
             return Some(Err(PictureError::Format(format.to_string())));
         }
+        // Unknown keys are refused, and this one is no field.
         document::put(&mut document, KEY, &Document::Null);
         // Other parts name channels of the scenario, whose equations stand in a text.
         let scenario = document.get("scenario").and_then(|text| Scenario::from_toml(text.as_str()?).ok());

@@ -23,8 +23,7 @@ enum By {
 }
 
 impl Dispatch {
-    /// Cells to be run by a team, and its graphics processor if single precision will do. The context is woken when
-    /// rows have come.
+    /// The graphics processor serves if single precision will do. The context is woken when rows have come.
     pub fn new(team: &Rc<dyn Team>, cells: CellBatch, ctx: &Context) -> Self {
         let graphics = team.graphics().filter(|_| cells.precision == Precision::Fastest);
         // The first map begins the search, and its result runs the next ones.

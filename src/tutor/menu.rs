@@ -18,7 +18,6 @@ const LEAST: f32 = 164.0;
 
 const MOST: usize = 7;
 
-/// The distance between cards, and from a card's edge to its contents \[points\].
 const GAP: f32 = 8.0;
 const PADDING: f32 = 7.0;
 
@@ -26,7 +25,6 @@ const PADDING: f32 = 7.0;
 const SHARE: f32 = 0.25;
 const HEIGHTS: (f32, f32) = (40.0, 84.0);
 
-/// The heights of two lines of a title and of the line below \[points\].
 const TITLE: f32 = 36.0;
 const FOOT: f32 = 15.0;
 

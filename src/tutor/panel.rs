@@ -22,6 +22,7 @@ impl Tutor {
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
             self.steps_ui(ui, catalogue, palette, requests);
         });
+        // Each step has its own place of scrolling, and so begins at its top.
         ScrollArea::vertical().id_salt((&self.lesson.title, self.step)).auto_shrink(false).show(ui, |ui| {
             ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
             self.text_ui(ui, palette, requests);

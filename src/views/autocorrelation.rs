@@ -64,6 +64,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
             let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
             charts.push(BarChart::new("autocorrelation", bars).color(context.color(estimates)).allow_hover(false));
         }
+        // The range grows in steps, so that bars can be compared while a record grows.
         let [low, high] = [-lowest, highest].map(|r| {
             let enough = |reach: &f64| *reach >= 1.1 * r.max(band);
             [0.108, 0.27, 0.54].into_iter().find(enough).unwrap_or(1.1)

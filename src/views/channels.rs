@@ -12,7 +12,6 @@ use crate::text::{decimals, error_in_hertz, fixed, in_hertz, significant};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
 
-/// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.8;
 
 pub(super) static STATES: View = View {
@@ -62,6 +61,7 @@ fn notes(channel: Channel, context: &ViewContext<'_>) -> Vec<Note> {
         return Vec::new();
     };
     let at = record.time_of(0) + step.at;
+    // Words must not tell of a change before it comes.
     if session.time() < at || step.from == step.to {
         return Vec::new();
     }
@@ -75,6 +75,7 @@ fn notes(channel: Channel, context: &ViewContext<'_>) -> Vec<Note> {
         let (sample, place, last) = (diagnostics.settled(channel)?, of.place(channel)?, of.len().checked_sub(1)?);
         let means = of.canonical_means(place);
         let time = record.time_of(sample);
+        // A filter may settle at a wrong value.
         let is_right = (means[last] - truth.get(last)?).abs() <= 2.0 * of.std(last, place);
         let words = format!("settles after {} s", fixed(time - at, 1));
         (is_right && time > at).then(|| Note {

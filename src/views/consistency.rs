@@ -11,7 +11,6 @@ use crate::session::Wanted;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-/// Duration of the moving mean \[s\].
 const WINDOW: f64 = 2.0;
 
 pub(super) static VIEW: View = View {

@@ -66,7 +66,6 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
     });
 }
 
-/// The height of a low drawer \[points\].
 const LOW: f32 = 420.0;
 
 const LINES: f32 = 3.0;

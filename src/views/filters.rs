@@ -14,7 +14,6 @@ use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::{View, ViewContext};
 
-/// The width of a number \[points\].
 const CELL: f32 = 72.0;
 
 struct Dragged {

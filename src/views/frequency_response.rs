@@ -23,6 +23,7 @@ const MOST: (f64, f64) = (6.0, 0.3);
 
 /// The least distance of a line from the edges of the plot \[decades\].
 const HEADROOM: f64 = 0.08;
+// Zero and infinity are drawn at this power of ten, which no magnitude in sight has.
 const BOUNDLESS: f64 = 300.0;
 
 pub(super) static VIEW: View = View {
@@ -108,8 +109,7 @@ impl<'a> Drawn<'a> {
         }
     }
 
-    /// The range of both axes: all of the lines and a margin of the bands. It changes in steps, so that it is constant
-    /// most of the time.
+    /// All of the lines and a margin of the bands, in steps, so that the range is constant most of the time.
     fn range(&self) -> [(f64, f64); 2] {
         let lines = self.truth.iter().chain(self.filters.iter().map(|filter| &filter.mean));
         let extent = |values: &mut dyn Iterator<Item = f64>| {

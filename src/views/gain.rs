@@ -61,6 +61,7 @@ fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
 
 fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool, k: usize) -> f64 {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+    // Between two quantities K has a unit that tells nothing; times √S it is the change by a usual innovation.
     let size = if is_measured { 1.0 } else { estimates.innovation_cov(k)[sensor * (m + 1)].sqrt() };
     estimates.gain(k)[sensor * n + at] * size
 }

@@ -30,6 +30,7 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
             }),
         });
     }
+    // The guess stands at the first sample, which a long live record has forgotten.
     if !channel.is_parameter() || record.forgotten() > 0 {
         return handles;
     }
@@ -52,5 +53,6 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
 }
 
 fn rounded(value: f64) -> f64 {
+    // A drag gives sixteen digits, which nobody wants in a field or a link.
     crate::text::parse(&significant(value, 3)).unwrap_or(value)
 }

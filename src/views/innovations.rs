@@ -100,7 +100,6 @@ fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates
     context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise)
 }
 
-/// √R of each sensor, and the scale of √Q; no learnt_noise if no filter learns them.
 pub(super) fn learnt_noise<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let sensors = if learning(context).next().is_some() { context.session.sensors() } else { Vec::new() };
     let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| of_sensor(sensor, quantity, context));

@@ -19,7 +19,6 @@ use panel::PanelView;
 use picture::{PanelPlace, arrange};
 use scale::CellEnd;
 
-/// Room for the line of the progress \[points\].
 const PROGRESS: f32 = 3.0;
 
 pub(super) static VIEW: View = View {

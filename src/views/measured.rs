@@ -11,7 +11,6 @@ use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::weights;
 
-/// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
 
 pub(super) static VIEW: View = View {

@@ -105,7 +105,6 @@ fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]>
         .collect()
 }
 
-/// Duration of the past that is drawn \[s\].
 const TAIL: f64 = 5.0;
 
 pub(super) static PHASE: View = View {

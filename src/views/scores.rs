@@ -41,7 +41,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     let (estimates, record) = (session.run().estimates(), session.run().record());
     let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
     let summaries: Vec<Summary> = session.diagnostics().iter().zip(estimates).enumerate().map(of).collect();
-    // The scores before the last change.
     let was = |estimates: &Estimates| {
         let (diagnostics, estimates) = session.before()?.diagnostics(estimates.id())?;
         Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
@@ -123,8 +122,7 @@ struct ScoreRow {
     before: Vec<Option<f64>>,
     /// The best value is the nearest to this, or the largest if this is infinite.
     ideal: f64,
-    /// Limits a difference that is not significant: a share of the worse distance, or a number if the ideal is
-    /// infinite.
+    /// Limits a difference that is not significant: a share of the worse distance; a number if the ideal is infinite.
     alike: f64,
 }
 

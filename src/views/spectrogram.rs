@@ -10,7 +10,6 @@ use crate::request::Request;
 use crate::theme::sequential;
 use crate::view::{View, ViewContext};
 
-/// The range of colours \[dB\].
 const RANGE: f32 = 60.0;
 const POINTS: usize = 600;
 

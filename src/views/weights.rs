@@ -10,8 +10,7 @@ use crate::view::ViewContext;
 /// Limits the samples that are counted in a frame.
 const MOST_COUNTED: usize = 20_000;
 
-/// The weights below which a reading gets a dot in the filter's colour, each with the opacity of the dot: the fuller, the less it
-/// counts.
+/// The weights below which a reading gets a dot, each with its opacity: the fuller, the less the reading counts.
 const SHADES: [(f64, f32); 3] = [(0.9, 0.35), (0.5, 0.65), (Robust::LEFT_OUT, 1.0)];
 
 fn weighing<'a>(

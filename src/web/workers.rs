@@ -77,8 +77,7 @@ impl Team for Workers {
 }
 
 impl Workers {
-    /// Gives workers a task: all of them cells, else one. `message` makes the message that begins it, from its number;
-    /// `read` reads a part, given the number of workers. `None` if there can be no workers.
+    /// Gives cells to all workers, else a task to one. `message` makes its first message; `read` reads a part.
     fn begin<T: 'static>(
         &self,
         left: RemainingWork,
@@ -164,8 +163,7 @@ impl PoolState {
         tasks.retain(|task| !(task.is_over && task.rests()));
     }
 
-    /// Ends the task of this number. A worker that does it alone, and nothing else, is ended too: another one starts when there
-    /// is work.
+    /// Ends the task, and a worker that does it alone and nothing else: another one starts when there is work.
     fn give_up(&mut self, number: u32) {
         let Some(task) = self.tasks.iter().position(|task| task.number == number) else { return };
         self.tasks[task].end(&self.workers);

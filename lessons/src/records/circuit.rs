@@ -47,8 +47,7 @@ pub(crate) fn file(seed: u64) -> String {
     text
 }
 
-/// A sine with an angle that grows by the same step each time. A step takes four products, less time than computing a
-/// sine.
+/// A sine of an angle that grows by equal steps: four products a step, less time than computing a sine.
 struct SineGenerator {
     now: [f64; 2],
     step: [f64; 2],
@@ -56,6 +55,7 @@ struct SineGenerator {
 
 impl SineGenerator {
     fn new(step: f64, phase: f64) -> Self {
+        // By `libm`, since a scenario knows the file by its hash, which must be the same on every platform.
         let both = |angle: f64| [libm::sin(angle), libm::cos(angle)];
         Self { now: both(phase), step: both(step) }
     }

@@ -17,8 +17,7 @@ fn ground() -> impl Iterator<Item = (&'static str, &'static str)> {
     include_str!("../../assets/records/elcentro.csv").lines().skip(1).filter_map(|line| line.trim().split_once(','))
 }
 
-/// The file: the ground's acceleration as recorded, and the total acceleration of the structure, both in g. The ground's
-/// acceleration is linear between samples.
+/// The ground's acceleration as recorded, linear between samples, and the structure's total acceleration, both in g.
 pub(crate) fn file(seed: u64) -> String {
     let mut random = Random::new(seed);
     let mut structure = Oscillator::new(NATURAL_FREQUENCY, DAMPING_RATIO);
@@ -33,6 +32,7 @@ pub(crate) fn file(seed: u64) -> String {
         // Spring and damper are all that moves the mass: its total acceleration follows from them.
         let total = -structure.restoring() / GRAVITY + NOISE * random.normal();
         // Writing to a string cannot fail.
+        // Time and ground as text: the digits of the recording stay as they are.
         let _ = writeln!(text, "{time},{acceleration},{total:.4}");
     }
     text

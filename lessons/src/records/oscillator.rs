@@ -4,7 +4,6 @@
 pub(crate) struct Oscillator {
     /// ωₙ \[rad/s\]
     pub(crate) natural_frequency: f64,
-    /// ζ
     pub(crate) damping_ratio: f64,
     /// x \[m\]
     pub(crate) displacement: f64,

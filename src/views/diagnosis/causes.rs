@@ -18,8 +18,7 @@ const LIKELIEST: usize = 1;
 
 const SHOWN: usize = 2;
 
-/// The causes that were found so far, and the progress of the trials. While the pointer is on them, the rows stay in
-/// place.
+/// The causes so far, and the progress of the trials. The rows stay in place while the pointer is on them.
 pub(super) fn causes_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,

@@ -83,6 +83,7 @@ fn chance(p_value: f64) -> String {
 fn bar_ui(ui: &mut Ui, effect: f64, color: Color32, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(BAR.x, 17.0), Sense::hover());
     let rect = Rect::from_center_size(rect.center(), BAR);
+    // An effect that just matters fills half of the bar, and one of any size fits in.
     let share = if effect.is_finite() { effect / (1.0 + effect) } else { 1.0 };
     let filled = Rect::from_min_size(rect.min, Vec2::new(BAR.x * share.clamp(0.0, 1.0) as f32, BAR.y));
     ui.painter().rect_filled(rect, 1.0, palette.faint);
@@ -150,12 +151,11 @@ struct RemedyRows {
     remedies: Arc<Vec<Remedy>>,
 }
 
-/// The rows to show: the remedies in their order, or, while the pointer is on the view, the rows of the last frame with
-/// new remedies after them.
+/// The remedies in order, or, while the pointer is on the view, the rows of the last frame, then new ones.
 pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Remedy>> {
     let id = ui.scope_id().with("rows of causes");
     let before = ui.data(|data| data.get_temp::<RemedyRows>(id));
-    // RemedyRows of other settings are dropped.
+    // Rows of another picture would offer changes of settings that are no longer there.
     let before = before.filter(|rows| is_held && rows.picture == attempt.picture());
     let remedies = match before {
         Some(before) => with_new(before.remedies, &attempt.remedies),

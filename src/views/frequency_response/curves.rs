@@ -11,8 +11,7 @@ use crate::session::Session;
 
 /// Number of frequencies of a curve: enough for a peak of one per cent's width.
 const POINTS: usize = 385;
-/// The number of a curve's frequencies per frequency of the spectrum. The spectrum's windows cannot resolve sharper
-/// peaks.
+/// Frequencies of a curve per frequency of the spectrum, whose windows cannot resolve sharper peaks.
 const COARSER: usize = 2;
 const BEYOND: f64 = 4.0;
 /// Margin beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
@@ -38,6 +37,7 @@ impl ResponseCurves {
         let frequencies: Vec<f64> = (0..POINTS).map(|i| low * ratio(i)).collect();
         let of_filter = |estimates: &Estimates| {
             let k = k.min(estimates.len().checked_sub(1)?);
+            // The belief itself is the key: while it stands still, its band is not computed again.
             let numbers = estimates.mean(k).iter().chain(estimates.cov(k)).chain([&low, &high]);
             let numbers: Vec<u64> = numbers.map(|number| number.to_bits()).collect();
             let of = (numbers, format!("{:?}", estimates.plant));
@@ -71,6 +71,7 @@ impl ForceSpectrum {
         let [low, .., high] = *frequencies else { return None };
         let now = [run.record().dt(), LONGEST * session.end(), low, high];
         let force = &run.record().input()[..run.len()];
+        // While a record grows only its new samples are taken in; another force begins again.
         let follows = *of == now && force.starts_with(taken);
         let spectrum = match spectrum {
             Some(spectrum) if follows => spectrum,
@@ -91,8 +92,7 @@ impl ForceSpectrum {
     }
 }
 
-/// The frequencies of the curves \[rad/s\]: those around the natural frequencies at the first sample, so that the axis
-/// is constant, and below the Nyquist frequency.
+/// Around the natural frequencies at the first sample, so that the axis is constant; below Nyquist's \[rad/s\].
 fn range(session: &Session) -> (f64, f64) {
     let run = session.run();
     let truth = true_transfer_function(&run.scenario().plant.kind, run.record(), 0);

@@ -15,7 +15,6 @@ use crate::text::{significant, unit_in};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
-/// The numbers of values on both axes that have a button.
 const COUNTS: [usize; 4] = [32, 64, 128, 256];
 
 const WAYS: [&str; 2] = ["across", "up"];
@@ -61,6 +60,7 @@ fn axis_ui(ui: &mut Ui, choice: &mut MapChoice, at: usize, part: &Scenario, keys
             if !ui.selectable_label(*key == present, setting_name(key, part)).clicked() || *key == present {
                 continue;
             }
+            // The other axis' setting is offered too: to choose it exchanges the axes.
             if *key == other {
                 choice.axes.swap(0, 1);
             } else if let Ok(setting) = Address::parse(part, key) {

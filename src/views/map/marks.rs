@@ -19,6 +19,7 @@ const RADIUS: f32 = 6.0;
 const GRASP: (f32, f32) = (11.0, 22.0);
 
 pub(super) fn line_on(plot: &mut PlotUi<'_>, points: &[[f64; 2]], style: LineStyle) {
+    // Black on a wider white line is seen on every colour of a map.
     for (color, width) in [(Color32::from_white_alpha(200), 3.2), (Color32::BLACK, 1.4)] {
         plot.line(Line::new("line", points.to_vec()).color(color).width(width).style(style).allow_hover(false));
     }
@@ -54,8 +55,7 @@ pub(super) fn truths_on(plot: &mut PlotUi<'_>, graph: &Graph, truths: &[(usize, 
     }
 }
 
-/// Shows the dot of the present setting, which is dragged, or moved by the arrows while it has the focus. If the
-/// setting is outside the map, the dot is at the edge.
+/// The dot of the present setting; it is at the edge if the setting is outside the map.
 pub(super) fn dot_ui(
     ui: &Ui,
     key: &str,
@@ -117,8 +117,7 @@ pub(super) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
     format!("{} {} {unit}", address.name, significant(value, 4)).trim_end().to_owned()
 }
 
-/// The value for a dot dragged to a share of an axis' scale: at most three digits, and not beyond the middles of the
-/// last cells.
+/// The value at a share of an axis' scale: at most three digits, and not beyond the middles of the last cells.
 fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     let axis = survey.axes()[at];
     let steps = axis.count.saturating_sub(1).max(1) as f64;
@@ -137,7 +136,6 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     axis.value((place.max(0.0) as usize).min(last))
 }
 
-/// The radius of a point of the path, and of its ends \[points\].
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 
@@ -196,6 +194,7 @@ fn edge(values: &[f64], across: usize, up: usize, level: f64) -> Vec<Piece> {
                     crossings.push([mix(x0, x1), mix(y0, y1)]);
                 }
             }
+            // At a saddle there are four crossings, and either way to join them would be right.
             pieces.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
         }
     }

@@ -182,10 +182,10 @@ impl PanelView<'_> {
 const HEIGHT: f32 = 40.0;
 const APART: f32 = 6.0;
 
-/// The least size of a panel that gives profile_room to the curves \[points\].
+/// The least size of a panel with curves beside its cells \[points\].
 const LEAST: Vec2 = Vec2::new(380.0, 190.0);
 
-/// The profile_room of a curve in a panel of some size \[points\]: zero if the cells need it, or if the score is no number.
+/// Zero if the cells need the room, or if the score is no number.
 pub(super) fn profile_room(size: Vec2, measure: Measure) -> f32 {
     let has_room = size.x >= LEAST.x && size.y >= LEAST.y;
     if has_room && !measure.info().kind.is_of_kinds() { HEIGHT + APART } else { 0.0 }

@@ -84,8 +84,7 @@ impl MapPanel {
         }
     }
 
-    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle,
-    /// and each overlaps the next, so that no seams show.
+    /// A figure carries no texture. Equal neighbours are one rectangle, which overlaps the next: no seams show.
     fn areas(&self, graph: &Graph) -> Vec<Shape> {
         const OVERLAP: f32 = 0.25;
         let [across, up] = self.counts;

@@ -28,9 +28,7 @@ pub(super) fn body(stage: &SceneFrame, painter: &Painter, body: Rect, palette: &
 
 #[derive(Clone, Copy)]
 pub(super) struct MassBelief {
-    /// \[m\]
     pub(super) mean: f64,
-    /// \[m\]
     pub(super) std: f64,
     pub(super) color: Color32,
 }
@@ -143,8 +141,7 @@ fn label(stage: &SceneFrame, painter: &Painter, x: f32, text: &str, palette: &Pa
 pub(super) enum Link {
     Linear,
     Hardening,
-    /// A spring and a damper, parallel to a second spring in series with a slider, which has slipped by this much
-    /// \[m\].
+    /// A spring and a damper, parallel to a spring in series with a slider, which has slipped by this much \[m\].
     Slipping(f64),
 }
 
@@ -197,7 +194,6 @@ struct Helix {
 }
 
 fn helix(stage: &SceneFrame, painter: &Painter, helix: Helix, ink: Ink) {
-    /// Points of a turn.
     const POINTS: usize = 10;
     let Helix { from, to, y, radius, coils, widens } = helix;
     let stroke = Stroke::new(1.4 * stage.unit, ink.line);

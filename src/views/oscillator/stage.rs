@@ -122,12 +122,10 @@ impl SceneFrame {
         self.wall + (mass + 1) as f32 * self.gap + (mass as f32 + 0.5) * self.body.x
     }
 
-    /// A real length \[m\] on screen \[points\].
     pub(super) fn length(&self, metres: f64) -> f32 {
         (metres * self.scale).clamp(-1e5, 1e5) as f32
     }
 
-    /// A length on screen \[points\] in reality \[m\].
     pub(super) fn metres(&self, length: f32) -> f64 {
         f64::from(length) / self.scale
     }

@@ -48,8 +48,7 @@ impl Worker {
         Ok(Self { number, worker, is_ready: false, is_over: false, _hear: hear, _fail: fail })
     }
 
-    /// Ends the worker. Its listener calls this instead of dropping the worker, which would drop the listener while it
-    /// runs.
+    /// The listener calls this instead of dropping the worker, which would drop the listener while it runs.
     pub(super) fn end(&mut self) {
         self.worker.terminate();
         (self.is_ready, self.is_over) = (false, true);
