@@ -175,7 +175,6 @@ fn congruence_of<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize,
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rooted<M> {
-    /// It has one.
     pub holds: M,
     /// It has one, or lacks it because it is indefinite, not because a number is not finite.
     pub is_finite: M,

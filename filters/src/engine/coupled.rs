@@ -133,7 +133,6 @@ impl<T: Number> Coupled<T> {
         (damping + (damping * damping + stiffness * 4.0).sqrt()) * 0.5
     }
 
-    /// Sums the series of a class over its part of the step, then doubles that part.
     #[inline(always)]
     fn sum(&mut self, m: usize, dt: f64, with_slope: bool, class: usize) {
         let doublings = Classes::<4>::doublings(class);

@@ -24,10 +24,8 @@ pub trait RateFunction<T>: Copy {
     /// The compiler knows the number of components, at most [`FEW`].
     const IS_SMALL: bool = false;
 
-    /// The number of components, and of those that move, which come first.
     fn sizes(self) -> [usize; 2];
 
-    /// The rates of the components that move.
     fn rate(self, state: &[T], force: T, rate: &mut [T]);
 }
 
@@ -47,7 +45,6 @@ impl<T: Real, E: MotionEquation> RateFunction<T> for E {
 
 /// Work with the equation of a plant, compiled for each equation that a plant may have.
 pub trait EquationWork<T> {
-    /// Does it.
     fn with(self, equation: impl RateFunction<T>);
 }
 
@@ -143,9 +140,7 @@ pub(super) fn fits<T, L: Level>(level: L, equation: impl RateFunction<T>) -> boo
 
 /// The rates, and their derivatives by the plant's components, column by column, `rows` numbers a column.
 pub struct Slopes<'a, T> {
-    /// The rates of the components that move.
     pub rate: &'a mut [T],
-    /// Their derivatives.
     pub columns: &'a mut [T],
     /// The numbers from one column to the next.
     pub rows: usize,

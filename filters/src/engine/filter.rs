@@ -23,7 +23,6 @@ pub struct GaussianFilter<T: Number, P> {
     of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub white: T,
-    /// The belief after the last predict or update.
     pub belief: GaussianBelief<T>,
     linearised: Linearised<T>,
     points: SigmaPoints<T>,

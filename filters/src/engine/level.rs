@@ -11,7 +11,6 @@ pub trait Level: Copy {
     /// The same instructions without known sizes.
     type Plain: Level;
 
-    /// The level without known sizes.
     fn plain(self) -> Self::Plain;
 
     /// Does some work in a separate function, compiled for these instructions: a step then consists of functions of

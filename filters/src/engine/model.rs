@@ -250,7 +250,6 @@ pub struct Reading {
 /// The places of a sensor's gain and bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// The gain.
     pub gain: usize,
     /// The bias, which is not multiplied. Without a gain it is one of the components.
     pub bias: Option<usize>,

@@ -43,7 +43,6 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 /// A number of a filter: that of one run, or those of several runs side by side, each in its lane. Where runs differ, both
 /// ways are computed and each lane [selects](Self::select) its own.
 pub trait Number: Real + Send + 'static {
-    /// The truth values of comparisons.
     type Mask: Mask;
 
     /// Numbers of several points of the same run, which move at once.
@@ -53,10 +52,8 @@ pub trait Number: Real + Send + 'static {
 
     const POINTS: usize;
 
-    /// The numbers of the points of a pack.
     fn pack(of: impl Fn(usize) -> Self) -> Self::Pack;
 
-    /// The number of a point of a pack.
     fn of_pack(pack: Self::Pack, point: usize) -> Self;
 
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
@@ -83,7 +80,6 @@ pub trait Number: Real + Send + 'static {
         Self::select(self.lt(other), other, self)
     }
 
-    /// Whether it is a number at all.
     #[inline(always)]
     fn is_number(self) -> Self::Mask {
         self.le(self)

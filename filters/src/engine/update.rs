@@ -60,7 +60,6 @@ pub struct Update<T> {
     /// K, n × m.
     gain: Vec<T>,
     excess: Vec<T>,
-    /// Of an iterated EKF.
     descent: Option<Box<Descent<T>>>,
     /// Of a filter whose beliefs are smoothed later.
     pub(super) passage: Option<Box<Passage<T>>>,
