@@ -30,7 +30,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    pub(super) fn operands(self) -> [Option<Node>; 2] {
+    pub fn operands(self) -> [Option<Node>; 2] {
         match self {
             Self::Constant(_) | Self::Input(_) => [None; 2],
             Self::Negative(a) | Self::Call(_, a) => [Some(a), None],

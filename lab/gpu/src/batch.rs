@@ -55,14 +55,6 @@ fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     (numbers_are_fine && (1..=MOST_SAMPLES).contains(&record.len())).then_some((setup, known))
 }
 
-#[derive(PartialEq)]
-struct BatchKind {
-    design: Design,
-    channels: Vec<Channel>,
-    known: usize,
-    samples: usize,
-}
-
 struct BatchMember<'a> {
     place: usize,
     setup: Setup,
@@ -71,7 +63,10 @@ struct BatchMember<'a> {
 }
 
 struct Batch<'a> {
-    kind: BatchKind,
+    design: Design,
+    channels: Vec<Channel>,
+    known: usize,
+    samples: usize,
     program: Option<ShaderProgram>,
     members: Vec<BatchMember<'a>>,
     tapes: Vec<RecordTape>,
@@ -134,14 +129,14 @@ impl Gpu {
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<Vec<Option<Outcome>>, GpuError> {
         let mut outcomes = vec![None; runs.len()];
-        for Batch { kind, program, members, tapes } in &batches(runs) {
+        for Batch { design, samples: length, program, members, tapes, .. } in &batches(runs) {
             let Some(program) = program else { continue };
             let mut cells = Vec::new();
             for member in members {
-                put_cell(&mut cells, &member.setup, (member.tape * kind.samples) as u32);
+                put_cell(&mut cells, &member.setup, (member.tape * length) as u32);
             }
             let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
-            let (runs, length, dt) = (members.len() as u32, kind.samples as u32, kind.design.dt);
+            let (runs, length, dt) = (members.len() as u32, *length as u32, design.dt);
             let job = GpuJob { program, runs, length, dt, samples, cells };
             let states = self.run(&job, is_wanted).await?;
             let of = |(member, state): &(&BatchMember<'_>, &RunState)| {
@@ -164,7 +159,7 @@ impl Batch<'_> {
             let most_runs = MOST_RUNS.min(words / shape.state());
             let most_samples = MOST_SAMPLES.min(words / shape.sample());
             self.members.len() < most_runs
-                && (self.tapes.is_empty() || (self.tapes.len() + 1) * self.kind.samples <= most_samples)
+                && (self.tapes.is_empty() || (self.tapes.len() + 1) * self.samples <= most_samples)
         })
     }
 }
@@ -175,21 +170,17 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     for ((place, run), prepared) in runs.iter().enumerate().zip(prepared) {
         let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
-        let is_its = |batch: &&mut Batch<'_>| {
-            let BatchKind { design, channels, known: others, samples: length } = &batch.kind;
+        let is_its = |batch: &Batch<'_>| {
+            let Batch { design, channels, known: others, samples: length, .. } = batch;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
-        let batch = match batches.iter_mut().rev().find(is_its) {
-            Some(batch) => batch,
-            None => {
-                let program = ShaderProgram::new(&setup.design, &setup.channels, known);
-                let (design, channels) = (setup.design.clone(), setup.channels.clone());
-                let kind = BatchKind { design, channels, known, samples };
-                batches.push(Batch { kind, program, members: Vec::new(), tapes: Vec::new() });
-                let Some(batch) = batches.last_mut() else { continue };
-                batch
-            }
-        };
+        let at = batches.iter().rposition(is_its).unwrap_or(batches.len());
+        if at == batches.len() {
+            let program = ShaderProgram::new(&setup.design, &setup.channels, known);
+            let (design, channels) = (setup.design.clone(), setup.channels.clone());
+            batches.push(Batch { design, channels, known, samples, program, members: Vec::new(), tapes: Vec::new() });
+        }
+        let batch = &mut batches[at];
         if batch.program.is_none() {
             continue;
         }

@@ -31,18 +31,6 @@ impl StateShape {
     }
 }
 
-fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
-    let mut present = 0;
-    for (place, number) in measured.iter().enumerate() {
-        present |= u32::from(!number.is_nan()) << place;
-    }
-    words.extend([bits(force), present]);
-    words.extend(measured.iter().map(|&number| if number.is_nan() { 0 } else { bits(number) }));
-    words.extend(measured.is_empty().then_some(0));
-    words.extend(truth.iter().copied().map(bits));
-    words.extend(truth.is_empty().then_some(0));
-}
-
 pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
     let Setup { mean, variance, process, sensors, fading, white, .. } = setup;
     let root = |&number: &f64| bits(number.sqrt());
@@ -149,7 +137,12 @@ impl RecordTape {
             if !(own.iter().all(is_fine) && is_fine(&force) && numbers.iter().all(is_missing)) {
                 return None;
             }
-            put_sample(&mut words, force, &numbers, &own);
+            let is_there = numbers.iter().enumerate().map(|(place, number)| u32::from(!number.is_nan()) << place);
+            words.extend([bits(force), is_there.sum()]);
+            words.extend(numbers.iter().map(|&number| if number.is_nan() { 0 } else { bits(number) }));
+            words.extend(numbers.is_empty().then_some(0));
+            words.extend(own.iter().copied().map(bits));
+            words.extend(own.is_empty().then_some(0));
             let present = if k == 0 { 0 } else { numbers.iter().filter(|number| !number.is_nan()).count() };
             counts = [counts[0] + present as u32, counts[1] + u32::from(present > 0)];
             measured.push(counts);
