@@ -19,6 +19,7 @@ use crate::engine::design::{Method, Rule};
 use crate::registry::{keyed, registry};
 
 pub use crate::engine::design::{Course, Propagation};
+pub use crate::engine::model::Step;
 pub use crate::engine::robust::{self, Robust};
 pub use crate::engine::wrapper::Adaptation;
 pub use crate::filter_error::FilterError;
@@ -29,7 +30,7 @@ pub use kalman::Expected;
 pub use linear::{KalmanFilter, MeasurementModel, SystemError};
 pub use recursion::Filter;
 pub use sampled::{Ensemble, Particles};
-pub use system::{States, Step, System};
+pub use system::{States, System};
 
 registry! {
     FilterKind by FilterKind,

@@ -2,7 +2,7 @@
 
 use super::dynamics::{Dynamics, EquationWork, FEW, RateFunction, fits};
 use super::level::Level;
-use super::model::{Interval, StateModel};
+use super::model::{StateModel, Step};
 use super::number::Number;
 
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl<T: Number> RungeKutta<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         model.plant.with_equation(RungeKuttaStep { level, method: self, model, state, step });
     }
@@ -49,7 +49,7 @@ impl<T: Number> RungeKutta<T> {
         equation: E,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
         if model.eta != 0.0 {
@@ -96,7 +96,7 @@ struct RungeKuttaStep<'a, T, L, P> {
     method: &'a mut RungeKutta<T>,
     model: &'a StateModel<P>,
     state: &'a mut [T],
-    step: &'a Interval<T>,
+    step: &'a Step<T>,
 }
 
 impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T, L, P> {

@@ -5,7 +5,7 @@ use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
 use super::dynamics::Dynamics;
 use super::level::{Level, apart, each};
-use super::model::{Interval, StateModel};
+use super::model::{StateModel, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 
@@ -58,7 +58,7 @@ impl<T: Number> SigmaPoints<T> {
         rule: Rule,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) -> Rooted<T::Mask> {
         let rooted = apart!(level, self.draw(level, rule, model, belief));
         self.travel(level, model, step);
@@ -70,14 +70,14 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Interval<T>) {
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Step<T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
             apart!(level, of_centre.advance(level, model, centre, step));
         }
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
-        let step = Interval { forces, has_slope: step.has_slope, dt: step.dt };
+        let step = Step { forces, hold: step.hold, dt: step.dt };
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
             apart!(level, method.advance(level, model, points, &step));

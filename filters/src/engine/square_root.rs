@@ -21,7 +21,7 @@ use super::columns::{Rooted, lower_root, take_times};
 use super::design::{Design, Rule};
 use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart, each};
-use super::model::{Interval, Reading, StateModel, read};
+use super::model::{Reading, StateModel, Step, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
 
@@ -92,7 +92,7 @@ impl<T: Number> SquareRoot<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let Self { rule, points, rows, .. } = self;
         apart!(level, points.place(level, *rule, &belief.mean, rows));
