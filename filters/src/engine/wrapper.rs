@@ -6,7 +6,6 @@ mod jumping;
 mod restarting;
 mod weighing;
 
-pub(crate) use adapting::Learning;
 pub use adapting::{Adaptation, Adapting};
 pub use considering::Considering;
 pub(crate) use jumping::Jump;

@@ -6,7 +6,7 @@ use crate::engine::columns::factor;
 use crate::engine::dynamics::Dynamics;
 use crate::engine::model::{Reading, StateModel};
 use crate::engine::weights::Innovations;
-use crate::engine::wrapper::{Jump, Learning};
+use crate::engine::wrapper::{Adapting, Jump};
 use crate::gaussian_likelihood::part_of;
 use crate::lists::mapped;
 
@@ -19,7 +19,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     /// The noise that the filter assumes by now.
     pub noise: Noise,
     observation: Observation,
-    learning: Learning<f64>,
+    learning: Adapting<f64>,
     jump: Option<Jump>,
     substeps: usize,
     /// The white force, if the filter has one.
@@ -39,7 +39,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         readings: Vec<Option<Reading>>,
         adaptation: Adaptation,
     ) -> Self {
-        let learning = Learning::new(adaptation, model.size, &noise.sensors, dt);
+        let learning = Adapting::new(adaptation, model.size, &noise.sensors, dt);
         let (observation, substeps) = (Observation::of(readings), 1);
         let (system, jump, white) = (Box::new(States::new(model)), None, None);
         Self { system, belief, dt, hold, noise, observation, learning, jump, substeps, white }
@@ -137,7 +137,7 @@ impl<B: Belief + ?Sized> Filter<B> {
 }
 
 fn learn(
-    learning: &mut Learning<f64>,
+    learning: &mut Adapting<f64>,
     (Observation { sensors, variances, .. }, measured): (&Observation, &[f64]),
     Correction { innovation, innovation_cov, gain, .. }: &Correction,
     noise: &mut Noise,
