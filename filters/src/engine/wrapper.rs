@@ -3,14 +3,12 @@
 mod adapting;
 mod considering;
 mod jumping;
-mod restarting;
 mod weighing;
 
 pub use adapting::{Adaptation, Adapting};
 pub use considering::Considering;
 pub(crate) use jumping::Jump;
-pub use jumping::Jumping;
-pub use restarting::Restarting;
+pub use jumping::{Jumping, Restarting};
 pub use weighing::Weighing;
 
 use std::ops::{Deref, DerefMut};

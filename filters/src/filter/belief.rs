@@ -72,12 +72,8 @@ impl Gaussian {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are, short of an overflow, which is as bad. Four sums, for speed.
-        let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
-        let entries = self.cov.as_slice().chunks_exact(4);
-        entries.remainder().iter().for_each(|entry| sums[0] += entry);
-        entries.for_each(|four| sums.iter_mut().zip(four).for_each(|(sum, entry)| *sum += entry));
-        sums.iter().sum::<f64>().is_finite()
+        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+        (self.mean.sum() + self.cov.sum()).is_finite()
     }
 
     /// Keeps this share of a component, and adds an independent one with mean zero and this variance.
@@ -124,9 +120,7 @@ impl Noise {
     /// Replaces P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {
         let Self { process, sensors: _, fading } = self;
-        for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
-            *cov = *cov * fading + process;
-        }
+        cov.zip_apply(process, |cov, process| *cov = *cov * fading + process);
         for i in 0..cov.nrows() {
             if cov[(i, i)] < 0.0 {
                 cov[(i, i)] = 0.0;

@@ -313,22 +313,19 @@ fn check(name: &'static str, matrix: &Matrix, needed: (usize, usize), why: &'sta
     if found != needed {
         return Err(SystemError::Shape { matrix: name, found, needed, why });
     }
-    match matrix.iter().position(|value| !value.is_finite()) {
-        Some(place) => {
-            let (row, column) = (place % found.0, place / found.0);
-            let value = matrix[(row, column)];
-            Err(SystemError::NotFinite { place: format!("{name}[{row}, {column}]"), value })
-        }
-        None => Ok(()),
-    }
+    check_finite(matrix.as_slice(), |place| format!("{name}[{}, {}]", place % found.0, place / found.0))
 }
 
 fn check_column(name: &'static str, column: &[f64], needed: usize, why: &'static str) -> Result<(), SystemError> {
     if column.len() != needed {
         return Err(SystemError::Length { what: name, found: column.len(), needed, why });
     }
-    match column.iter().position(|value| !value.is_finite()) {
-        Some(place) => Err(SystemError::NotFinite { place: format!("{name}[{place}]"), value: column[place] }),
+    check_finite(column, |place| format!("{name}[{place}]"))
+}
+
+fn check_finite(numbers: &[f64], name: impl Fn(usize) -> String) -> Result<(), SystemError> {
+    match numbers.iter().position(|value| !value.is_finite()) {
+        Some(place) => Err(SystemError::NotFinite { place: name(place), value: numbers[place] }),
         None => Ok(()),
     }
 }
