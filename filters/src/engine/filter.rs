@@ -90,7 +90,9 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
             self.note_regression(level.plain(), step);
         }
         let rooted = self.advance(level, step);
-        self.note_derivative();
+        if let (Some(passage), Method::Linearised(..)) = (&mut self.update.passage, self.design.method) {
+            passage.follow(&self.linearised, self.design.model.moving());
+        }
         let rooted = rooted.and(self.spread(level, share, is_last));
         if let Some((place, _)) = self.design.white.filter(|_| renews) {
             self.renew(level, place, [T::of(0.0), self.white]);
@@ -115,14 +117,6 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
         let Self { design, points, belief, update, .. } = self;
         if let Some(passage) = &mut update.passage {
             passage.regress(level, design, points, belief, step);
-        }
-    }
-
-    #[inline(always)]
-    fn note_derivative(&mut self) {
-        let Self { design: Design { model, method, .. }, linearised, update, .. } = self;
-        if let (Some(passage), Method::Linearised(..)) = (&mut update.passage, *method) {
-            passage.follow(linearised, model.moving());
         }
     }
 
@@ -239,11 +233,6 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
             passage.begin(&self.belief);
             self.update.passage = Some(passage);
         }
-    }
-
-    /// Gives a lane that has stopped numbers that never overflow. Lanes hold no root.
-    pub fn park(&mut self, lane: usize) {
-        self.belief.park(lane);
     }
 
     pub fn square(&mut self) {

@@ -62,10 +62,16 @@ pub trait Number: Real + Send + 'static {
 
     fn set_lane(&mut self, lane: usize, number: f64);
 
-    fn sqrt(self) -> Self;
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.call(Function::Sqrt)
+    }
 
     /// -1 below zero, else 1.
-    fn sign(self) -> Self;
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
+    }
 
     fn lt(self, other: Self) -> Self::Mask;
 

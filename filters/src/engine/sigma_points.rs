@@ -17,10 +17,10 @@ pub(crate) struct SigmaPoints<T: Number> {
     even: Vec<T>,
     shift: Vec<T>,
     /// The points, n numbers for each pack of them. The centre comes first, then those on both sides of it, pair by pair.
-    points: Vec<T::Pack>,
+    pub(super) points: Vec<T::Pack>,
     method: RungeKutta<T::Pack>,
     /// The centre, where the other points fill their packs without it.
-    centre: Vec<T>,
+    pub(super) centre: Vec<T>,
     of_centre: RungeKutta<T>,
 }
 
@@ -122,11 +122,6 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn component(&self, n: usize, point: usize, i: usize) -> T {
-        Self::of_point(&self.points, &self.centre, n, point, i)
-    }
-
-    #[inline(always)]
     fn draw<L: Level>(
         &mut self,
         level: L,
@@ -167,8 +162,9 @@ impl<T: Number> SigmaPoints<T> {
             |pair, i| rows[i * n + pair],
         );
     }
+
     #[inline(always)]
-    fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
+    pub(super) fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
         if Self::is_apart(n) {
             return match point {
                 0 => centre[i],

@@ -109,7 +109,8 @@ impl<T: Number> SquareRoot<T> {
         for i in 0..n {
             let (odd, even) = array[i * width..i * width + 2 * n + 1].split_at_mut(n);
             if i < moving {
-                mean[i] = parts(*rule, odd, even, |point| points.component(n, point, i));
+                let of = |point| SigmaPoints::of_point(&points.points, &points.centre, n, point, i);
+                mean[i] = parts(*rule, odd, even, of);
             } else {
                 odd.copy_from_slice(&rows[i * n..(i + 1) * n]);
                 even.fill(zero);
