@@ -3,11 +3,12 @@
 use kalmanscope_core::internals::engine::{Design, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Channel, Record, Scenario};
+use kalmanscope_core::{Channel, Record};
 use kalmanscope_lab::{CellRun, Runner};
+use kalmanscope_lanes::LaneRun;
 
 use crate::adapter::{Gpu, GpuError, LARGEST_BUFFER};
-use crate::layout::{LARGEST, RecordTape, RunState, known, outcome, put_cell};
+use crate::layout::{LARGEST, RecordTape, known, outcome, put_cell};
 use crate::program::GpuJob;
 use crate::shader::ShaderProgram;
 
@@ -17,34 +18,23 @@ const MOST_SAMPLES: usize = 2_000_000;
 /// Limits the smallest variance other than zero.
 const SMALLEST: f64 = 1e-30;
 
-/// One filter of a scenario, to be run over a record.
-#[derive(Clone, Copy, Debug)]
-pub struct GpuRun<'a> {
-    /// The scenario.
-    pub scenario: &'a Scenario,
-    /// The place of the filter in it.
-    pub place: usize,
-    /// The record.
-    pub record: &'a Record,
-}
-
 /// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
 /// program has or that is an equation, with all settings that the engine serves ([`Setup::of_any`]), sensors with
 /// noise, and numbers that single precision can hold. A record has the truth of the first components of the state, or
 /// of none.
-pub fn serves(run: &GpuRun<'_>) -> bool {
+pub fn serves(run: &LaneRun<'_>) -> bool {
     program(run).is_some()
 }
 
 /// The program of a run in WGSL. `None` if the graphics processor does not serve the run.
-pub fn program(run: &GpuRun<'_>) -> Option<String> {
+pub fn program(run: &LaneRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
     ShaderProgram::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
 /// `None` if single precision cannot hold the numbers.
-fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
-    let GpuRun { scenario, place, record } = *run;
+fn prepare(run: &LaneRun<'_>) -> Option<(Setup, usize)> {
+    let LaneRun { scenario, place, record } = *run;
     let setup = Setup::of_any(scenario, place, record).ok()??;
     let known = known(&setup.channels, record)?;
     let is_fine = |variance: &f64| *variance == 0.0 || (SMALLEST..=LARGEST * LARGEST).contains(variance);
@@ -83,7 +73,7 @@ impl Gpu {
             return false;
         }
         let Some(CellRun { scenario, record }) = runner.runs(&[0]).into_iter().next().flatten() else { return false };
-        let serves = |&place: &usize| serves(&GpuRun { scenario: &scenario, place, record: &record });
+        let serves = |&place: &usize| serves(&LaneRun { scenario: &scenario, place, record: &record });
         ensemble.plan().filters.iter().all(serves)
     }
 
@@ -100,8 +90,8 @@ impl Gpu {
         let runs = in_parts(cells, |cells| runner.runs(cells));
         let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
         for &place in &runner.ensemble().plan().filters {
-            let possible: Vec<GpuRun<'_>> =
-                runs.iter().flatten().map(|CellRun { scenario, record }| GpuRun { scenario, place, record }).collect();
+            let possible: Vec<LaneRun<'_>> =
+                runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
             let mut of_filter = self.outcomes(&possible, is_wanted).await?.into_iter();
             for (outcomes, _) in outcomes.iter_mut().zip(&runs).filter(|(_, run)| run.is_some()) {
                 outcomes.push(of_filter.next().flatten());
@@ -125,7 +115,7 @@ impl Gpu {
     /// wanted any more.
     pub async fn outcomes(
         &self,
-        runs: &[GpuRun<'_>],
+        runs: &[LaneRun<'_>],
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<Vec<Option<Outcome>>, GpuError> {
         let mut outcomes = vec![None; runs.len()];
@@ -139,10 +129,10 @@ impl Gpu {
             let (runs, length, dt) = (members.len() as u32, *length as u32, design.dt);
             let job = GpuJob { program, runs, length, dt, samples, cells };
             let states = self.run(&job, is_wanted).await?;
-            let of = |(member, state): &(&BatchMember<'_>, &RunState)| {
-                outcome(&member.setup, member.record, &tapes[member.tape], state)
+            let of = |(member, state): &(&BatchMember<'_>, &[u32])| {
+                outcome(&member.setup, member.record, &tapes[member.tape], program.shape, state)
             };
-            let done: Vec<(&BatchMember<'_>, &RunState)> = members.iter().zip(&states).collect();
+            let done: Vec<_> = members.iter().zip(states.chunks_exact(program.shape.state())).collect();
             let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
             for (member, outcome) in members.iter().zip(of_batch) {
                 outcomes[member.place] = Some(outcome);
@@ -164,7 +154,7 @@ impl Batch<'_> {
     }
 }
 
-fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
+fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
     let prepared = in_parts(runs, |runs| runs.iter().map(prepare).collect());
     for ((place, run), prepared) in runs.iter().enumerate().zip(prepared) {

@@ -8,7 +8,7 @@ use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, MapMode};
 
 use crate::adapter::{Gpu, GpuError};
-use crate::layout::{RunState, bits};
+use crate::layout::bits;
 use crate::shader::{GROUP, ShaderProgram};
 
 /// Drivers reset a device that is busy with one dispatch for seconds, and pictures of the system wait.
@@ -40,7 +40,7 @@ struct Buffers {
 }
 
 impl Gpu {
-    pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<RunState>, GpuError> {
+    pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<u32>, GpuError> {
         let pipeline = self.pipeline(&job.program.text);
         self.trouble.check()?;
         let buffers = self.buffers(job, &pipeline);
@@ -130,7 +130,7 @@ impl Gpu {
         self.trouble.check()
     }
 
-    async fn read(&self, states: &Buffer, job: &GpuJob<'_>) -> Result<Vec<RunState>, GpuError> {
+    async fn read(&self, states: &Buffer, job: &GpuJob<'_>) -> Result<Vec<u32>, GpuError> {
         let size = size_of_states(job);
         let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -142,9 +142,7 @@ impl Gpu {
         self.trouble.check()?;
         mapped.await.map_err(failed)?;
         let view = copy.slice(..).get_mapped_range().map_err(failed)?;
-        let words: &[u32] = bytemuck::cast_slice(&view);
-        let shape = job.program.shape;
-        Ok(words.chunks_exact(shape.state()).map(|words| RunState::read(shape, words)).collect())
+        Ok(bytemuck::cast_slice(&view).to_vec())
     }
 
     /// Runs callbacks: natively by waiting for the device; a browser runs them by itself.
