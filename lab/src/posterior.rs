@@ -71,11 +71,10 @@ impl Sampled {
 
     /// Mean and standard deviation of one parameter.
     pub fn moments(&self, channel: Channel) -> Option<[f64; 2]> {
-        let place = self.channels.iter().position(|other| *other == channel)?;
-        let values = || self.points.iter().map(|point| point[place]);
-        let count = self.points.len() as f64;
-        let mean = values().sum::<f64>() / count;
-        let variance = values().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
+        let values = self.values(channel)?;
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
         Some([mean, libm::sqrt(variance)])
     }
 

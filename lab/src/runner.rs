@@ -6,7 +6,7 @@ use kalmanscope_core::score::{Outcome, ScoredPass};
 use kalmanscope_core::setting::RECORD_GAIN;
 use kalmanscope_core::{Estimates, Pass, Record, Scenario, Simulator, Source, Task as _, Work, simulate};
 use kalmanscope_diagnosis::{FirstCause, Measure, Observed, Times, Value, Whole};
-use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes, serves};
 use kalmanscope_records::task::{Progress, at_once, pause};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
@@ -235,7 +235,7 @@ pub(crate) fn numbers(
 pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let possible: Vec<_> =
         runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
-    if let Ok(outcomes) = outcomes_with(InstructionSet::best(), &possible, samples) {
+    if let Ok(outcomes) = outcomes(InstructionSet::best(), &possible, samples) {
         let mut outcomes = outcomes.into_iter();
         return runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect();
     }
