@@ -160,8 +160,7 @@ pub struct AspectInfo {
     pub usual_noise: f64,
     /// The reading for a mass, counted from 0, as a sum of weighted terms.
     pub reads: fn(usize) -> Vec<(Term, f64)>,
-    /// The number of the first mass's random stream, and the distance to the next mass's. They must never change:
-    /// another number gives other noise.
+    /// The random stream of the first mass, and the distance to the next mass's. Other numbers would give other noise.
     pub streams: (u64, u64),
     /// The bias of such a sensor.
     pub bias: ChannelInfo,

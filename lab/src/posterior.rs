@@ -78,8 +78,7 @@ impl Sampled {
         Some([mean, libm::sqrt(variance)])
     }
 
-    /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points, which take them
-    /// for constant.
+    /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points.
     pub fn is_stiller_than(&self, filter: &FilterSettings, steps: usize) -> bool {
         let walks = |channel: &Channel| {
             let way = filter.process_std[*channel] * libm::sqrt(steps as f64);
@@ -236,8 +235,7 @@ impl Target {
         self.belief.iter().zip(&self.bounds).map(share).sum()
     }
 
-    /// ln p(z | θ) at points in standard deviations from the mean of the initial belief; -∞ where the filter cannot run, and
-    /// beyond the bounds.
+    /// ln p(z | θ) at points in standard deviations of the initial belief; -∞ where the filter cannot run, and beyond the bounds.
     pub fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
         in_parts(points, self.threads, PIECE, |points| self.piece(points))
     }

@@ -33,8 +33,7 @@ impl Runner {
     /// A runner over simulated records, or over a given one.
     ///
     /// # Errors
-    /// [`EnsembleError::Run`] where the given record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would
-    /// change a given record.
+    /// [`EnsembleError::Run`] where the record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would change it.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
         if let Some(record) = source.record() {
             if let Some(key) = ensemble.first_that_changes_record() {
@@ -117,8 +116,7 @@ impl Runner {
         self.ensemble.plan().measures.iter().any(|measure| measure.info().needs_history())
     }
 
-    /// The row of a run from the outcomes of all filters of the plan. Its scores must need no more than sums. The row
-    /// of an impossible scenario is NaN.
+    /// The row of a run from the outcomes of all filters, if scores need no more than sums; NaN for an impossible scenario.
     pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
         let mut row = vec![f64::NAN; self.ensemble.width()];
         if let Some(run) = run {

@@ -221,8 +221,7 @@ impl Builder {
     }
 }
 
-/// The rates of a model's moving components and the readings of some sensors, noted in one list. Its inputs are the n components
-/// of the state and, after them, the recorded force over mass.
+/// The rates of a model's moving components and the readings of some sensors. Inputs are the n components, then the force over mass.
 #[derive(Clone, Debug)]
 pub struct Notes {
     pub size: usize,
@@ -234,8 +233,7 @@ pub struct Notes {
 }
 
 impl Notes {
-    /// The notes of a model. There are none for logarithms, for a plant that takes plain numbers only, and for more operations than
-    /// a list can hold.
+    /// `None` for logarithms, a plant that takes plain numbers only, and more operations than a list can hold.
     pub fn of(model: &StateModel<impl Dynamics>, readings: &[Reading]) -> Option<Self> {
         if !model.logarithms.is_empty() {
             return None;

@@ -1,4 +1,4 @@
-//! What the engine asks of a plant: the rates of its state. Their derivatives follow by [duals](super::dual).
+//! The rates of a plant's state, and their derivatives by [duals](super::dual).
 
 use std::fmt::Debug;
 
@@ -6,8 +6,7 @@ use super::dual::Dual;
 use super::level::Level;
 use super::number::{Number, Real};
 
-/// An equation of motion `ẏ = g(y, f)` of the state `y = [motion, parameters]`, whose sizes the compiler knows. A system of your own needs
-/// no more to be a plant.
+/// An equation of motion `ẏ = g(y, f)` of the state `y = [motion, parameters]`: all that a system of your own needs to be a plant.
 pub trait MotionEquation: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The number of components, and of those that move, which come first.
     const SIZES: [usize; 2];
@@ -56,8 +55,7 @@ pub trait Dynamics: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
     fn is_oscillator(&self) -> bool;
 
-    /// Of a plant whose motion is `[x, v]` of several masses, with `ẋ = v`: their number, and the largest distance of two masses in
-    /// their row that act on each other.
+    /// Of masses in a row with the motion `[x, v]` and `ẋ = v`: their number, and the largest distance of two that act on each other.
     fn coupling(&self) -> Option<[usize; 2]> {
         None
     }

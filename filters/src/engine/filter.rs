@@ -15,8 +15,7 @@ use super::update::{Checks, MeasuredReadings, Target, Update, UpdateResult};
 use crate::filter_error::of_root;
 use crate::{FilterError, Hold};
 
-/// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
-/// takes that level; the rest is in the program once.
+/// Filters of one design, one a lane, with their memory. What takes a level is compiled for its instructions.
 pub struct GaussianFilter<T: Number, P> {
     pub design: Design<P>,
     pub noise: FilterNoise<T>,

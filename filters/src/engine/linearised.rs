@@ -91,9 +91,8 @@ impl<T: Number> Linearised<T> {
     /// A = [F, C; 0, 0],  exp(A dt) = [exp(F dt), Γ₁ C; 0, I],  Γ₁ and Γ₂ of F
     /// ```
     ///
-    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
-    /// entire function `dt φ₁(A dt)`, which a singular A does not trouble; Van Loan (1978), Computing integrals involving
-    /// the matrix exponential.
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `dt φ₁(A dt)` for `A⁻¹(exp(A dt) - I)`:
+    /// A may be singular; Van Loan (1978), Computing integrals involving the matrix exponential.
     #[inline(always)]
     fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         self.derivatives.take(level, model, mean, step.forces[0]);

@@ -108,9 +108,8 @@ impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T,
     }
 }
 
-/// One classical step of fourth order, of as many numbers as `start` has, with the forces at its beginning, middle and end. The
-/// memory is for where the step begins, and for four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential
-/// Equations I*, section II.1.
+/// One classical step of as many numbers as `start` has, with the forces at its beginning, middle and end, and memory for the beginning
+/// and four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
 #[inline(always)]
 pub fn classical<T: Number>(
     mut rate: impl FnMut(&[T], T, &mut [T]),

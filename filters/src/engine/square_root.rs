@@ -1,5 +1,4 @@
-//! The square-root UKF: a belief held as its mean and the lower triangular root L of its covariance `L Lᵀ`, which no rounding
-//! makes indefinite.
+//! The square-root UKF: the mean and the lower triangular root L of the covariance `L Lᵀ`, which no rounding makes indefinite.
 //!
 //! With the unscented rule every covariance is a sum of squares `A Aᵀ`. Householder reflections bring A to a triangle:
 //!

@@ -26,8 +26,7 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
-    /// Keeps a share of a component of the state and adds an independent one of mean zero and this variance: of a
-    /// [`White`] force nothing is kept at the next sample. See [`Gaussian::renew`].
+    /// Keeps a share of a component and adds an independent one of mean zero and this variance: see [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -247,8 +246,7 @@ impl Observation {
     }
 }
 
-/// The effect of one sample of the sensors on the belief, with n channels and m sensors. Sensors that were skipped have an innovation
-/// of NaN and no gain.
+/// The effect of one sample of m sensors on n channels. Sensors that were skipped have an innovation of NaN and no gain.
 #[derive(Clone, Debug)]
 pub struct Correction {
     /// e = z - h(y⁻), m numbers in the sensors' units.
@@ -261,8 +259,7 @@ pub struct Correction {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
     pub determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter of a scenario: there it
-    /// follows from NIS and det S.
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for others: there it follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,

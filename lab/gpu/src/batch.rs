@@ -63,8 +63,7 @@ struct Batch<'a> {
 }
 
 impl Gpu {
-    /// Whether the graphics processor is of use for an ensemble: it serves all its filters, in the first cell at least, and no
-    /// score needs more than sums.
+    /// Whether the graphics processor is of use: it serves all filters of the first cell, and scores need no more than sums.
     pub fn serves(runner: &Runner) -> bool {
         let ensemble = runner.ensemble();
         // Runs that differ by their filters share a record. Otherwise simulation takes most of the time.

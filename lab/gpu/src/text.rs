@@ -164,9 +164,8 @@ pub(crate) fn literal(number: f64) -> Option<String> {
     is_there.then_some(text)
 }
 
-/// A text in WGSL in which loops of the form `for (var i = FIRST; i < END; i++) {` are unrolled, if constants give
-/// their bounds. The body begins on the next line, and its closing bracket has its own line. Any other loop stays, as one with `i
-/// += 1u` does.
+/// A text in WGSL in which loops of the form `for (var i = FIRST; i < END; i++) {` are unrolled, if constants give their bounds. The
+/// closing bracket of the body has its own line. Any other loop stays, as one with `i += 1u` does.
 pub fn unrolled(text: &str, constants: &[(&str, usize)]) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let mut out = String::with_capacity(4 * text.len());

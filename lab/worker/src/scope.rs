@@ -26,8 +26,7 @@ impl Words {
     }
 }
 
-/// Tells the page that the worker is ready, and calls `listener` with each message of the page. A panic is sent to the
-/// page as a message.
+/// Reports that the worker is ready, and calls `listener` with each message of the page. A panic is sent as a message.
 pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     std::panic::set_hook(Box::new(|panic| {
         tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
