@@ -13,7 +13,7 @@ use egui::Context;
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Pass, Record, Scenario, Tape, Task as _};
-use kalmanscope_lab::{CellTask, Runner, Threads, WorkParts, WorkStep, WorkToken};
+use kalmanscope_lab::{Runner, Threads, WorkParts, WorkStep, WorkToken, cell_task};
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
 
@@ -231,7 +231,7 @@ impl Team for Frames {
             let mut while_time = budget.slice();
             let mut numbers = Vec::new();
             while let Some(&cell) = order.get(next) {
-                let mut task = under_way.take().unwrap_or_else(|| CellTask::new(Arc::clone(&runner), cell));
+                let mut task = under_way.take().unwrap_or_else(|| cell_task(Arc::clone(&runner), cell));
                 if !task.advance(&mut while_time) {
                     under_way = Some(task);
                     break;

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use kalmanscope_cli::{harmless, run_scenario, significant, with_spread};
-use kalmanscope_core::{Estimates, Scenario, Task as _};
-use kalmanscope_lab::posterior::{Posterior, Sampled};
+use kalmanscope_core::{Estimates, Scenario};
+use kalmanscope_lab::posterior::{Sampled, Target};
 
 use crate::args::PosteriorArgs;
 use crate::files::{InputError, places, print_beside, write_text};
@@ -20,9 +20,9 @@ pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
     let place = place_of(file, &scenario, filter.as_deref())?;
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario };
     let run = run_scenario(&alone, imported.map(|imported| imported.record)).map_err(|error| bad(&error))?;
-    let posterior = Posterior::new(&alone, 0, run.record());
-    let posterior = posterior.map_err(|reason| bad(&format!("there is no posterior: {reason}")))?;
-    let sampled = posterior.run().ok_or_else(|| bad(&"no guess within the initial belief explains the record"))?;
+    let target = Target::new(&alone, 0, run.record());
+    let target = target.map_err(|reason| bad(&format!("there is no posterior: {reason}")))?;
+    let sampled = target.sample().ok_or_else(|| bad(&"no guess within the initial belief explains the record"))?;
     let mut text = posterior_in_words(&sampled, &run.estimates()[0]);
     if sampled.is_stiller_than(&alone.filters[0], run.record().len()) {
         text += "the filter lets the parameters change; the posterior does not\n";

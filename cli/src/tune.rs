@@ -21,7 +21,7 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| InputError::bad(file, &reason)));
     let axes = axes.collect::<Result<Vec<_>, _>>()?;
     let record = imported.map_or_else(|| simulate(&scenario), |imported| imported.record);
-    let tuner = Tuner::new(scenario, place, Arc::new(record), axes.clone(), *goal);
+    let tuner = Tuner::new(scenario, place, Arc::new(record), axes.clone(), *goal, None);
     let tuned = tuner.map_err(|error| InputError::bad(file, &error))?.run();
     print_beside(&places("--out", out), &tuning_in_words(&tuned, &axes, *goal))?;
     if let Some(out) = out {

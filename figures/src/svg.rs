@@ -1,6 +1,6 @@
 //! The text of an SVG file.
 
-use std::fmt::{self, Write as _};
+use std::fmt;
 
 /// A point to the right and downwards.
 pub type Point = [f32; 2];
@@ -223,9 +223,7 @@ fn at([x, y]: Point) -> String {
 }
 
 fn number(value: f32) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(text, "{value:.2}");
+    let mut text = format!("{value:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.').len();
     text.truncate(short);
     if text == "-0" { "0".to_owned() } else { text }
@@ -242,8 +240,9 @@ pub fn escaped(text: &str) -> String {
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
             '\n' | '\t' => escaped.push(letter),
-            '\u{fffe}' | '\u{ffff}' => escaped.push(char::REPLACEMENT_CHARACTER),
-            control if control.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
+            '\u{fffe}' | '\u{ffff}' | '\0'..='\u{1f}' | '\u{7f}'..='\u{9f}' => {
+                escaped.push(char::REPLACEMENT_CHARACTER)
+            }
             other => escaped.push(other),
         }
     }

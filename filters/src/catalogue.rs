@@ -15,8 +15,7 @@ impl Channel {
         &ALL
     }
 
-    /// The channel of a built-in plant, or the augmentation, with this key, if there is one. A scenario knows those of its
-    /// equations too.
+    /// The channel of a built-in plant, or the augmentation, with this key. A scenario knows those of its equations too.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::all().iter().copied().find(|channel| channel.key() == key)
     }

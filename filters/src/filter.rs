@@ -19,6 +19,7 @@ use crate::engine::design::{Method, Rule};
 use crate::registry::{keyed, registry};
 
 pub use crate::engine::design::{Course, Propagation};
+pub use crate::engine::model::Step;
 pub use crate::engine::robust::{self, Robust};
 pub use crate::engine::wrapper::Adaptation;
 pub use crate::filter_error::FilterError;
@@ -29,7 +30,7 @@ pub use kalman::Expected;
 pub use linear::{KalmanFilter, MeasurementModel, SystemError};
 pub use recursion::Filter;
 pub use sampled::{Ensemble, Particles};
-pub use system::{States, Step, System};
+pub use system::{States, System};
 
 registry! {
     FilterKind by FilterKind,
@@ -66,8 +67,7 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
-    /// Whether the belief reports its own log likelihood and effective sample size, as particle filters do. For
-    /// all other kinds the log likelihood follows from NIS and S.
+    /// Whether the belief reports its own log likelihood and effective sample size; else the likelihood follows from NIS and S.
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
     pub evaluations: fn(&MethodSettings, usize) -> usize,
@@ -85,8 +85,7 @@ pub struct FilterInfo {
 pub enum Algorithm {
     /// It is a mean and a covariance, and all options of filters work: the method of one with these settings over n components.
     Gaussian(fn(&MethodSettings, usize) -> Method),
-    /// It is a [`Belief`]: the one that a filter begins with, from its mean and covariance; random numbers, if it needs any, come from
-    /// the stream.
+    /// It is a [`Belief`]: the one that a filter begins with, from mean and covariance, and from random numbers if it needs any.
     Belief(Begin),
 }
 
@@ -122,8 +121,7 @@ pub type Begin = fn(Gaussian, &MethodSettings, Normal) -> Result<Box<dyn Belief>
 pub struct FilterKind(&'static FilterInfo);
 
 impl FilterKind {
-    /// Your own kind. Files can name kinds of the registry only, and a scenario with your own kind under a key of the
-    /// registry is refused.
+    /// Your own kind, which files cannot name. A scenario with your own kind under a key of the registry is refused.
     pub const fn new(info: &'static FilterInfo) -> Self {
         Self(info)
     }

@@ -15,8 +15,7 @@ pub enum FilterError {
     /// The covariance has a negative variance in some direction.
     #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
     IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
-    /// or rounding removes the expected error.
+    /// The innovation covariance S cannot be inverted: no error is expected in some combination of sensors, or rounding removes it.
     #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
     SingularInnovation,
     /// The innovation covariance S has a negative variance in some direction.

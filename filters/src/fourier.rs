@@ -20,7 +20,6 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// The transform of this many numbers.
     pub fn new(length: usize) -> Self {
         let bits = length.trailing_zeros();
         let turn = |k: usize| {

@@ -34,14 +34,12 @@ pub fn part_of(matrix: &[f64], m: usize, places: &[usize]) -> Vec<f64> {
 /// `f64`.
 #[derive(Clone, Copy, Debug)]
 pub struct LogSum {
-    /// The sum of the logarithms that have been taken.
     pub taken: f64,
     /// The factors that are multiplied but not yet in the logarithm.
     pub product: f64,
 }
 
 impl LogSum {
-    /// The sum of no logarithms.
     pub const ZERO: Self = Self { taken: 0.0, product: 1.0 };
 
     /// Limits factors and products: beyond, the logarithm is taken.
@@ -61,7 +59,6 @@ impl LogSum {
         }
     }
 
-    /// The sum.
     pub fn value(self) -> f64 {
         self.taken + libm::log(self.product)
     }

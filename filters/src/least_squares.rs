@@ -47,11 +47,9 @@ impl<const N: usize> NormalEquations<N> {
     }
 }
 
-/// The least cost that steps of Levenberg and Marquardt reach from a point, and where. It ends after this many `tries` of a step, or
-/// where one gains less than `least_gain` of the cost.
+/// The least cost that steps of Levenberg and Marquardt reach, and where: after `tries`, or where one gains less than `least_gain`.
 ///
-/// `look` gives the cost at a point and what else is known there; `equations` are those of a step from it, damped with this `floor`;
-/// `step` goes there.
+/// `look` gives the cost at a point and what else is known there; `equations` are of a step, damped with this `floor`; `step` takes it.
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Marquardt (1963).
 pub fn descend<P, K, const N: usize>(

@@ -15,8 +15,6 @@ pub mod fourier;
 #[doc(hidden)]
 pub mod gaussian_likelihood;
 #[doc(hidden)]
-pub mod input;
-#[doc(hidden)]
 pub mod least_squares;
 #[doc(hidden)]
 pub mod linalg;
@@ -41,5 +39,4 @@ pub use filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
 };
 pub use filter_error::Stop;
-pub use input::{Hold, InputKind};
-pub use quantity::{Aspect, AspectInfo, Quantity, Term};
+pub use quantity::{Aspect, AspectInfo, Hold, InputKind, Quantity, Term};

@@ -19,9 +19,8 @@ pub fn symmetric(mut matrix: Matrix) -> Matrix {
     matrix
 }
 
-/// The lower triangular `L` with `L Lᵀ = S` for a symmetric n × n matrix S, zero above the diagonal. A variance that is zero to
-/// rounding gives a column of zeros, so that a component known for certain stays so. Fails where a pivot is negative beyond
-/// rounding, or no finite number.
+/// The lower triangular `L` with `L Lᵀ = S`, n × n, zero above the diagonal. A variance of zero to rounding gives a column of zeros: a
+/// component known for certain stays so. Fails where a pivot is negative beyond rounding, or no finite number.
 pub fn lower_root(s: &Matrix) -> Result<Matrix, FilterError> {
     let (root, Rooted { holds, is_finite }) = partial_root(s);
     if holds { Ok(root) } else { Err(of_root(is_finite, FilterError::IndefiniteCovariance)) }
@@ -52,8 +51,7 @@ impl Ldl {
         is_definite.then_some(Self { factor, determinant })
     }
 
-    /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
-    /// quotient has no part in it.
+    /// The factor of a matrix that may be only semidefinite: a direction of no variance is left out of quotients.
     pub fn semidefinite(s: &Matrix) -> Self {
         let (mut factor, _) = partial_root(s);
         let mut determinant = 1.0;

@@ -1,9 +1,9 @@
-//! The measurable quantities, and the aspects of a mass that a sensor can measure, as data.
+//! The measurable quantities, the aspects of a mass that a sensor can measure, and the input, as data.
 
 use std::cmp::Ordering;
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Deserializer, de};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Usual, by_mass, expected, symbols_by_mass};
@@ -160,8 +160,7 @@ pub struct AspectInfo {
     pub usual_noise: f64,
     /// The reading for a mass, counted from 0, as a sum of weighted terms.
     pub reads: fn(usize) -> Vec<(Term, f64)>,
-    /// The number of the first mass's random stream, and the distance to the next mass's. They must never change:
-    /// another number gives other noise.
+    /// The random stream of the first mass, and the distance to the next mass's. Other numbers would give other noise.
     pub streams: (u64, u64),
     /// The bias of such a sensor.
     pub bias: ChannelInfo,
@@ -288,6 +287,39 @@ impl PartialEq for Aspect {
 }
 
 impl Eq for Aspect {}
+
+/// The physical meaning of a record's input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InputKind {
+    /// A force over mass \[m/s²\].
+    #[default]
+    Force,
+    /// The acceleration of the ground \[m/s²\]: the force over mass is its negative.
+    GroundAcceleration,
+}
+
+impl InputKind {
+    /// The force over mass for a value of the input, both in m/s².
+    #[inline]
+    pub fn force(self, input: f64) -> f64 {
+        match self {
+            Self::Force => input,
+            Self::GroundAcceleration => -input,
+        }
+    }
+}
+
+/// The course of the input between samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// It keeps the value of a sample until the next one: a zero-order hold.
+    #[default]
+    Zero,
+    /// It is linear from each sample to the next: a first-order hold.
+    First,
+}
 
 #[cfg(test)]
 mod tests {

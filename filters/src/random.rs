@@ -103,15 +103,6 @@ mod tests {
     }
 
     #[test]
-    fn purposes_are_independent_and_seeds_repeat() {
-        let first = |seed, purpose| Normal::new(seed, purpose).sample().to_bits();
-        assert_eq!(first(1, Purpose::Force), first(1, Purpose::Force));
-        assert_ne!(first(1, Purpose::Force), first(2, Purpose::Force));
-        assert_ne!(first(1, Purpose::Force), first(1, Purpose::Disturbance));
-        assert_ne!(first(1, Purpose::Sensor(Quantity::DISPLACEMENT)), first(1, Purpose::Sensor(Quantity::VELOCITY)));
-    }
-
-    #[test]
     fn no_two_purposes_share_a_stream() {
         let sensors = Quantity::all().iter().map(|&quantity| Purpose::Sensor(quantity));
         let ensembles = (0..1000).map(Purpose::Ensemble);

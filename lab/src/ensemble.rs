@@ -3,7 +3,7 @@
 use kalmanscope_core::document::{self, DocumentError};
 use kalmanscope_core::score::SampleScore;
 use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError, Channel, RunError, Scenario};
+use kalmanscope_core::{Axis, AxisError, Channel, FilterSettings, RunError, Scenario};
 use kalmanscope_diagnosis::Measure;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -86,7 +86,9 @@ impl Ensemble {
         if let Some(&place) = plan.filters.iter().find(|place| **place >= scenario.filters.len()) {
             return Err(RunError::NoFilter(place).into());
         }
-        let drawn = drawn(&scenario, &settings)?;
+        let is_drawn = settings.iter().any(is_seed);
+        let keys = scenario.draw.keys().filter(|_| is_drawn);
+        let drawn = keys.map(|key| Address::parse(&scenario, key)).collect::<Result<Vec<Address>, _>>()?;
         if let Some((axis, _)) = plan.axes.iter().zip(&settings).find(|(_, s)| drawn.iter().any(|d| d.overlaps(s))) {
             return Err(EnsembleError::Drawn(axis.key.clone()));
         }
@@ -188,26 +190,23 @@ impl Ensemble {
 
     /// The numbers that are drawn in a cell, one a number of [`Self::drawn`].
     pub fn member(&self, cell: usize) -> Vec<f64> {
-        match self.seed(cell).filter(|_| !self.drawn.is_empty()) {
-            Some(seed) => self.scenario.drawn(seed).into_iter().map(|(_, value)| value).collect(),
-            None => Vec::new(),
-        }
+        let drawn = |seed| self.scenario.drawn(seed).into_iter().map(|(_, value)| value).collect();
+        self.seed(cell).map_or_else(Vec::new, drawn)
     }
 
     /// The scenario of a cell. It may be impossible.
     pub fn at(&self, cell: usize) -> Scenario {
-        let mut scenario = match self.seed(cell).filter(|_| !self.drawn.is_empty()) {
-            Some(seed) => self.scenario.member(seed),
-            None => self.scenario.clone(),
-        };
+        let seed = self.seed(cell);
+        let mut scenario = seed.map_or_else(|| self.scenario.clone(), |seed| self.scenario.member(seed));
         for (setting, value) in self.settings.iter().zip(self.values(cell)) {
             setting.set(&mut scenario, value);
         }
         scenario
     }
 
+    /// The seed of the numbers that are drawn in a cell, if any are.
     fn seed(&self, cell: usize) -> Option<u64> {
-        let place = self.settings.iter().position(is_seed)?;
+        let place = self.settings.iter().position(is_seed).filter(|_| !self.drawn.is_empty())?;
         Some(self.values(cell)[place] as u64)
     }
 
@@ -217,13 +216,6 @@ impl Ensemble {
         let suits = |setting: &Address| setting.suits_given_record() || (is_seed(setting) && is_of_filters);
         let mut settings = self.plan.axes.iter().zip(&self.settings);
         settings.find(|(_, setting)| !suits(setting)).map(|(axis, _)| axis.key.as_str())
-    }
-
-    /// The cell nearest to the scenario's present values, if these lie within the axes.
-    pub fn present(&self) -> Option<usize> {
-        let place = |(axis, setting): (&Axis, &Address)| axis.place_of(setting.get(&self.scenario));
-        let places: Option<Vec<usize>> = self.plan.axes.iter().zip(&self.settings).map(place).collect();
-        places.map(|places| self.cell(&places))
     }
 
     /// The cells in the best order for a picture, which covers the grid evenly at every moment: first every cell at places that are
@@ -249,13 +241,6 @@ impl Ensemble {
     pub fn channels(&self) -> Vec<Channel> {
         channels(&self.scenario, &self.plan.filters)
     }
-}
-
-fn drawn(scenario: &Scenario, settings: &[Address]) -> Result<Vec<Address>, UnknownSetting> {
-    if !settings.iter().any(is_seed) {
-        return Ok(Vec::new());
-    }
-    scenario.draw.keys().map(|key| Address::parse(scenario, key)).collect()
 }
 
 fn is_seed(setting: &Address) -> bool {
@@ -284,16 +269,11 @@ pub struct Plan {
     /// The scores to take.
     pub measures: Vec<Measure>,
     /// The number of times, equally spaced over the record, at which each run is recorded, for Monte Carlo.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub times: usize,
     /// The settings to vary, in the order of the cells; without one there is a single cell.
     #[serde(default)]
     pub axes: Vec<Axis>,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and
@@ -312,11 +292,9 @@ impl Trace {
         let sample = |nth: usize| (nth as f64 * last as f64 / plan.times as f64).round() as usize;
         let mut samples: Vec<usize> = (1..=plan.times).map(sample).filter(|sample| *sample > 0).collect();
         samples.dedup();
-        let channels = |place: &usize| {
-            let filter = scenario.filters.get(*place)?;
-            Some(filter.model(&scenario.plant.kind, scenario.input).channels().to_vec())
-        };
-        let channels = plan.filters.iter().filter_map(channels).collect();
+        let filters = plan.filters.iter().filter_map(|&place| scenario.filters.get(place));
+        let channels = |filter: &FilterSettings| filter.model(&scenario.plant.kind, scenario.input).channels().to_vec();
+        let channels = filters.map(channels).collect();
         Self { begin: plan.filters.len() * plan.measures.len(), samples, channels }
     }
 

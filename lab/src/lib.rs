@@ -28,6 +28,6 @@ pub mod tune;
 
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
 pub use monte_carlo::{LastError, MonteCarlo, RunVerdicts, share_interval};
-pub use runner::{CellRun, CellTask, Runner};
+pub use runner::{CellRun, Runner, cell_task};
 pub use sheet::{EnsembleRows, Slice};
 pub use threads::{Lost, Priority, Report, Threads, WorkParts, WorkStep, WorkToken, in_parts, processors};

@@ -235,8 +235,7 @@ impl MonteCarlo {
         &self.filters[nth].verdicts
     }
 
-    /// The causes that come first in the `nth` filter's runs with a bad verdict, in the order of [`CAUSES`], with their number; and
-    /// the number of those without any cause.
+    /// The runs of the `nth` filter in which each of [`CAUSES`] comes first, of those with a bad verdict; and those without any cause.
     pub fn causes(&self, nth: usize) -> (&[usize], usize) {
         let Filter { causes, unexplained, .. } = &self.filters[nth];
         (causes, *unexplained)

@@ -9,12 +9,13 @@
 //! filter's prediction of the motion alone.
 
 mod population;
+
 use std::sync::Arc;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Pass, PlantKind, Record, RunError, Scenario, Task};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Pass, PlantKind, Record, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 
 use population::Population;
@@ -48,73 +49,6 @@ pub enum NoPosterior {
     Run(#[from] RunError),
 }
 
-/// A search for points of the posterior: they begin as draws of the initial belief, and the likelihood is turned on by
-/// degrees. At each degree the points are drawn again by their weights, and move by differences of others.
-///
-/// Source: Del Moral, Doucet and Jasra (2006), Sequential Monte Carlo samplers; Neal (2001), Annealed importance sampling; ter Braak
-/// (2006), A Markov chain Monte Carlo version of the genetic algorithm differential evolution.
-pub struct Posterior {
-    /// The likelihood.
-    pub target: Target,
-    population: Population,
-    wanted: Vec<Vec<f64>>,
-    known: Vec<f64>,
-    runs: u64,
-}
-
-impl Posterior {
-    /// The posterior of the filter at `place` of a scenario, given a record up to its end. Equal arguments give equal points.
-    ///
-    /// # Errors
-    /// [`NoPosterior`]
-    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
-        let points = (SAMPLES / record.len().max(1)).clamp(POINTS[0], POINTS[1]) / PIECE * PIECE;
-        let target = Target::new(scenario, place, record)?;
-        let mut population = Population::new(points, target.channels.len(), scenario.seed);
-        let wanted = population.wanted();
-        Ok(Self { target, population, wanted, known: Vec::new(), runs: 0 })
-    }
-}
-
-impl Task for Posterior {
-    type Outcome = Option<Sampled>;
-
-    fn progress(&self) -> f64 {
-        let piece = self.known.len() as f64 / self.wanted.len().max(1) as f64;
-        self.population.progress(piece)
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { target, population, wanted, known, runs } = self;
-        let count = PIECE * target.threads;
-        loop {
-            if wanted.is_empty() {
-                return true;
-            }
-            let piece = &wanted[known.len()..(known.len() + count).min(wanted.len())];
-            *runs += piece.len() as u64;
-            known.extend(target.log_likelihoods(piece));
-            if known.len() == wanted.len() {
-                population.take(std::mem::take(wanted), known);
-                known.clear();
-                *wanted = population.wanted();
-            }
-            if !while_time() {
-                return wanted.is_empty();
-            }
-        }
-    }
-
-    /// The points. `None` where no draw of the initial belief explains the record.
-    fn finish(self) -> Option<Sampled> {
-        let Self { target, population, runs, .. } = self;
-        // Draws of the whole belief have begun, of which those beyond its ends count for nothing.
-        let log_evidence = population.log_evidence()? - target.log_share();
-        let points = population.points().map(|point| target.values(point)).collect();
-        Some(Sampled { channels: target.channels, points, log_evidence, runs })
-    }
-}
-
 /// Points of a posterior, which all count the same.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
@@ -137,16 +71,14 @@ impl Sampled {
 
     /// Mean and standard deviation of one parameter.
     pub fn moments(&self, channel: Channel) -> Option<[f64; 2]> {
-        let place = self.channels.iter().position(|other| *other == channel)?;
-        let values = || self.points.iter().map(|point| point[place]);
-        let count = self.points.len() as f64;
-        let mean = values().sum::<f64>() / count;
-        let variance = values().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
+        let values = self.values(channel)?;
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
         Some([mean, libm::sqrt(variance)])
     }
 
-    /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points, which take them
-    /// for constant.
+    /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points.
     pub fn is_stiller_than(&self, filter: &FilterSettings, steps: usize) -> bool {
         let walks = |channel: &Channel| {
             let way = filter.process_std[*channel] * libm::sqrt(steps as f64);
@@ -260,6 +192,23 @@ impl Target {
         Ok(Self { scenario, record, channels, belief, bounds, of_logarithms, threads: processors() })
     }
 
+    /// Points of the posterior; equal arguments give equal points. `None` where no draw of the initial belief explains the record. They
+    /// begin as draws of the initial belief, and the likelihood is turned on by degrees. At each degree the points are drawn again by
+    /// their weights, and move by differences of others.
+    ///
+    /// Source: Del Moral, Doucet and Jasra (2006), Sequential Monte Carlo samplers; Neal (2001), Annealed importance sampling; ter Braak
+    /// (2006), A Markov chain Monte Carlo version of the genetic algorithm differential evolution.
+    pub fn sample(self) -> Option<Sampled> {
+        let count = (SAMPLES / self.record.len().max(1)).clamp(POINTS[0], POINTS[1]) / PIECE * PIECE;
+        let log_likelihoods = |points: &[Vec<f64>]| self.log_likelihoods(points);
+        let mut population = Population::new(count, self.channels.len(), self.scenario.seed, log_likelihoods);
+        // Draws of the whole belief have begun, of which those beyond its ends count for nothing.
+        let log_evidence = population.heat()? - self.log_share();
+        let points = population.points.iter().map(|point| self.values(&point.at)).collect();
+        let runs = population.runs;
+        Some(Sampled { channels: self.channels, points, log_evidence, runs })
+    }
+
     fn at(&self, point: &[f64]) -> Vec<f64> {
         let value = |(&[mean, std], &by): (&[f64; 2], &f64)| {
             if self.of_logarithms { mean * libm::exp(std / mean * by) } else { mean + std * by }
@@ -286,8 +235,7 @@ impl Target {
         self.belief.iter().zip(&self.bounds).map(share).sum()
     }
 
-    /// ln p(z | θ) at points in standard deviations from the mean of the initial belief; -∞ where the filter cannot run, and
-    /// beyond the bounds.
+    /// ln p(z | θ) at points in standard deviations of the initial belief; -∞ where the filter cannot run, and beyond the bounds.
     pub fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
         in_parts(points, self.threads, PIECE, |points| self.piece(points))
     }

@@ -1,13 +1,13 @@
 //! The runs of an ensemble's cells, in one go or in slices of time.
 
-use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::{Outcome, ScoredPass};
 use kalmanscope_core::setting::RECORD_GAIN;
-use kalmanscope_core::{Estimates, Pass, Record, Scenario, Simulator, Source, Task, simulate};
+use kalmanscope_core::{Estimates, Pass, Record, Scenario, Simulator, Source, Task as _, Work, simulate};
 use kalmanscope_diagnosis::{FirstCause, Measure, Observed, Times, Value, Whole};
-use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes, serves};
+use kalmanscope_records::task::{Progress, at_once, pause};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
 
@@ -33,8 +33,7 @@ impl Runner {
     /// A runner over simulated records, or over a given one.
     ///
     /// # Errors
-    /// [`EnsembleError::Run`] where the given record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would
-    /// change a given record.
+    /// [`EnsembleError::Run`] where the record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would change it.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
         if let Some(record) = source.record() {
             if let Some(key) = ensemble.first_that_changes_record() {
@@ -69,7 +68,8 @@ impl Runner {
     /// that they serve side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
         if self.needs_history() {
-            return cells.iter().flat_map(|&cell| CellTask::new(self, cell).run()).collect();
+            let row = |&cell: &usize| at_once(self.row(cell, &Progress::default()));
+            return cells.iter().flat_map(row).collect();
         }
         let runs = self.runs(cells);
         let (width, trace) = (self.ensemble.width(), self.ensemble.trace());
@@ -116,8 +116,7 @@ impl Runner {
         self.ensemble.plan().measures.iter().any(|measure| measure.info().needs_history())
     }
 
-    /// The row of a run from the outcomes of all filters of the plan. Its scores must need no more than sums. The row
-    /// of an impossible scenario is NaN.
+    /// The row of a run from the outcomes of all filters, if scores need no more than sums; NaN for an impossible scenario.
     pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
         let mut row = vec![f64::NAN; self.ensemble.width()];
         if let Some(run) = run {
@@ -128,7 +127,47 @@ impl Runner {
         row
     }
 
-    /// The first cause of a verdict is left out: [`CellTask`] searches it.
+    async fn row(&self, cell: usize, progress: &Progress) -> Vec<f64> {
+        let (mut row, mut spent) = (vec![f64::NAN; self.ensemble.width()], Spent::default());
+        let scenario = self.ensemble.at(cell);
+        if scenario.validate().is_err() {
+            return row;
+        }
+        let record = match self.record_at_hand(cell, &scenario) {
+            Some(record) => record,
+            None => self.keep(cell, simulated(&scenario, &mut spent).await),
+        };
+        let run = CellRun { scenario, record };
+        let CellRun { scenario, record } = &run;
+        let (trace, Plan { filters, measures, .. }) = (self.ensemble.trace(), self.ensemble.plan());
+        let share = |filter: f64| progress.set(filter / filters.len() as f64);
+        for (nth, &place) in filters.iter().enumerate() {
+            share(nth as f64);
+            let pass = ScoredPass::new(scenario, place, record, trace.samples(), self.needs_history());
+            let Ok(mut pass) = pass else { continue };
+            let time = scenario.filters[place].time_of_step(scenario);
+            let mut is_done = false;
+            while !is_done {
+                let begin = pass.done();
+                is_done = pass.advance(record, begin + spent.samples_left(time));
+                spent.add(time * (pass.done() - begin) as f64).await;
+            }
+            let (outcome, history) = pass.finish();
+            self.fill(nth, &run, &outcome, history.as_ref(), &mut row);
+            let cause = measures.iter().position(|measure| *measure == Measure::CAUSE);
+            if let (Some(estimates), Some(cause)) = (history, cause) {
+                let mut search = FirstCause::new(scenario, place, &estimates, record);
+                while !search.advance(&mut || false) {
+                    share(nth as f64 + search.progress());
+                    pause().await;
+                }
+                row[nth * measures.len() + cause] = Value::Cause(search.finish()).number();
+            }
+        }
+        row
+    }
+
+    /// The first cause of a verdict is left out.
     fn fill(&self, nth: usize, run: &CellRun, outcome: &Outcome, history: Option<&Estimates>, row: &mut [f64]) {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let numbers = numbers(&run.scenario, filters[nth], &run.record, measures, (outcome, history));
@@ -194,7 +233,7 @@ pub(crate) fn numbers(
 pub(crate) fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let possible: Vec<_> =
         runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
-    if let Ok(outcomes) = outcomes_with(InstructionSet::best(), &possible, samples) {
+    if let Ok(outcomes) = outcomes(InstructionSet::best(), &possible, samples) {
         let mut outcomes = outcomes.into_iter();
         return runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect();
     }
@@ -208,146 +247,42 @@ const PIECE: f64 = 1e6;
 /// The time to simulate one sample of an ordinary plant, to within a factor of three \[ns\].
 const OF_SAMPLE: f64 = 500.0;
 
-/// The run of one cell, as far as it has come. Its row has the bits of [`Runner::rows`], into whatever slices the work
-/// is divided.
-pub struct CellTask<R> {
-    runner: R,
-    cell: usize,
-    stage: CellStage,
-    row: Vec<f64>,
-    spent: f64,
+/// The run of a cell, which pauses about every millisecond. Its row has the bits of [`Runner::rows`], into whatever slices the work is
+/// divided.
+pub fn cell_task(runner: Arc<Runner>, cell: usize) -> Work<Vec<f64>> {
+    Work::new(move |progress| async move { runner.row(cell, &progress).await })
 }
 
-enum CellStage {
-    Record {
-        scenario: Scenario,
-        simulator: Box<Simulator>,
-        record: Record,
-    },
-    /// The plan's `nth` filter runs now.
-    Filter {
-        run: CellRun,
-        nth: usize,
-        pass: Option<Box<ScoredPass>>,
-    },
-    Cause {
-        run: CellRun,
-        nth: usize,
-        search: Box<FirstCause>,
-    },
-    Done,
-}
+/// The time since the last pause \[ns\].
+#[derive(Default)]
+struct Spent(f64);
 
-impl<R: Deref<Target = Runner>> CellTask<R> {
-    /// The run of a cell before its first sample.
-    pub fn new(runner: R, cell: usize) -> Self {
-        let row = vec![f64::NAN; runner.ensemble().width()];
-        let scenario = runner.ensemble().at(cell);
-        let stage = if scenario.validate().is_err() {
-            CellStage::Done
-        } else if let Some(record) = runner.record_at_hand(cell, &scenario) {
-            CellStage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
-        } else {
-            let simulator = Box::new(Simulator::new(&scenario));
-            CellStage::Record { record: simulator.empty_record(), scenario, simulator }
-        };
-        Self { runner, cell, stage, row, spent: 0.0 }
+impl Spent {
+    fn samples_left(&self, each: f64) -> usize {
+        ((PIECE - self.0) / each).clamp(1.0, 1e5) as usize
     }
 
-    fn piece(&mut self) {
-        self.stage = match std::mem::replace(&mut self.stage, CellStage::Done) {
-            CellStage::Record { scenario, mut simulator, mut record } => {
-                let samples = scenario.samples();
-                let goal = samples.min(record.len() + self.samples_for(OF_SAMPLE));
-                let begin = record.len();
-                let goes_on = simulator.advance_some(&mut record, goal);
-                // The simulation of a hard truth stops before its goal once its time is up.
-                let is_slow = goes_on && record.len() < goal;
-                self.spent += if is_slow { PIECE } else { OF_SAMPLE * (record.len() - begin) as f64 };
-                if goes_on && record.len() < samples {
-                    CellStage::Record { scenario, simulator, record }
-                } else {
-                    let record = self.runner.keep(self.cell, record);
-                    CellStage::Filter { run: CellRun { scenario, record }, nth: 0, pass: None }
-                }
-            }
-            CellStage::Filter { run, nth, pass } => self.filter(run, nth, pass),
-            CellStage::Cause { run, nth, mut search } => {
-                self.spent = PIECE;
-                if search.advance(&mut || false) {
-                    let measures = &self.runner.ensemble().plan().measures;
-                    if let Some(place) = measures.iter().position(|measure| *measure == Measure::CAUSE) {
-                        self.row[nth * measures.len() + place] = Value::Cause(search.finish()).number();
-                    }
-                    CellStage::Filter { run, nth: nth + 1, pass: None }
-                } else {
-                    CellStage::Cause { run, nth, search }
-                }
-            }
-            CellStage::Done => CellStage::Done,
-        };
-    }
-
-    fn samples_for(&self, each: f64) -> usize {
-        ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
-    }
-
-    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<Box<ScoredPass>>) -> CellStage {
-        let CellRun { scenario, record } = &run;
-        let ensemble = self.runner.ensemble();
-        let Some(&place) = ensemble.plan().filters.get(nth) else { return CellStage::Done };
-        let (trace, needs_history) = (ensemble.trace(), self.runner.needs_history());
-        let first = || ScoredPass::new(scenario, place, record, trace.samples(), needs_history).map(Box::new);
-        let Ok(mut pass) = pass.map_or_else(first, Ok) else {
-            return CellStage::Filter { run, nth: nth + 1, pass: None };
-        };
-        let has_cause = ensemble.plan().measures.contains(&Measure::CAUSE);
-        let time = scenario.filters[place].time_of_step(scenario);
-        let begin = pass.done();
-        let is_done = pass.advance(record, begin + self.samples_for(time));
-        self.spent += time * (pass.done() - begin) as f64;
-        if !is_done {
-            return CellStage::Filter { run, nth, pass: Some(pass) };
-        }
-        let (outcome, history) = pass.finish();
-        self.runner.fill(nth, &run, &outcome, history.as_ref(), &mut self.row);
-        match history.filter(|_| has_cause) {
-            Some(estimates) => {
-                let search = Box::new(FirstCause::new(scenario, place, &estimates, record));
-                CellStage::Cause { run, nth, search }
-            }
-            None => CellStage::Filter { run, nth: nth + 1, pass: None },
+    async fn add(&mut self, time: f64) {
+        self.0 += time;
+        if self.0 >= PIECE {
+            self.0 = 0.0;
+            pause().await;
         }
     }
 }
 
-impl<R: Deref<Target = Runner>> Task for CellTask<R> {
-    type Outcome = Vec<f64>;
-
-    fn progress(&self) -> f64 {
-        let filters = self.runner.ensemble().plan().filters.len() as f64;
-        match &self.stage {
-            CellStage::Record { .. } => 0.0,
-            CellStage::Filter { nth, .. } => *nth as f64 / filters,
-            CellStage::Cause { nth, search, .. } => (*nth as f64 + search.progress()) / filters,
-            CellStage::Done => 1.0,
+async fn simulated(scenario: &Scenario, spent: &mut Spent) -> Record {
+    let mut simulator = Simulator::new(scenario);
+    let (mut record, samples) = (simulator.empty_record(), scenario.samples());
+    loop {
+        let begin = record.len();
+        let goal = samples.min(begin + spent.samples_left(OF_SAMPLE));
+        let goes_on = simulator.advance_some(&mut record, goal);
+        // The simulation of a hard truth stops before its goal once its time is up.
+        let is_slow = goes_on && record.len() < goal;
+        spent.add(if is_slow { PIECE } else { OF_SAMPLE * (record.len() - begin) as f64 }).await;
+        if !goes_on || record.len() >= samples {
+            return record;
         }
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !matches!(self.stage, CellStage::Done) {
-            self.piece();
-            if self.spent >= PIECE {
-                self.spent = 0.0;
-                if !while_time() {
-                    break;
-                }
-            }
-        }
-        matches!(self.stage, CellStage::Done)
-    }
-
-    fn finish(self) -> Vec<f64> {
-        self.row
     }
 }

@@ -101,8 +101,7 @@ struct Waiting {
 }
 
 impl Threads {
-    /// A team of `count` threads, 0 for one a processor, and of some more for the user's hand alone, which does not wait
-    /// for a long portion of a map.
+    /// A team of `count` threads, 0 for one a processor, and of some for the user's hand alone, which waits for no map.
     ///
     /// # Errors
     /// If the system gives no threads.

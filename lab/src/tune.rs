@@ -2,20 +2,19 @@
 
 mod information;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use kalmanscope_core::score::ScoredPass;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Pass, Quantity, Record, Scenario, Task};
+use kalmanscope_core::{Axis, Pass, Quantity, Record, Scenario, Task, Work};
 use kalmanscope_diagnosis::{Measure, VerdictKind};
+use kalmanscope_records::task::{Progress, pause};
 use serde::{Deserialize, Serialize};
 
 use crate::EnsembleError;
 use crate::runner::numbers;
 
 pub use information::TuneRemark;
-
-use information::Information;
 
 const SCAN: usize = 9;
 
@@ -31,25 +30,15 @@ const TOLERANCE: f64 = 1e-7;
 ///
 /// Source: Nelder and Mead (1965), A simplex method for function minimization.
 pub struct Tuner {
+    work: Work<Tuned>,
+    path: Arc<Mutex<Vec<Try>>>,
+}
+
+struct TuneSearch {
     cost: Cost,
-    stage: TuneStage,
     best: Vec<f64>,
-    path: Vec<Try>,
-    bands: Option<Vec<[f64; 2]>>,
+    path: Arc<Mutex<Vec<Try>>>,
     runs: u64,
-}
-
-enum TuneStage {
-    Scanning(usize, usize),
-    Searching(SimplexSearch),
-    Looking(Box<Information>),
-    Done,
-}
-
-struct SimplexSearch {
-    /// Points in shares of the axes, each behind its cost; the best one first.
-    simplex: Vec<(f64, Vec<f64>)>,
-    iterations: u64,
 }
 
 /// A try that was better than all before.
@@ -81,7 +70,8 @@ pub struct Tuned {
 
 impl Tuner {
     /// A search over the given axes for the filter at `place`, from the scenario's present values on. The axes' counts have
-    /// no effect.
+    /// no effect. Before the search it tries a `guess` of the settings, one an axis, such as the best values of a map; values beyond
+    /// an axis count as its nearest end.
     ///
     /// # Errors
     /// [`EnsembleError`] where an axis is impossible or varies no number of a filter, or the record does not fit.
@@ -91,6 +81,7 @@ impl Tuner {
         record: Arc<Record>,
         axes: Vec<Axis>,
         goal: Goal,
+        guess: Option<&[f64]>,
     ) -> Result<Self, EnsembleError> {
         scenario.number_filters();
         let mut settings = Vec::new();
@@ -107,55 +98,73 @@ impl Tuner {
         let values: Vec<f64> = cost.settings.iter().map(|setting| setting.get(&cost.scenario)).collect();
         let best = cost.shares(&values);
         // The present values count even if they are beyond an axis.
-        let path = vec![Try { values, score: -cost.of_scenario(&cost.scenario) }];
-        Ok(Self { cost, stage: TuneStage::Scanning(0, 0), best, path, bands: None, runs: 1 })
-    }
-
-    /// Tries these values of the settings before the search, one an axis, such as the best ones of a map. Values beyond an axis
-    /// count as its nearest end.
-    pub fn try_values(&mut self, values: &[f64]) {
-        let shares = self.cost.shares(values);
-        if shares.len() == self.best.len() {
-            let cost = self.cost.of(&shares);
-            self.runs += 1;
-            self.keep(&shares, cost);
+        let path = Arc::new(Mutex::new(vec![Try { values, score: -cost.of_scenario(&cost.scenario) }]));
+        let mut search = TuneSearch { cost, best, path: Arc::clone(&path), runs: 1 };
+        if let Some(guess) = guess.filter(|guess| guess.len() == search.best.len()) {
+            search.attempt(search.cost.shares(guess));
         }
+        Ok(Self { work: Work::new(|progress| search.tuned(progress)), path })
     }
 
     /// Each try that was better than all before; the scenario's own values come first.
-    pub fn path(&self) -> &[Try] {
-        &self.path
+    pub fn path(&self) -> Vec<Try> {
+        self.path.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl TuneSearch {
+    async fn tuned(mut self, progress: Progress) -> Tuned {
+        let mut bands = None;
+        if !self.best.is_empty() {
+            self.scan(&progress).await;
+            self.search(&progress).await;
+            let best = self.path().last().cloned();
+            if let Some(best) = best.filter(|_| self.cost.goal == Goal::Likelihood) {
+                bands = information::bands(&self.cost, best, &mut self.runs).await;
+            }
+        }
+        let (Self { cost, runs, .. }, path) = (&self, self.path().clone());
+        let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
+        let scenario = cost.with_values(&values);
+        let verdict = cost.verdict(&scenario);
+        let remarks = information::remarks(cost, &path, verdict);
+        Tuned { scenario, path, bands, verdict, remarks, runs: *runs }
     }
 
-    fn scan(&mut self, axis: usize, place: usize) -> TuneStage {
-        if axis >= self.cost.axes.len() {
-            return self.begin_search();
+    async fn scan(&mut self, progress: &Progress) {
+        let axes = self.best.len();
+        for at in 0..axes * SCAN {
+            let mut shares = self.best.clone();
+            shares[at / SCAN] = (at % SCAN) as f64 / (SCAN - 1) as f64;
+            self.attempt(shares);
+            progress.set(0.2 * (at + 1) as f64 / (axes * SCAN) as f64);
+            pause().await;
         }
-        let mut shares = self.best.clone();
-        shares[axis] = place as f64 / (SCAN - 1) as f64;
-        let cost = self.cost.of(&shares);
-        self.runs += 1;
-        self.keep(&shares, cost);
-        if place + 1 < SCAN { TuneStage::Scanning(axis, place + 1) } else { TuneStage::Scanning(axis + 1, 0) }
     }
 
-    fn begin_search(&mut self) -> TuneStage {
-        if self.best.is_empty() {
-            return TuneStage::Done;
-        }
-        let mut points = vec![self.best.clone()];
-        for axis in 0..self.best.len() {
-            let mut corner = self.best.clone();
+    async fn search(&mut self, progress: &Progress) {
+        let n = self.best.len();
+        let mut points = vec![self.best.clone(); n + 1];
+        for (axis, corner) in points[1..].iter_mut().enumerate() {
             corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
-            points.push(corner);
         }
         self.runs += points.len() as u64;
+        // Points in shares of the axes, each behind its cost; the best one first.
         let mut simplex: Vec<_> = points.into_iter().map(|point| (self.cost.of(&point), point)).collect();
         simplex.sort_by(by_cost);
-        TuneStage::Searching(SimplexSearch { simplex, iterations: 0 })
+        for iteration in 1..=ITERATIONS {
+            pause().await;
+            self.step(&mut simplex);
+            progress.set(0.2 + 0.7 * iteration as f64 / ITERATIONS as f64);
+            let mean = simplex.iter().map(|(cost, _)| cost).sum::<f64>() / simplex.len() as f64;
+            let squares = simplex.iter().map(|(cost, _)| (cost - mean) * (cost - mean));
+            if (1.0 / n as f64 * squares.sum::<f64>()).sqrt() < TOLERANCE * simplex[0].0.abs().max(1.0) {
+                break;
+            }
+        }
     }
 
-    fn search(&mut self, SimplexSearch { mut simplex, iterations }: SimplexSearch) -> TuneStage {
+    fn step(&mut self, simplex: &mut [(f64, Vec<f64>)]) {
         let n = simplex.len() - 1;
         let centroid = |i: usize| 1.0 / n as f64 * simplex[..n].iter().map(|(_, point)| point[i]).sum::<f64>();
         let centroid: Vec<f64> = (0..n).map(centroid).collect();
@@ -186,27 +195,23 @@ impl Tuner {
         simplex.sort_by(by_cost);
         let (cost, point) = &simplex[0];
         self.keep(point, *cost);
-        let mean = simplex.iter().map(|(cost, _)| cost).sum::<f64>() / simplex.len() as f64;
-        let squares = simplex.iter().map(|(cost, _)| (cost - mean) * (cost - mean));
-        let is_flat = (1.0 / n as f64 * squares.sum::<f64>()).sqrt() < TOLERANCE * cost.abs().max(1.0);
-        if is_flat || iterations + 1 >= ITERATIONS {
-            return self.begin_information();
-        }
-        TuneStage::Searching(SimplexSearch { simplex, iterations: iterations + 1 })
     }
 
-    fn begin_information(&self) -> TuneStage {
-        match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
-            Some(best) => TuneStage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
-            None => TuneStage::Done,
-        }
+    fn attempt(&mut self, shares: Vec<f64>) {
+        let cost = self.cost.of(&shares);
+        self.runs += 1;
+        self.keep(&shares, cost);
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {
-        if self.path.last().is_none_or(|best| -cost > best.score || best.score.is_nan()) && cost < FORBIDDEN {
+        if self.path().last().is_none_or(|best| -cost > best.score || best.score.is_nan()) && cost < FORBIDDEN {
             self.best = shares.to_vec();
-            self.path.push(Try { values: self.cost.values(shares), score: -cost });
+            self.path().push(Try { values: self.cost.values(shares), score: -cost });
         }
+    }
+
+    fn path(&self) -> MutexGuard<'_, Vec<Try>> {
+        self.path.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -217,46 +222,16 @@ fn by_cost(a: &(f64, Vec<f64>), b: &(f64, Vec<f64>)) -> std::cmp::Ordering {
 impl Task for Tuner {
     type Outcome = Tuned;
 
-    /// A lower limit of the share of the search that is done, from 0 to 1.
     fn progress(&self) -> f64 {
-        let axes = self.cost.axes.len().max(1) as f64;
-        match &self.stage {
-            TuneStage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
-            TuneStage::Searching(search) => 0.2 + 0.7 * search.iterations as f64 / ITERATIONS as f64,
-            TuneStage::Looking(_) => 0.9,
-            TuneStage::Done => 1.0,
-        }
+        self.work.progress()
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        loop {
-            self.stage = match std::mem::replace(&mut self.stage, TuneStage::Done) {
-                TuneStage::Scanning(axis, place) => self.scan(axis, place),
-                TuneStage::Searching(search) => self.search(search),
-                TuneStage::Looking(mut information) => {
-                    if information.advance(&self.cost) {
-                        self.runs += information.runs;
-                        self.bands = information.bands(&self.cost);
-                        TuneStage::Done
-                    } else {
-                        TuneStage::Looking(information)
-                    }
-                }
-                TuneStage::Done => return true,
-            };
-            if !while_time() {
-                return matches!(self.stage, TuneStage::Done);
-            }
-        }
+        self.work.advance(while_time)
     }
 
     fn finish(self) -> Tuned {
-        let Self { cost, path, bands, runs, .. } = self;
-        let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
-        let scenario = cost.with_values(&values);
-        let verdict = cost.verdict(&scenario);
-        let remarks = information::remarks(&cost, &path, verdict);
-        Tuned { scenario, path, bands, verdict, remarks, runs }
+        self.work.finish()
     }
 }
 

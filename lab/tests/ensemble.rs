@@ -1,13 +1,15 @@
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_diagnosis::Measure;
-use kalmanscope_lab::{Ensemble, EnsembleError, Plan};
+use kalmanscope_lab::{Ensemble, EnsembleError, EnsembleRows, Plan};
 
 fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
+    of_measures(&[Measure::NIS], axes)
+}
+
+fn of_measures(measures: &[Measure], axes: &[&str]) -> Result<Ensemble, EnsembleError> {
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-    Ensemble::new(
-        Scenario::default(),
-        Plan { filters: vec![0, 1], measures: vec![Measure::NIS], axes, ..Plan::default() },
-    )
+    let plan = Plan { filters: vec![0, 1], measures: measures.to_vec(), axes, ..Plan::default() };
+    Ensemble::new(Scenario::default(), plan)
 }
 
 #[test]
@@ -18,7 +20,6 @@ fn cells_run_through_the_axes_the_last_one_fastest() {
     assert_eq!(ensemble.values(4), [2.0, 1.1]);
     assert_eq!((ensemble.at(4).seed, ensemble.at(4).filters[0].fading), (2, 1.1));
     assert!((0..6).all(|cell| ensemble.cell(&ensemble.places(cell)) == cell));
-    assert_eq!(ensemble.present(), Some(0));
 }
 
 #[test]
@@ -51,10 +52,50 @@ fn impossible_ensembles_are_refused() {
     assert!(errors(&["plant.mass=1:2:2"]).contains("plant.mass"));
     assert!(errors(&["seed=1:2:100000", "filters.EKF.fading=1:2:100000"]).contains("at most"));
     for word in ["remark", "probability"] {
-        let plan = Plan { filters: vec![0], measures: vec![word.parse().unwrap()], ..Plan::default() };
-        let error = Ensemble::new(Scenario::default(), plan).unwrap_err().to_string();
+        let error = of_measures(&[word.parse().unwrap()], &[]).unwrap_err().to_string();
         assert_eq!(error, format!("a cell has one run of one filter, and `{word}` is not a number of that"));
     }
     let plan = Plan { filters: vec![2], ..Plan::default() };
     assert!(Ensemble::new(Scenario::default(), plan).unwrap_err().to_string().contains("no filter number 3"));
+}
+
+fn of_counts(counts: &[usize]) -> Ensemble {
+    let axis = |(key, count): (&str, &usize)| format!("filters.EKF.{key}=1:1.2:{count}");
+    let axes: Vec<String> = ["fading", "eta", "walk"].into_iter().zip(counts).map(axis).collect();
+    ensemble(&axes.iter().map(String::as_str).collect::<Vec<_>>()).unwrap()
+}
+
+#[test]
+fn a_coarse_picture_is_complete_long_before_the_fine_one() {
+    let ensemble = of_counts(&[40, 20]);
+    let mut sheet = EnsembleRows::new(&ensemble);
+    let order = ensemble.coarse_to_fine();
+    assert!(sheet.shown(0).is_none() && !sheet.covers_all());
+    let mut covered = None;
+    for (at, &cell) in order.iter().enumerate() {
+        let [x, y] = ensemble.places(cell)[..] else { panic!("two axes") };
+        sheet.fill(&[cell], &[x as f64, y as f64]);
+        covered = covered.or(sheet.covers_all().then_some(at + 1));
+    }
+    assert_eq!(covered, Some(5 * 3));
+    assert!(sheet.is_complete() && sheet.missing(&order).next().is_none());
+    assert_eq!(sheet.row(ensemble.cell(&[39, 19])), Some(&[39.0, 19.0][..]));
+    let mut coarse = EnsembleRows::new(&ensemble);
+    coarse.fill(&order[..15], &vec![7.0; 30]);
+    assert_eq!(coarse.missing(&order).count(), 785);
+    assert!((0..800).all(|cell| coarse.shown(cell) == Some(&[7.0, 7.0][..])));
+}
+
+#[test]
+fn every_cell_comes_once() {
+    for counts in [&[1][..], &[7], &[128, 128], &[5, 3], &[1, 9], &[4, 3, 2], &[256, 1], &[]] {
+        let mut order = of_counts(counts).coarse_to_fine();
+        order.sort_unstable();
+        assert!(order.iter().copied().eq(0..counts.iter().product()), "{counts:?}");
+    }
+}
+
+#[test]
+fn a_line_of_cells_is_halved_again_and_again() {
+    assert_eq!(of_counts(&[9]).coarse_to_fine(), [0, 2, 4, 6, 8, 1, 3, 5, 7]);
 }

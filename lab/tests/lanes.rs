@@ -14,7 +14,7 @@ use kalmanscope_core::{
     Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
     Signal, Values, simulate,
 };
-use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes, serves};
 
 use common::{Draw, PLANTS, check, check_alone, ensemble, runs_of, truth};
 
@@ -231,7 +231,7 @@ fn other_filters_run_by_themselves() {
     assert_eq!(served, [true, true, true, false, false, true, false, false], "substeps go in lanes");
     check_alone(&scenario, &record, "all kinds");
     let missing = LaneRun { place: 9, ..runs[0] };
-    assert!(serves(&missing).is_err() && outcomes_with(InstructionSet::best(), &[runs[0], missing], &[]).is_err());
+    assert!(serves(&missing).is_err() && outcomes(InstructionSet::best(), &[runs[0], missing], &[]).is_err());
 }
 
 #[test]
@@ -258,7 +258,7 @@ fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
             (bad.initial_std, bad.process_std) = (Values::ZERO, Values::ZERO);
         }
         check_alone(&scenario, &record, &format!("{kind:?} {std} {frequency}"));
-        let lanes = outcomes_with(InstructionSet::best(), &runs_of(&scenario, &record), &[]).unwrap();
+        let lanes = outcomes(InstructionSet::best(), &runs_of(&scenario, &record), &[]).unwrap();
         reasons.push(lanes[1].stop.unwrap().reason);
         assert_eq!(lanes[0].stop.is_none(), record.measured(0)[40] < 1e100);
     }

@@ -7,6 +7,5 @@ mod lanes;
 mod monte_carlo;
 mod posterior;
 mod runner;
-mod sheet;
 mod threads;
 mod tune;

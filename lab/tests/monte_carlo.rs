@@ -24,12 +24,16 @@ fn scenario(noise: f64) -> Scenario {
 
 fn statistics(scenario: Scenario, seeds: usize) -> (MonteCarlo, Ensemble) {
     let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20, RunVerdicts::Not).unwrap();
+    (taken(&ensemble), ensemble)
+}
+
+fn taken(ensemble: &Ensemble) -> MonteCarlo {
     let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
-    let mut statistics = MonteCarlo::new(&ensemble);
-    for cell in 0..seeds {
-        statistics.take(&ensemble, &Slice { cells: vec![cell], rows: runner.rows(&[cell]) });
+    let mut statistics = MonteCarlo::new(ensemble);
+    for cell in 0..ensemble.cells() {
+        statistics.take(ensemble, &Slice { cells: vec![cell], rows: runner.rows(&[cell]) });
     }
-    (statistics, ensemble)
+    statistics
 }
 
 #[test]
@@ -88,11 +92,7 @@ fn a_population_is_counted() {
     scenario.draw.extend([law("plant.damping_ratio"), law("filters.1.initial_mean.damping_ratio")]);
     let seeds = 200;
     let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, RunVerdicts::Verdicts).unwrap();
-    let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
-    let mut statistics = MonteCarlo::new(&ensemble);
-    let cells: Vec<usize> = (0..seeds).collect();
-    let rows = runner.rows(&cells);
-    statistics.take(&ensemble, &Slice { cells, rows });
+    let statistics = taken(&ensemble);
     let is_possible = |cell: &usize| ensemble.at(*cell).validate().is_ok();
     let possible: Vec<usize> = (0..seeds).filter(is_possible).collect();
     assert_eq!((statistics.done(), statistics.impossible()), (seeds, seeds - possible.len()));
@@ -135,9 +135,7 @@ fn first_causes_are_counted() {
     scenario.duration = 30.0;
     scenario.number_filters();
     let ensemble = MonteCarlo::ensemble(scenario, vec![0], 3, 0, RunVerdicts::Causes).unwrap();
-    let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
-    let mut statistics = MonteCarlo::new(&ensemble);
-    statistics.take(&ensemble, &Slice { cells: vec![0, 1, 2], rows: runner.rows(&[0, 1, 2]) });
+    let statistics = taken(&ensemble);
     let (counts, unexplained) = statistics.causes(0);
     let named: Vec<(&str, usize)> =
         CAUSES.iter().zip(counts).filter(|(_, count)| **count > 0).map(|(cause, count)| (cause.key, *count)).collect();

@@ -1,7 +1,7 @@
 use kalmanscope_core::filter::{Normal, Robust};
 use kalmanscope_core::scenario::Between;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal, Task, Values, simulate};
-use kalmanscope_lab::posterior::{NoPosterior, Posterior, Sampled, Solutions, Target};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal, Values, simulate};
+use kalmanscope_lab::posterior::{NoPosterior, Sampled, Solutions, Target};
 
 fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     let mut scenario = Scenario { duration: 12.0, seed, ..Scenario::default() };
@@ -14,7 +14,7 @@ fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
 }
 
 fn sampled(scenario: &Scenario) -> Sampled {
-    Posterior::new(scenario, 0, &simulate(scenario)).unwrap().run().unwrap()
+    Target::new(scenario, 0, &simulate(scenario)).unwrap().sample().unwrap()
 }
 
 fn on_grid(scenario: &Scenario, about: &Sampled) -> ([[f64; 2]; 2], f64) {
@@ -180,20 +180,14 @@ fn bounds_are_those_of_the_posterior() {
 }
 
 #[test]
-fn equal_arguments_give_equal_points_however_the_work_is_divided() {
+fn equal_arguments_give_equal_points_on_any_number_of_threads() {
     let scenario = Scenario { duration: 2.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 7) };
-    let record = simulate(&scenario);
-    let mut task = Posterior::new(&scenario, 0, &record).unwrap();
-    task.target.threads = 3;
-    let mut shares = vec![task.progress()];
-    while !task.advance(&mut || false) {
-        shares.push(task.progress());
-    }
-    assert!(shares.is_sorted() && shares.len() > 100, "{shares:?}");
-    assert_eq!(shares[0], 0.0);
-    let mut alone = Posterior::new(&scenario, 0, &record).unwrap();
-    alone.target.threads = 1;
-    assert_eq!(task.finish(), alone.run());
+    let [one, three] = [1, 3].map(|threads| {
+        let mut target = Target::new(&scenario, 0, &simulate(&scenario)).unwrap();
+        target.threads = threads;
+        target.sample()
+    });
+    assert_eq!(one, three);
 }
 
 #[test]
@@ -203,14 +197,14 @@ fn filters_without_a_likelihood_of_constant_parameters_are_refused() {
     let reason = |change: fn(&mut FilterSettings)| {
         let mut scenario = plain.clone();
         change(&mut scenario.filters[0]);
-        Posterior::new(&scenario, 0, &record).err()
+        Target::new(&scenario, 0, &record).err()
     };
     assert_eq!(reason(|filter| filter.kind = FilterKind::KF), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.initial_std = Values::ZERO), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.robust = Robust::HUBER), Some(NoPosterior::Weighs));
     assert_eq!(reason(|filter| filter.consider = vec![Channel::DAMPING_RATIO]), Some(NoPosterior::Considers));
     assert_eq!(reason(|filter| filter.adaptation.sensor_noise = true), Some(NoPosterior::Learns));
-    assert!(matches!(Posterior::new(&plain, 1, &record), Err(NoPosterior::Run(_))));
+    assert!(matches!(Target::new(&plain, 1, &record), Err(NoPosterior::Run(_))));
 }
 
 #[test]
@@ -218,8 +212,7 @@ fn a_record_that_nothing_explains_has_no_posterior() {
     let mut scenario = Scenario { duration: 1.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 1) };
     let record = simulate(&scenario).with_measured(|_, _, _| 1e200);
     scenario.filters[0].sensor_std.fill(1e-3);
-    let posterior = Posterior::new(&scenario, 0, &record).unwrap();
-    assert_eq!(posterior.run(), None);
+    assert_eq!(Target::new(&scenario, 0, &record).unwrap().sample(), None);
 }
 
 #[test]

@@ -8,18 +8,18 @@ use kalmanscope_core::{
     simulate,
 };
 use kalmanscope_diagnosis::Measure;
-use kalmanscope_lab::{CellRun, CellTask, Ensemble, EnsembleError, Plan, Runner};
+use kalmanscope_lab::{CellRun, Ensemble, EnsembleError, Plan, Runner, cell_task};
 use kalmanscope_lanes::{LaneRun, serves};
 
-fn runner(axes: &[&str], measures: &[&str]) -> Runner {
+fn runner(axes: &[&str], measures: &[&str]) -> Arc<Runner> {
     runner_of(Scenario { duration: 5.0, ..Scenario::default() }, axes, measures, 0)
 }
 
-fn runner_of(scenario: Scenario, axes: &[&str], measures: &[&str], times: usize) -> Runner {
+fn runner_of(scenario: Scenario, axes: &[&str], measures: &[&str], times: usize) -> Arc<Runner> {
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
     let measures = measures.iter().map(|text| text.parse().unwrap()).collect();
     let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes, times }).unwrap();
-    Runner::new(ensemble, Source::Simulated).unwrap()
+    Arc::new(Runner::new(ensemble, Source::Simulated).unwrap())
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn rows_do_not_depend_on_their_order_or_on_those_beside_them_and_are_those_of_th
         for &cell in cells.iter().rev() {
             let row = &all[cell * width..(cell + 1) * width];
             assert_eq!(runner.rows(&[cell]), row);
-            for (place, (number, single)) in row.iter().zip(CellTask::new(&runner, cell).run()).enumerate() {
+            for (place, (number, single)) in row.iter().zip(cell_task(Arc::clone(&runner), cell).run()).enumerate() {
                 // The NEES of lanes has another order of its factors.
                 let limit = if place % 3 == 1 { f64::max(limit, 1e-12) } else { limit };
                 assert!((number - single).abs() <= limit * single.abs(), "{cell}, {place}: {number} and {single}");
@@ -201,8 +201,8 @@ fn a_given_record_follows_the_gain_of_its_input() {
 
 const SLICED: [&str; 2] = ["seed=1:2:2", "filters.EKF.fading=0.5:1.5:3"];
 
-fn in_slices(runner: &Runner, cell: usize) -> (Vec<f64>, usize) {
-    let (mut work, mut slices) = (CellTask::new(runner, cell), 1);
+fn in_slices(runner: &Arc<Runner>, cell: usize) -> (Vec<f64>, usize) {
+    let (mut work, mut slices) = (cell_task(Arc::clone(runner), cell), 1);
     while !work.advance(&mut || false) {
         slices += 1;
     }

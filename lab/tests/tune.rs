@@ -24,7 +24,7 @@ fn axes() -> Vec<Axis> {
 
 fn tune(scenario: Scenario, axes: Vec<Axis>, goal: Goal) -> Tuned {
     let record = Arc::new(simulate(&scenario));
-    let mut tuner = Tuner::new(scenario, 0, record, axes, goal).unwrap();
+    let mut tuner = Tuner::new(scenario, 0, record, axes, goal, None).unwrap();
     while !tuner.advance(&mut || false) {
         assert!((0.0..=1.0).contains(&tuner.progress()));
     }
@@ -85,16 +85,14 @@ fn only_numbers_of_filters_are_tuned() {
     let record = Arc::new(simulate(&scenario));
     let axes = vec![Axis::parse("plant.damping_ratio=0:1:2").unwrap()];
     assert!(Address::parse(&scenario, "plant.damping_ratio").is_ok());
-    assert!(matches!(Tuner::new(scenario, 0, record, axes, Goal::Likelihood), Err(EnsembleError::Fixed(_))));
+    assert!(matches!(Tuner::new(scenario, 0, record, axes, Goal::Likelihood, None), Err(EnsembleError::Fixed(_))));
 }
 
 #[test]
 fn values_that_are_known_to_be_good_are_where_the_search_begins() {
     let scenario = scenario(5);
     let record = Arc::new(simulate(&scenario));
-    let mut tuner = Tuner::new(scenario, 0, record, axes(), Goal::Likelihood).unwrap();
-    tuner.try_values(&[0.02, 0.02]);
-    let path = tuner.path();
+    let path = Tuner::new(scenario, 0, record, axes(), Goal::Likelihood, Some(&[0.02, 0.02])).unwrap().path();
     assert_eq!(path.len(), 2);
     assert!((path[1].values[0] / 0.02 - 1.0).abs() < 1e-12 && path[1].score > path[0].score);
 }

@@ -109,13 +109,11 @@ impl Tuning {
         let of = part_of(run.scenario(), &[choice.filter]);
         let given = run.source().record().filter(|_| is_measured).map(Arc::clone);
         let record = given.unwrap_or_else(|| Arc::new(simulate(&of)));
-        let tuner = Tuner::new(of.clone(), 0, record, choice.axes.clone(), choice.goal);
-        let mut tuner = tuner.map_err(|error| format!("This cannot be tuned: {error}."))?;
         // A map on screen has run all its cells already: its best one is a start that costs one run.
-        if let Some(values) = survey.and_then(|survey| best_of_map(survey, &choice, &of)) {
-            tuner.try_values(&values);
-        }
-        let look = |tuner: &Tuner| (tuner.progress(), tuner.path().to_vec());
+        let guess = survey.and_then(|survey| best_of_map(survey, &choice, &of));
+        let tuner = Tuner::new(of.clone(), 0, record, choice.axes.clone(), choice.goal, guess.as_deref());
+        let tuner = tuner.map_err(|error| format!("This cannot be tuned: {error}."))?;
+        let look = |tuner: &Tuner| (tuner.progress(), tuner.path());
         let tuner = RunningTask::begin(team, Priority::Seeds, tuner, look);
         Ok(Search { choice, of, tuner })
     }

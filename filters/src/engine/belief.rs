@@ -125,7 +125,8 @@ impl<T: Number> GaussianBelief<T> {
         [sum.is_finite(), is_positive]
     }
 
-    pub(crate) fn park(&mut self, lane: usize) {
+    /// Gives a lane that has stopped numbers that never overflow. Lanes hold no root.
+    pub fn park(&mut self, lane: usize) {
         let n = self.size();
         self.mean.iter_mut().for_each(|mean| mean.set_lane(lane, 0.0));
         for (at, entry) in self.cov.iter_mut().enumerate() {

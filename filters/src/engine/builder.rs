@@ -15,11 +15,9 @@ const LENGTH: usize = 4000;
 
 pub const LARGEST_PRODUCT: f64 = 8.0;
 
-/// A list in the making.
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     operations: Vec<Operation>,
-    /// The inputs on which each number depends, one bit each.
     needs: Vec<u64>,
     known: HashMap<Operation, Node>,
     derivatives: HashMap<(Node, u32), Node>,
@@ -32,7 +30,6 @@ impl Builder {
         self.operations.len() > LENGTH
     }
 
-    /// The operations, in order.
     pub fn operations(&self) -> &[Operation] {
         &self.operations
     }
@@ -60,7 +57,6 @@ impl Builder {
         self.needs[node.place()]
     }
 
-    /// The value of a number that is constant.
     pub fn value(&self, node: Node) -> Option<f64> {
         match self.operations[node.place()] {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),
@@ -68,7 +64,6 @@ impl Builder {
         }
     }
 
-    /// A constant.
     pub fn constant(&mut self, value: f64) -> Node {
         self.push(Operation::Constant(value.to_bits()))
     }
@@ -78,7 +73,6 @@ impl Builder {
         self.push(Operation::Input(input as u32))
     }
 
-    /// a + b
     pub fn add(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a + b),
@@ -88,7 +82,6 @@ impl Builder {
         }
     }
 
-    /// a - b
     pub fn subtract(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a - b),
@@ -98,7 +91,6 @@ impl Builder {
         }
     }
 
-    /// a b
     pub fn multiply(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a * b),
@@ -109,7 +101,6 @@ impl Builder {
         }
     }
 
-    /// a / b
     pub fn divide(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a / b),
@@ -120,7 +111,6 @@ impl Builder {
         }
     }
 
-    /// -a
     pub fn negative(&mut self, a: Node) -> Node {
         match (self.value(a), self.operations[a.place()]) {
             (Some(value), _) => self.constant(-value),
@@ -130,7 +120,6 @@ impl Builder {
         }
     }
 
-    /// The value of a function at a.
     pub fn call(&mut self, function: Function, a: Node) -> Node {
         match self.value(a) {
             Some(value) => self.constant(function.of(value)),
@@ -227,19 +216,15 @@ impl Builder {
         }
     }
 
-    /// The list that computes some numbers. `None` if they need more registers than there are.
     pub fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
         List::new(&self.operations, inputs, outputs)
     }
 }
 
-/// The rates of a model's moving components and the readings of some sensors, noted in one list. Its inputs are the n components
-/// of the state and, after them, the recorded force over mass.
+/// The rates of a model's moving components and the readings of some sensors. Inputs are the n components, then the force over mass.
 #[derive(Clone, Debug)]
 pub struct Notes {
-    /// n, the number of components of the state.
     pub size: usize,
-    /// The operations.
     pub builder: Builder,
     /// `g(y, F)` of the components that move.
     pub rates: Vec<Node>,
@@ -248,8 +233,7 @@ pub struct Notes {
 }
 
 impl Notes {
-    /// The notes of a model. There are none for logarithms, for a plant that takes plain numbers only, and for more operations than
-    /// a list can hold.
+    /// `None` for logarithms, a plant that takes plain numbers only, and more operations than a list can hold.
     pub fn of(model: &StateModel<impl Dynamics>, readings: &[Reading]) -> Option<Self> {
         if !model.logarithms.is_empty() {
             return None;

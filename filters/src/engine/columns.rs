@@ -175,7 +175,6 @@ fn congruence_of<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize,
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rooted<M> {
-    /// It has one.
     pub holds: M,
     /// It has one, or lacks it because it is indefinite, not because a number is not finite.
     pub is_finite: M,
@@ -219,8 +218,7 @@ pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T
     Rooted { holds, is_finite }
 }
 
-/// `S = L D Lᵀ` in place of the lower triangle of S, m × m, with the inverse of D on the diagonal. Returns det S and the lanes
-/// in which S is positive definite.
+/// `S = L D Lᵀ` in place of the lower triangle of S, m × m, with D⁻¹ on the diagonal. Returns det S and where S is positive definite.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[inline(always)]

@@ -7,8 +7,7 @@ use super::exponential::{Classes, INVERSE_FACTORIAL};
 use super::level::{Level, apart};
 use super::number::Number;
 
-/// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each of them, one a column, after a time, and its
-/// integrals, m × m.
+/// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each, one a column, and its integrals, m × m.
 ///
 /// ```text
 /// ḧ = h K + ḣ C,  h(0) = 0,  ḣ(0) = I,  q = ∫ h,  p = ∫ q
@@ -133,7 +132,6 @@ impl<T: Number> Coupled<T> {
         (damping + (damping * damping + stiffness * 4.0).sqrt()) * 0.5
     }
 
-    /// Sums the series of a class over its part of the step, then doubles that part.
     #[inline(always)]
     fn sum(&mut self, m: usize, dt: f64, with_slope: bool, class: usize) {
         let doublings = Classes::<4>::doublings(class);
@@ -291,8 +289,7 @@ mod tests {
 
     const SIZES: [f64; 8] = [1e-3, 0.07, 0.1, 0.25, 3.0, f64::NAN, 40.0, 1e61];
 
-    /// The derivatives of the rates of three masses, this much faster, whose dampers are no multiples of their springs; in a row, or
-    /// with a reach of 2 the first one pulls on the last one too.
+    /// The rates of three masses, this much faster, in a row, or with a reach of 2 the first one pulls on the last one too.
     fn block(i: usize, size: f64, reach: usize) -> f64 {
         const STIFFNESS: [f64; 9] = [-1.9, 0.8, 0.2, 0.8, -1.5, 0.7, 0.3, 0.7, -0.9];
         const DAMPING: [f64; 9] = [-0.2, 0.06, 0.1, 0.06, -0.3, 0.24, 0.05, 0.24, -0.24];

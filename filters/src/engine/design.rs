@@ -83,7 +83,6 @@ impl Rule {
     }
 }
 
-/// The way in which a filter predicts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// KF, EKF and IEKF: linearised. An update linearises the sensors this many times, each time at the last result.
@@ -97,17 +96,12 @@ pub enum Method {
 /// The part of a setup that is the same for all runs of a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design<P> {
-    /// The model of the state.
     pub model: StateModel<P>,
-    /// The way of prediction.
     pub method: Method,
     /// Time between samples \[s\].
     pub dt: f64,
-    /// Whether the recorded force is linear between samples.
     pub has_slope: bool,
-    /// The number of steps from a sample to the next.
     pub substeps: usize,
-    /// The reading of each sensor.
     pub readings: Vec<Reading>,
     /// The place of a white force and its course between samples.
     pub white: Option<(usize, Course)>,

@@ -1,4 +1,4 @@
-//! What the engine asks of a plant: the rates of its state. Their derivatives follow by [duals](super::dual).
+//! The rates of a plant's state, and their derivatives by [duals](super::dual).
 
 use std::fmt::Debug;
 
@@ -6,8 +6,7 @@ use super::dual::Dual;
 use super::level::Level;
 use super::number::{Number, Real};
 
-/// An equation of motion `ẏ = g(y, f)` of the state `y = [motion, parameters]`, whose sizes the compiler knows. A system of your own needs
-/// no more to be a plant.
+/// An equation of motion `ẏ = g(y, f)` of the state `y = [motion, parameters]`: all that a system of your own needs to be a plant.
 pub trait MotionEquation: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The number of components, and of those that move, which come first.
     const SIZES: [usize; 2];
@@ -24,10 +23,8 @@ pub trait RateFunction<T>: Copy {
     /// The compiler knows the number of components, at most [`FEW`].
     const IS_SMALL: bool = false;
 
-    /// The number of components, and of those that move, which come first.
     fn sizes(self) -> [usize; 2];
 
-    /// The rates of the components that move.
     fn rate(self, state: &[T], force: T, rate: &mut [T]);
 }
 
@@ -47,7 +44,6 @@ impl<T: Real, E: MotionEquation> RateFunction<T> for E {
 
 /// Work with the equation of a plant, compiled for each equation that a plant may have.
 pub trait EquationWork<T> {
-    /// Does it.
     fn with(self, equation: impl RateFunction<T>);
 }
 
@@ -59,8 +55,7 @@ pub trait Dynamics: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
     fn is_oscillator(&self) -> bool;
 
-    /// Of a plant whose motion is `[x, v]` of several masses, with `ẋ = v`: their number, and the largest distance of two masses in
-    /// their row that act on each other.
+    /// Of masses in a row with the motion `[x, v]` and `ẋ = v`: their number, and the largest distance of two that act on each other.
     fn coupling(&self) -> Option<[usize; 2]> {
         None
     }
@@ -143,9 +138,7 @@ pub(super) fn fits<T, L: Level>(level: L, equation: impl RateFunction<T>) -> boo
 
 /// The rates, and their derivatives by the plant's components, column by column, `rows` numbers a column.
 pub struct Slopes<'a, T> {
-    /// The rates of the components that move.
     pub rate: &'a mut [T],
-    /// Their derivatives.
     pub columns: &'a mut [T],
     /// The numbers from one column to the next.
     pub rows: usize,

@@ -6,24 +6,22 @@ use super::design::{Design, Method};
 use super::dynamics::Dynamics;
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
-use super::model::Interval;
+use super::model::Step;
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
 use super::update::{Checks, MeasuredReadings, Target, Update, UpdateResult};
-use crate::FilterError;
 use crate::filter_error::of_root;
+use crate::{FilterError, Hold};
 
-/// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
-/// takes that level; the rest is in the program once.
+/// Filters of one design, one a lane, with their memory. What takes a level is compiled for its instructions.
 pub struct GaussianFilter<T: Number, P> {
     pub design: Design<P>,
     pub noise: FilterNoise<T>,
     of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub white: T,
-    /// The belief after the last predict or update.
     pub belief: GaussianBelief<T>,
     linearised: Linearised<T>,
     points: SigmaPoints<T>,
@@ -62,7 +60,8 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     #[inline(always)]
     pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
-        let whole = Interval { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
+        let (end, hold) = if has_slope { (end, Hold::First) } else { (begin, Hold::Zero) };
+        let whole = Step { forces: [begin, end], hold, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         for at in 0..self.design.model.forgotten.len() {
             let (place, time) = self.design.model.forgotten[at];
@@ -85,19 +84,14 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(always)]
-    fn pass<L: Level>(
-        &mut self,
-        level: L,
-        share: f64,
-        step: &Interval<T>,
-        is_last: bool,
-        renews: bool,
-    ) -> Rooted<T::Mask> {
+    fn pass<L: Level>(&mut self, level: L, share: f64, step: &Step<T>, is_last: bool, renews: bool) -> Rooted<T::Mask> {
         if self.update.passage.is_some() {
             self.note_regression(level.plain(), step);
         }
         let rooted = self.advance(level, step);
-        self.note_derivative();
+        if let (Some(passage), Method::Linearised(..)) = (&mut self.update.passage, self.design.method) {
+            passage.follow(&self.linearised, self.design.model.moving());
+        }
         let rooted = rooted.and(self.spread(level, share, is_last));
         if let Some((place, _)) = self.design.white.filter(|_| renews) {
             self.renew(level, place, [T::of(0.0), self.white]);
@@ -117,7 +111,7 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(never)]
-    fn note_regression<L: Level>(&mut self, level: L, step: &Interval<T>) {
+    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
         self.square();
         let Self { design, points, belief, update, .. } = self;
         if let Some(passage) = &mut update.passage {
@@ -126,15 +120,7 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(always)]
-    fn note_derivative(&mut self) {
-        let Self { design: Design { model, method, .. }, linearised, update, .. } = self;
-        if let (Some(passage), Method::Linearised(..)) = (&mut update.passage, *method) {
-            passage.follow(linearised, model.moving());
-        }
-    }
-
-    #[inline(always)]
-    fn advance<L: Level>(&mut self, level: L, step: &Interval<T>) -> Rooted<T::Mask> {
+    fn advance<L: Level>(&mut self, level: L, step: &Step<T>) -> Rooted<T::Mask> {
         let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
         match (*method, root) {
             (Method::Linearised(propagation, _), _) => linearised.advance(level, propagation, model, belief, step),
@@ -246,11 +232,6 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
             passage.begin(&self.belief);
             self.update.passage = Some(passage);
         }
-    }
-
-    /// Gives a lane that has stopped numbers that never overflow. Lanes hold no root.
-    pub fn park(&mut self, lane: usize) {
-        self.belief.park(lane);
     }
 
     pub fn square(&mut self) {

@@ -137,16 +137,6 @@ impl<const L: usize> Number for Lanes<L> {
     }
 
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
-    }
-
-    #[inline(always)]
-    fn sign(self) -> Self {
-        self.map(|a| if a < 0.0 { -1.0 } else { 1.0 })
-    }
-
-    #[inline(always)]
     fn lt(self, other: Self) -> Bits<L> {
         self.compare(other, |a, b| a < b)
     }
@@ -242,11 +232,6 @@ impl Number for f64 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.sqrt()
-    }
-
-    #[inline(always)]
-    fn sign(self) -> Self {
-        if self < 0.0 { -1.0 } else { 1.0 }
     }
 
     #[inline(always)]

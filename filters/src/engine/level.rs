@@ -11,12 +11,10 @@ pub trait Level: Copy {
     /// The same instructions without known sizes.
     type Plain: Level;
 
-    /// The level without known sizes.
     fn plain(self) -> Self::Plain;
 
-    /// Does some work in a separate function, compiled for these instructions: a step then consists of functions of
-    /// moderate size, each once in the program. `work` must ask for sizes inside: the compiler does not know the values
-    /// of captured variables.
+    /// Does some work in a separate function, compiled for these instructions, so that functions have moderate sizes. `work` must ask for
+    /// sizes inside: the compiler does not know the values of captured variables.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;
 
     /// n, which the compiler may know.
@@ -31,8 +29,7 @@ pub trait Level: Copy {
         any
     }
 
-    /// Does some work for each number from the first to below the end. If the compiler knows the sizes, this unrolls
-    /// the loop, which the compiler does not do for nested loops.
+    /// Does some work for each number from the first to below the end: straight code if the sizes are known, which nested loops are not.
     #[inline(always)]
     fn each(self, first: usize, end: usize, mut work: impl FnMut(usize)) {
         for i in first..end {

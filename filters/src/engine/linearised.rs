@@ -7,7 +7,7 @@ use super::design::Propagation;
 use super::dynamics::Dynamics;
 use super::exponential::{Exponential, Impulse};
 use super::level::{Level, apart};
-use super::model::{Derivatives, Interval, StateModel};
+use super::model::{Derivatives, StateModel, Step};
 use super::number::Number;
 
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl<T: Number> Linearised<T> {
         propagation: Propagation,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         self.step(level, propagation, model, &mut belief.mean, step);
         apart!(level, {
@@ -69,7 +69,7 @@ impl<T: Number> Linearised<T> {
         propagation: Propagation,
         model: &StateModel<impl Dynamics>,
         mean: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         match propagation {
             Propagation::LocalLinearisation => self.linearise(level, model, mean, step),
@@ -91,11 +91,10 @@ impl<T: Number> Linearised<T> {
     /// A = [F, C; 0, 0],  exp(A dt) = [exp(F dt), Γ₁ C; 0, I],  Γ₁ and Γ₂ of F
     /// ```
     ///
-    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
-    /// entire function `dt φ₁(A dt)`, which a singular A does not trouble; Van Loan (1978), Computing integrals involving
-    /// the matrix exponential.
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `dt φ₁(A dt)` for `A⁻¹(exp(A dt) - I)`:
+    /// A may be singular; Van Loan (1978), Computing integrals involving the matrix exponential.
     #[inline(always)]
-    fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
+    fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         self.derivatives.take(level, model, mean, step.forces[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
             apart!(level, self.swing(level, model, mean, step));
@@ -104,21 +103,21 @@ impl<T: Number> Linearised<T> {
         let moving = level.moving(model.moving());
         let block = &self.derivatives.columns[..moving * moving];
         if let Some(coupled) = self.coupled.as_mut().filter(|_| moving.is_multiple_of(2)) {
-            coupled.compute(level, block, step.dt, step.has_slope);
+            coupled.compute(level, block, step.dt, step.has_slope());
             apart!(level, self.swing_together(level, model, mean, step));
         } else {
-            self.exponential.compute(level, block, moving, step.dt, step.has_slope);
+            self.exponential.compute(level, block, moving, step.dt, step.has_slope());
             apart!(level, self.flow(level, model, mean, step));
         }
     }
 
     #[inline(always)]
-    fn swing<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
+    fn swing<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         let n = level.size(model.size);
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, .. } = self;
         let (rate, columns, rows, mean) = (&rate[..2], &columns[..2 * n], &mut rows[..2 * n], &mut mean[..n]);
         let (a, b) = (columns[1], columns[3]);
-        let Impulse { h, q, p } = Impulse::new(level, a, b, step.dt, step.has_slope);
+        let Impulse { h, q, p } = Impulse::new(level, a, b, step.dt, step.has_slope());
         let (v, acceleration, aq) = (mean[1], rate[1], a * q);
         mean[0] = mean[0] + (h - b * q) * v + q * acceleration;
         mean[1] = mean[1] + aq * v + h * acceleration;
@@ -127,7 +126,7 @@ impl<T: Number> Linearised<T> {
             rows[2 * j] = q * columns[2 * j + 1];
             rows[2 * j + 1] = h * columns[2 * j + 1];
         }
-        if step.has_slope {
+        if step.has_slope() {
             let push = step.slope() * model.by_force[1];
             self.effect[0] = p * push;
             self.effect[1] = q * push;
@@ -141,7 +140,7 @@ impl<T: Number> Linearised<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         mean: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
@@ -184,7 +183,7 @@ impl<T: Number> Linearised<T> {
             apply(x, integral, m, pushed);
             apply(v, value, m, pushed);
         }
-        if step.has_slope {
+        if step.has_slope() {
             let push = step.slope();
             let by_force = &model.by_force[m..];
             let (x, v) = effect.split_at_mut(m);
@@ -195,7 +194,7 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn flow<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
+    fn flow<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (rate, columns, rows) = (&rate[..moving], &columns[..moving * n], &mut rows[..moving * n]);
@@ -208,7 +207,7 @@ impl<T: Number> Linearised<T> {
         let (own, others) = rows.split_at_mut(moving * moving);
         own.copy_from_slice(transition);
         multiply(others, constant, &columns[moving * moving..], moving, moving);
-        if step.has_slope {
+        if step.has_slope() {
             let push = step.slope();
             apply(effect, slope, moving, (push, &model.by_force[..]));
             self.push(level, model, mean);
@@ -227,7 +226,7 @@ impl<T: Number> Linearised<T> {
 
     /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
     #[inline(always)]
-    fn euler<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Interval<T>) {
+    fn euler<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         apart!(level, {
             let Self { derivatives, rows, .. } = self;
             let (moving, dt) = (model.moving(), T::of(step.dt));
@@ -244,13 +243,7 @@ impl<T: Number> Linearised<T> {
     /// kₛ = g(y + aₛ dt kₛ₋₁),  Kₛ = Aₛ (I + aₛ dt Kₛ₋₁),  y⁻ = y + dt Σ bₛ kₛ,  Φ = I + dt Σ bₛ Kₛ
     /// ```
     #[inline(always)]
-    fn runge_kutta<L: Level>(
-        &mut self,
-        level: L,
-        model: &StateModel<impl Dynamics>,
-        mean: &mut [T],
-        step: &Interval<T>,
-    ) {
+    fn runge_kutta<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
         let moving = level.moving(model.moving());
         let [begin_force, middle_force, end_force] = step.thrice();
         self.begun.copy_from_slice(mean);

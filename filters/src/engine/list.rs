@@ -7,40 +7,30 @@ use super::number::{Function, Real};
 pub struct Node(u32);
 
 impl Node {
-    /// The number at a place.
     pub fn at(place: usize) -> Self {
         Self(place as u32)
     }
 
-    /// The place in the list.
     pub fn place(self) -> usize {
         self.0 as usize
     }
 }
 
-/// One operation on earlier numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Operation {
     /// The bits of a constant.
     Constant(u64),
-    /// An input by its number.
     Input(u32),
-    /// a + b
     Add(Node, Node),
-    /// a - b
     Subtract(Node, Node),
-    /// a b
     Multiply(Node, Node),
-    /// a / b
     Divide(Node, Node),
-    /// -a
     Negative(Node),
-    /// A function of a.
     Call(Function, Node),
 }
 
 impl Operation {
-    pub(super) fn operands(self) -> [Option<Node>; 2] {
+    pub fn operands(self) -> [Option<Node>; 2] {
         match self {
             Self::Constant(_) | Self::Input(_) => [None; 2],
             Self::Negative(a) | Self::Call(_, a) => [Some(a), None],
@@ -79,7 +69,6 @@ enum What {
     Call(Function),
     /// a + c, with a constant c.
     Offset(f64),
-    /// c a
     Scale(f64),
 }
 
@@ -153,12 +142,10 @@ impl List {
         Some(Self { inputs, registers, steps, outputs })
     }
 
-    /// The number of operations.
     pub fn operations(&self) -> usize {
         self.steps.len()
     }
 
-    /// The places of the outputs.
     pub fn places(&self) -> impl Iterator<Item = usize> {
         self.outputs.iter().map(|(place, _)| *place)
     }

@@ -3,6 +3,7 @@
 use super::dynamics::{Dynamics, EquationWork, RateFunction, Slopes, fits};
 use super::level::{Baseline, Level, apart};
 use super::number::{Function, Number, Real};
+use crate::Hold;
 use crate::linalg::Matrix;
 
 /// The n-component state of a plant and its surroundings, and how it moves.
@@ -193,42 +194,39 @@ impl<T: Number> Derivatives<T> {
     /// A function apart: it is long, and called from many places.
     #[inline(always)]
     pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, state: &[T], force: T) {
-        apart!(level, self.take_inside(level, model, state, force));
-    }
-
-    #[inline(always)]
-    fn take_inside<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, state: &[T], force: T) {
-        let Self { rate, columns, plain } = self;
-        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
-        let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
-        let own = model.plain(state, plain);
-        let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
-        model.plant.linearise(level, own, model.acting(state, force), out);
-        model.decay(own, rate);
-        if model.eta != 0.0 {
-            for place in model.plant.sizes()[1]..moving {
-                columns[place * moving + place] = T::of(-model.eta);
-            }
-        }
-        for &place in &model.logarithms {
-            let column = &mut columns[place * moving..(place + 1) * moving];
-            column.iter_mut().for_each(|entry| *entry = *entry * own[place]);
+        apart!(level, {
+            let Self { rate, columns, plain } = self;
+            let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+            let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
+            let own = model.plain(state, plain);
+            let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
+            model.plant.linearise(level, own, model.acting(state, force), out);
+            model.decay(own, rate);
             if model.eta != 0.0 {
-                // -η θ / θ does not depend on θ.
-                column[place] = T::of(0.0);
+                for place in model.plant.sizes()[1]..moving {
+                    columns[place * moving + place] = T::of(-model.eta);
+                }
             }
-        }
-        // The columns of biases stay zero.
-        if let Some(place) = model.gain {
-            for i in 0..moving {
-                columns[place * moving + i] = force * model.by_force[i];
+            for &place in &model.logarithms {
+                let column = &mut columns[place * moving..(place + 1) * moving];
+                column.iter_mut().for_each(|entry| *entry = *entry * own[place]);
+                if model.eta != 0.0 {
+                    // -η θ / θ does not depend on θ.
+                    column[place] = T::of(0.0);
+                }
             }
-        }
-        for &place in model.offset.iter().chain(&model.unrecorded) {
-            for i in 0..moving {
-                columns[place * moving + i] = T::of(model.by_force[i]);
+            // The columns of biases stay zero.
+            if let Some(place) = model.gain {
+                for i in 0..moving {
+                    columns[place * moving + i] = force * model.by_force[i];
+                }
             }
-        }
+            for &place in model.offset.iter().chain(&model.unrecorded) {
+                for i in 0..moving {
+                    columns[place * moving + i] = T::of(model.by_force[i]);
+                }
+            }
+        });
     }
 }
 
@@ -250,7 +248,6 @@ pub struct Reading {
 /// The places of a sensor's gain and bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// The gain.
     pub gain: usize,
     /// The bias, which is not multiplied. Without a gain it is one of the components.
     pub bias: Option<usize>,
@@ -341,16 +338,23 @@ pub(crate) fn gradient<T: Number>(
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Interval<T> {
-    /// The recorded force over mass at its ends, linear in between \[m/s²\].
+/// A step from one sample to the next, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<T = f64> {
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
     pub forces: [T; 2],
-    pub has_slope: bool,
-    /// \[s\]
+    /// The course of the force between samples.
+    pub hold: Hold,
+    /// The time that it takes \[s\].
     pub dt: f64,
 }
 
-impl<T: Number> Interval<T> {
+impl<T: Number> Step<T> {
+    #[inline(always)]
+    pub(crate) fn has_slope(&self) -> bool {
+        self.hold == Hold::First
+    }
+
     /// \[m/s³\]
     #[inline(always)]
     pub(crate) fn slope(&self) -> T {

@@ -43,7 +43,6 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 /// A number of a filter: that of one run, or those of several runs side by side, each in its lane. Where runs differ, both
 /// ways are computed and each lane [selects](Self::select) its own.
 pub trait Number: Real + Send + 'static {
-    /// The truth values of comparisons.
     type Mask: Mask;
 
     /// Numbers of several points of the same run, which move at once.
@@ -53,10 +52,8 @@ pub trait Number: Real + Send + 'static {
 
     const POINTS: usize;
 
-    /// The numbers of the points of a pack.
     fn pack(of: impl Fn(usize) -> Self) -> Self::Pack;
 
-    /// The number of a point of a pack.
     fn of_pack(pack: Self::Pack, point: usize) -> Self;
 
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
@@ -65,10 +62,16 @@ pub trait Number: Real + Send + 'static {
 
     fn set_lane(&mut self, lane: usize, number: f64);
 
-    fn sqrt(self) -> Self;
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.call(Function::Sqrt)
+    }
 
     /// -1 below zero, else 1.
-    fn sign(self) -> Self;
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
+    }
 
     fn lt(self, other: Self) -> Self::Mask;
 
@@ -83,7 +86,6 @@ pub trait Number: Real + Send + 'static {
         Self::select(self.lt(other), other, self)
     }
 
-    /// Whether it is a number at all.
     #[inline(always)]
     fn is_number(self) -> Self::Mask {
         self.le(self)

@@ -67,7 +67,7 @@ impl Real for LanePair {
     fn call(self, function: Function) -> Self {
         match function {
             Function::Abs => self.abs(),
-            Function::Sqrt => self.sqrt(),
+            Function::Sqrt => Self(f64x2_sqrt(self.0)),
             _ => Self::from_lanes(|lane| function.of(self.lane(lane))),
         }
     }
@@ -93,16 +93,6 @@ impl Number for LanePair {
     fn set_lane(&mut self, lane: usize, number: f64) {
         let [first, second] = [f64x2_replace_lane::<0>(self.0, number), f64x2_replace_lane::<1>(self.0, number)];
         self.0 = if lane == 0 { first } else { second };
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(f64x2_sqrt(self.0))
-    }
-
-    #[inline(always)]
-    fn sign(self) -> Self {
-        Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
     }
 
     #[inline(always)]

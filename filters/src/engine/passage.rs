@@ -6,7 +6,7 @@ use super::design::{Design, Method};
 use super::dynamics::Dynamics;
 use super::level::Level;
 use super::linearised::Linearised;
-use super::model::Interval;
+use super::model::Step;
 use super::number::Number;
 use super::sigma_points::SigmaPoints;
 
@@ -69,7 +69,7 @@ impl<T: Number> Passage<T> {
         design: &Design<impl Dynamics>,
         points: &mut SigmaPoints<T>,
         belief: &GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let (Method::SigmaPoints(rule) | Method::SquareRoot(rule)) = design.method else { return };
         let n = belief.size();

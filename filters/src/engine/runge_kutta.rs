@@ -2,7 +2,7 @@
 
 use super::dynamics::{Dynamics, EquationWork, FEW, RateFunction, fits};
 use super::level::Level;
-use super::model::{Interval, StateModel};
+use super::model::{StateModel, Step};
 use super::number::Number;
 
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl<T: Number> RungeKutta<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         model.plant.with_equation(RungeKuttaStep { level, method: self, model, state, step });
     }
@@ -49,7 +49,7 @@ impl<T: Number> RungeKutta<T> {
         equation: E,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
         if model.eta != 0.0 {
@@ -96,7 +96,7 @@ struct RungeKuttaStep<'a, T, L, P> {
     method: &'a mut RungeKutta<T>,
     model: &'a StateModel<P>,
     state: &'a mut [T],
-    step: &'a Interval<T>,
+    step: &'a Step<T>,
 }
 
 impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T, L, P> {
@@ -108,9 +108,8 @@ impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T,
     }
 }
 
-/// One classical step of fourth order, of as many numbers as `start` has, with the forces at its beginning, middle and end. The
-/// memory is for where the step begins, and for four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential
-/// Equations I*, section II.1.
+/// One classical step of as many numbers as `start` has, with the forces at its beginning, middle and end, and memory for the beginning
+/// and four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
 #[inline(always)]
 pub fn classical<T: Number>(
     mut rate: impl FnMut(&[T], T, &mut [T]),

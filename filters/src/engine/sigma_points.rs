@@ -5,7 +5,7 @@ use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
 use super::dynamics::Dynamics;
 use super::level::{Level, apart, each};
-use super::model::{Interval, StateModel};
+use super::model::{StateModel, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 
@@ -17,10 +17,10 @@ pub(crate) struct SigmaPoints<T: Number> {
     even: Vec<T>,
     shift: Vec<T>,
     /// The points, n numbers for each pack of them. The centre comes first, then those on both sides of it, pair by pair.
-    points: Vec<T::Pack>,
+    pub(super) points: Vec<T::Pack>,
     method: RungeKutta<T::Pack>,
     /// The centre, where the other points fill their packs without it.
-    centre: Vec<T>,
+    pub(super) centre: Vec<T>,
     of_centre: RungeKutta<T>,
 }
 
@@ -58,7 +58,7 @@ impl<T: Number> SigmaPoints<T> {
         rule: Rule,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) -> Rooted<T::Mask> {
         let rooted = apart!(level, self.draw(level, rule, model, belief));
         self.travel(level, model, step);
@@ -70,14 +70,14 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Interval<T>) {
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Step<T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
             apart!(level, of_centre.advance(level, model, centre, step));
         }
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
-        let step = Interval { forces, has_slope: step.has_slope, dt: step.dt };
+        let step = Step { forces, hold: step.hold, dt: step.dt };
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
             apart!(level, method.advance(level, model, points, &step));
@@ -122,11 +122,6 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn component(&self, n: usize, point: usize, i: usize) -> T {
-        Self::of_point(&self.points, &self.centre, n, point, i)
-    }
-
-    #[inline(always)]
     fn draw<L: Level>(
         &mut self,
         level: L,
@@ -167,8 +162,9 @@ impl<T: Number> SigmaPoints<T> {
             |pair, i| rows[i * n + pair],
         );
     }
+
     #[inline(always)]
-    fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
+    pub(super) fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
         if Self::is_apart(n) {
             return match point {
                 0 => centre[i],

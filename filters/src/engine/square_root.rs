@@ -1,5 +1,4 @@
-//! The square-root UKF: a belief held as its mean and the lower triangular root L of its covariance `L Lᵀ`, which no rounding
-//! makes indefinite.
+//! The square-root UKF: the mean and the lower triangular root L of the covariance `L Lᵀ`, which no rounding makes indefinite.
 //!
 //! With the unscented rule every covariance is a sum of squares `A Aᵀ`. Householder reflections bring A to a triangle:
 //!
@@ -21,7 +20,7 @@ use super::columns::{Rooted, lower_root, take_times};
 use super::design::{Design, Rule};
 use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart, each};
-use super::model::{Interval, Reading, StateModel, read};
+use super::model::{Reading, StateModel, Step, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
 
@@ -92,7 +91,7 @@ impl<T: Number> SquareRoot<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Interval<T>,
+        step: &Step<T>,
     ) {
         let Self { rule, points, rows, .. } = self;
         apart!(level, points.place(level, *rule, &belief.mean, rows));
@@ -109,7 +108,8 @@ impl<T: Number> SquareRoot<T> {
         for i in 0..n {
             let (odd, even) = array[i * width..i * width + 2 * n + 1].split_at_mut(n);
             if i < moving {
-                mean[i] = parts(*rule, odd, even, |point| points.component(n, point, i));
+                let of = |point| SigmaPoints::of_point(&points.points, &points.centre, n, point, i);
+                mean[i] = parts(*rule, odd, even, of);
             } else {
                 odd.copy_from_slice(&rows[i * n..(i + 1) * n]);
                 even.fill(zero);

@@ -60,7 +60,6 @@ pub struct Update<T> {
     /// K, n × m.
     gain: Vec<T>,
     excess: Vec<T>,
-    /// Of an iterated EKF.
     descent: Option<Box<Descent<T>>>,
     /// Of a filter whose beliefs are smoothed later.
     pub(super) passage: Option<Box<Passage<T>>>,
@@ -178,8 +177,7 @@ impl<T: Number> Update<T> {
         result(level, belief, scores, measured, checks)
     }
 
-    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
-    /// information: e = 0, R = 1, without covariance.
+    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. Where a lane lacks a measurement, e = 0, R = 1, without covariance.
     #[inline(always)]
     fn compare<L: Level, C: Count>(&mut self, level: L, count: C, observation: MeasuredReadings<'_, T>) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;

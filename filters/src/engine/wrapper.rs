@@ -3,15 +3,12 @@
 mod adapting;
 mod considering;
 mod jumping;
-mod restarting;
 mod weighing;
 
-pub(crate) use adapting::Learning;
 pub use adapting::{Adaptation, Adapting};
 pub use considering::Considering;
 pub(crate) use jumping::Jump;
-pub use jumping::Jumping;
-pub use restarting::Restarting;
+pub use jumping::{Jumping, Restarting};
 pub use weighing::Weighing;
 
 use std::ops::{Deref, DerefMut};
@@ -25,7 +22,6 @@ use super::update::UpdateResult;
 /// A step between samples, or a part of one.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<T> {
-    /// The share of a step.
     pub share: f64,
     /// The recorded forces over mass at its beginning and at its end \[m/s²\].
     pub forces: [T; 2],
@@ -116,7 +112,6 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
         !self.wrappers.is_empty()
     }
 
-    /// [`GaussianFilter::predict`] in all options.
     #[inline(always)]
     pub fn predict<L: Level>(&mut self, level: L, span: Span<T>) {
         if self.has_options() {
@@ -125,7 +120,6 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
         self.filter.predict(level, span.share, span.forces);
     }
 
-    /// [`GaussianFilter::update`] in all options.
     #[inline(always)]
     pub fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
         if self.has_options() {
@@ -140,14 +134,12 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
         work(&mut Inside { wrappers, plain: &mut AtLevel(level, filter) })
     }
 
-    /// What its options have learnt of the last sample.
     pub fn learnt(&self) -> Learnt<'_, T> {
         let mut learnt = Learnt { weights: None, uncertainty: None, has_widened: false };
         self.wrappers.iter().for_each(|wrapper| wrapper.report(&mut learnt));
         learnt
     }
 
-    /// The numbers that its options keep from sample to sample.
     pub fn memory(&self) -> Vec<T> {
         self.wrappers.iter().flat_map(|wrapper| wrapper.memory()).copied().collect()
     }

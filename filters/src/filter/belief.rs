@@ -26,8 +26,7 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
-    /// Keeps a share of a component of the state and adds an independent one of mean zero and this variance: of a
-    /// [`White`] force nothing is kept at the next sample. See [`Gaussian::renew`].
+    /// Keeps a share of a component and adds an independent one of mean zero and this variance: see [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -72,12 +71,8 @@ impl Gaussian {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are, short of an overflow, which is as bad. Four sums, for speed.
-        let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
-        let entries = self.cov.as_slice().chunks_exact(4);
-        entries.remainder().iter().for_each(|entry| sums[0] += entry);
-        entries.for_each(|four| sums.iter_mut().zip(four).for_each(|(sum, entry)| *sum += entry));
-        sums.iter().sum::<f64>().is_finite()
+        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+        (self.mean.sum() + self.cov.sum()).is_finite()
     }
 
     /// Keeps this share of a component, and adds an independent one with mean zero and this variance.
@@ -124,9 +119,7 @@ impl Noise {
     /// Replaces P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {
         let Self { process, sensors: _, fading } = self;
-        for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
-            *cov = *cov * fading + process;
-        }
+        cov.zip_apply(process, |cov, process| *cov = *cov * fading + process);
         for i in 0..cov.nrows() {
             if cov[(i, i)] < 0.0 {
                 cov[(i, i)] = 0.0;
@@ -253,8 +246,7 @@ impl Observation {
     }
 }
 
-/// The effect of one sample of the sensors on the belief, with n channels and m sensors. Sensors that were skipped have an innovation
-/// of NaN and no gain.
+/// The effect of one sample of m sensors on n channels. Sensors that were skipped have an innovation of NaN and no gain.
 #[derive(Clone, Debug)]
 pub struct Correction {
     /// e = z - h(y⁻), m numbers in the sensors' units.
@@ -267,8 +259,7 @@ pub struct Correction {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
     pub determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter of a scenario: there it
-    /// follows from NIS and det S.
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for others: there it follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,

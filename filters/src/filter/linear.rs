@@ -107,9 +107,8 @@ impl KalmanFilter {
     /// Conditions the belief on a reading of each sensor; NaN skips a sensor.
     ///
     /// # Errors
-    /// [`SystemError::Length`] where there are not m readings; [`SystemError::Filter`] where one is infinite or S is not
-    /// positive definite; [`SystemError::NotFinite`] and [`SystemError::Shape`] for what a measurement function writes. The
-    /// belief is then as it was.
+    /// [`SystemError::Length`] without m readings; [`SystemError::Filter`] where one is infinite or S is not positive definite;
+    /// [`SystemError::NotFinite`] and [`SystemError::Shape`] by a measurement function. The belief is then as it was.
     pub fn update(&mut self, measured: &[f64]) -> Result<(), SystemError> {
         let (n, m) = (self.belief.size(), self.sensor_noise.nrows());
         self.prior.copy_from(&self.belief);
@@ -151,8 +150,7 @@ impl KalmanFilter {
     }
 }
 
-/// The measurement model of a [`KalmanFilter`] with m sensors and n components of the state: `z =
-/// H x` with an m × n matrix H, or `z = h(x)` with a function.
+/// The measurement model of a [`KalmanFilter`]: `z = H x` with an m × n matrix H, or `z = h(x)` with a function.
 pub struct MeasurementModel(Kind);
 
 type Function = Box<dyn Fn(&[f64], &mut [f64]) + Send>;
@@ -170,8 +168,7 @@ impl From<Matrix> for MeasurementModel {
 }
 
 impl MeasurementModel {
-    /// A function that writes the m readings in a state of n components. Its Jacobian is found by differences, with 2n calls
-    /// in an update:
+    /// A function that writes the m readings in a state. Its Jacobian is found by differences, with 2n calls in an update:
     ///
     /// ```text
     /// ∂h/∂xᵢ ≈ (h(x + d eᵢ) - h(x - d eᵢ)) / 2d,  d = max(6e-6 |xᵢ|, 1e-4 σᵢ)
@@ -180,8 +177,7 @@ impl MeasurementModel {
         Self(Kind::Function { function: Box::new(function), jacobian: None })
     }
 
-    /// The same function with its Jacobian `∂h/∂x`: `jacobian` writes it over an m × n matrix of zeros. A model with a
-    /// matrix H ignores it.
+    /// The same with its Jacobian `∂h/∂x`: `jacobian` writes it over an m × n matrix of zeros. A matrix H ignores it.
     #[must_use]
     pub fn with_jacobian(self, jacobian: impl Fn(&[f64], &mut Matrix) + Send + 'static) -> Self {
         match self.0 {
@@ -313,22 +309,19 @@ fn check(name: &'static str, matrix: &Matrix, needed: (usize, usize), why: &'sta
     if found != needed {
         return Err(SystemError::Shape { matrix: name, found, needed, why });
     }
-    match matrix.iter().position(|value| !value.is_finite()) {
-        Some(place) => {
-            let (row, column) = (place % found.0, place / found.0);
-            let value = matrix[(row, column)];
-            Err(SystemError::NotFinite { place: format!("{name}[{row}, {column}]"), value })
-        }
-        None => Ok(()),
-    }
+    check_finite(matrix.as_slice(), |place| format!("{name}[{}, {}]", place % found.0, place / found.0))
 }
 
 fn check_column(name: &'static str, column: &[f64], needed: usize, why: &'static str) -> Result<(), SystemError> {
     if column.len() != needed {
         return Err(SystemError::Length { what: name, found: column.len(), needed, why });
     }
-    match column.iter().position(|value| !value.is_finite()) {
-        Some(place) => Err(SystemError::NotFinite { place: format!("{name}[{place}]"), value: column[place] }),
+    check_finite(column, |place| format!("{name}[{place}]"))
+}
+
+fn check_finite(numbers: &[f64], name: impl Fn(usize) -> String) -> Result<(), SystemError> {
+    match numbers.iter().position(|value| !value.is_finite()) {
+        Some(place) => Err(SystemError::NotFinite { place: name(place), value: numbers[place] }),
         None => Ok(()),
     }
 }

@@ -6,12 +6,11 @@ use crate::engine::columns::factor;
 use crate::engine::dynamics::Dynamics;
 use crate::engine::model::{Reading, StateModel};
 use crate::engine::weights::Innovations;
-use crate::engine::wrapper::{Jump, Learning};
+use crate::engine::wrapper::{Adapting, Jump};
 use crate::gaussian_likelihood::part_of;
 use crate::lists::mapped;
 
-/// A recursive estimator of the n-component state of a model whose belief is a random sample, or your own, at k = 0 and after.
-/// The crate's page has an example.
+/// A recursive estimator of a model's state, whose belief is a random sample or your own. The crate's page has an example.
 pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     system: Box<dyn System>,
     dt: f64,
@@ -19,7 +18,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     /// The noise that the filter assumes by now.
     pub noise: Noise,
     observation: Observation,
-    learning: Learning<f64>,
+    learning: Adapting<f64>,
     jump: Option<Jump>,
     substeps: usize,
     /// The white force, if the filter has one.
@@ -39,7 +38,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         readings: Vec<Option<Reading>>,
         adaptation: Adaptation,
     ) -> Self {
-        let learning = Learning::new(adaptation, model.size, &noise.sensors, dt);
+        let learning = Adapting::new(adaptation, model.size, &noise.sensors, dt);
         let (observation, substeps) = (Observation::of(readings), 1);
         let (system, jump, white) = (Box::new(States::new(model)), None, None);
         Self { system, belief, dt, hold, noise, observation, learning, jump, substeps, white }
@@ -70,8 +69,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.jump.as_ref().is_some_and(|jump| jump.has_widened)
     }
 
-    /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
-    /// Where the force is held the second does not matter.
+    /// Carries the belief over one step, with the recorded forces over mass at both ends \[m/s²\]; held, the second does not matter.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
@@ -108,14 +106,12 @@ impl<B: Belief + ?Sized> Filter<B> {
         Ok(())
     }
 
-    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
-    /// measurement that is NaN skips its sensor.
+    /// Conditions the belief on one sample, while `force` acts, and writes the update to `correction`. NaN skips a sensor.
     ///
     /// # Errors
-    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite;
-    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn or a variance comes out negative;
-    /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
-    /// does; [`FilterError::InfiniteMeasurement`].
+    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite,
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the belief is not valid any more,
+    /// [`FilterError::ImpossibleMeasurement`] where the likelihood overflows; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
         let Self { system, noise, observation, learning, jump, belief, white, .. } = self;
         *correction = Correction::nothing(system.size(), noise.sensors.len());
@@ -137,7 +133,7 @@ impl<B: Belief + ?Sized> Filter<B> {
 }
 
 fn learn(
-    learning: &mut Learning<f64>,
+    learning: &mut Adapting<f64>,
     (Observation { sensors, variances, .. }, measured): (&Observation, &[f64]),
     Correction { innovation, innovation_cov, gain, .. }: &Correction,
     noise: &mut Noise,

@@ -185,8 +185,7 @@ pub(super) static ENKF: FilterInfo = SAMPLED;
 /// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
 /// have a single value left. Fading stretches the sample about its mean.
 ///
-/// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
-/// particles' own.
+/// Innovation, S and gain are those of a Gaussian with the sample's moments; the log likelihood is the particles' own.
 ///
 /// Source: Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation; Kitagawa
 /// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling); Musso,

@@ -1,37 +1,13 @@
 //! A model of any plant, as a belief sees it: states that move, and sensors that read them.
 
 use super::Propagation;
-use crate::Hold;
 use crate::engine::dynamics::Dynamics;
 use crate::engine::level::{Baseline, Level};
 use crate::engine::linearised::Linearised;
-use crate::engine::model::{Interval, Reading, StateModel, read};
+use crate::engine::model::{Reading, StateModel, Step, read};
 use crate::engine::number::{Number, Real};
 use crate::engine::runge_kutta::RungeKutta;
 use crate::linalg::{Matrix, Vector};
-
-/// A step from one sample to the next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
-    pub forces: [f64; 2],
-    /// The course of the force between samples.
-    pub hold: Hold,
-    /// The time that it takes \[s\].
-    pub dt: f64,
-}
-
-impl Step {
-    pub(super) fn part(&self, i: usize, parts: usize) -> Self {
-        let Interval { forces, dt, .. } = self.of_engine().part(i, parts);
-        Self { forces, dt, ..*self }
-    }
-
-    fn of_engine(self) -> Interval<f64> {
-        let Self { forces, hold, dt } = self;
-        Interval { forces, has_slope: hold == Hold::First, dt }
-    }
-}
 
 /// A model of n components with some plant.
 pub trait System: Send {
@@ -99,8 +75,8 @@ impl<P: Dynamics> System for States<P> {
 
     fn advance(&mut self, states: &mut [f64], step: Step) {
         let (n, moving, points) = (self.model.size, self.model.moving(), f64::POINTS);
-        let Interval { forces: [begin, end], has_slope, dt } = step.of_engine();
-        let step = Interval { forces: [f64::pack(|_| begin), f64::pack(|_| end)], has_slope, dt };
+        let forces = step.forces.map(|force| f64::pack(|_| force));
+        let step = Step { forces, hold: step.hold, dt: step.dt };
         for own in states.chunks_mut(n * points) {
             self.take(own);
             let Self { model, method, states, .. } = self;
@@ -146,7 +122,7 @@ impl Propagation {
     pub fn step(self, model: &StateModel<impl Dynamics>, state: &Vector, step: Step) -> (Vector, Matrix) {
         let mut linearised = Linearised::new(model);
         let (mut mean, mut transition) = (state.clone(), Matrix::identity(state.len(), state.len()));
-        linearised.step(Baseline, self, model, mean.as_mut_slice(), &step.of_engine());
+        linearised.step(Baseline, self, model, mean.as_mut_slice(), &step);
         transition.rows_mut(0, model.moving()).copy_from_slice(&linearised.rows);
         (mean, transition)
     }

@@ -3,11 +3,12 @@
 use kalmanscope_core::internals::engine::{Design, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Channel, Record, Scenario};
+use kalmanscope_core::{Channel, Record};
 use kalmanscope_lab::{CellRun, Runner};
+use kalmanscope_lanes::LaneRun;
 
 use crate::adapter::{Gpu, GpuError, LARGEST_BUFFER};
-use crate::layout::{LARGEST, RecordTape, RunState, known, outcome, put_cell};
+use crate::layout::{LARGEST, RecordTape, known, outcome, put_cell};
 use crate::program::GpuJob;
 use crate::shader::ShaderProgram;
 
@@ -17,34 +18,23 @@ const MOST_SAMPLES: usize = 2_000_000;
 /// Limits the smallest variance other than zero.
 const SMALLEST: f64 = 1e-30;
 
-/// One filter of a scenario, to be run over a record.
-#[derive(Clone, Copy, Debug)]
-pub struct GpuRun<'a> {
-    /// The scenario.
-    pub scenario: &'a Scenario,
-    /// The place of the filter in it.
-    pub place: usize,
-    /// The record.
-    pub record: &'a Record,
-}
-
 /// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
 /// program has or that is an equation, with all settings that the engine serves ([`Setup::of_any`]), sensors with
 /// noise, and numbers that single precision can hold. A record has the truth of the first components of the state, or
 /// of none.
-pub fn serves(run: &GpuRun<'_>) -> bool {
+pub fn serves(run: &LaneRun<'_>) -> bool {
     program(run).is_some()
 }
 
 /// The program of a run in WGSL. `None` if the graphics processor does not serve the run.
-pub fn program(run: &GpuRun<'_>) -> Option<String> {
+pub fn program(run: &LaneRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
     ShaderProgram::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
 /// `None` if single precision cannot hold the numbers.
-fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
-    let GpuRun { scenario, place, record } = *run;
+fn prepare(run: &LaneRun<'_>) -> Option<(Setup, usize)> {
+    let LaneRun { scenario, place, record } = *run;
     let setup = Setup::of_any(scenario, place, record).ok()??;
     let known = known(&setup.channels, record)?;
     let is_fine = |variance: &f64| *variance == 0.0 || (SMALLEST..=LARGEST * LARGEST).contains(variance);
@@ -55,14 +45,6 @@ fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     (numbers_are_fine && (1..=MOST_SAMPLES).contains(&record.len())).then_some((setup, known))
 }
 
-#[derive(PartialEq)]
-struct BatchKind {
-    design: Design,
-    channels: Vec<Channel>,
-    known: usize,
-    samples: usize,
-}
-
 struct BatchMember<'a> {
     place: usize,
     setup: Setup,
@@ -71,15 +53,17 @@ struct BatchMember<'a> {
 }
 
 struct Batch<'a> {
-    kind: BatchKind,
+    design: Design,
+    channels: Vec<Channel>,
+    known: usize,
+    samples: usize,
     program: Option<ShaderProgram>,
     members: Vec<BatchMember<'a>>,
     tapes: Vec<RecordTape>,
 }
 
 impl Gpu {
-    /// Whether the graphics processor is of use for an ensemble: it serves all its filters, in the first cell at least, and no
-    /// score needs more than sums.
+    /// Whether the graphics processor is of use: it serves all filters of the first cell, and scores need no more than sums.
     pub fn serves(runner: &Runner) -> bool {
         let ensemble = runner.ensemble();
         // Runs that differ by their filters share a record. Otherwise simulation takes most of the time.
@@ -88,7 +72,7 @@ impl Gpu {
             return false;
         }
         let Some(CellRun { scenario, record }) = runner.runs(&[0]).into_iter().next().flatten() else { return false };
-        let serves = |&place: &usize| serves(&GpuRun { scenario: &scenario, place, record: &record });
+        let serves = |&place: &usize| serves(&LaneRun { scenario: &scenario, place, record: &record });
         ensemble.plan().filters.iter().all(serves)
     }
 
@@ -105,8 +89,8 @@ impl Gpu {
         let runs = in_parts(cells, |cells| runner.runs(cells));
         let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
         for &place in &runner.ensemble().plan().filters {
-            let possible: Vec<GpuRun<'_>> =
-                runs.iter().flatten().map(|CellRun { scenario, record }| GpuRun { scenario, place, record }).collect();
+            let possible: Vec<LaneRun<'_>> =
+                runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
             let mut of_filter = self.outcomes(&possible, is_wanted).await?.into_iter();
             for (outcomes, _) in outcomes.iter_mut().zip(&runs).filter(|(_, run)| run.is_some()) {
                 outcomes.push(of_filter.next().flatten());
@@ -130,24 +114,24 @@ impl Gpu {
     /// wanted any more.
     pub async fn outcomes(
         &self,
-        runs: &[GpuRun<'_>],
+        runs: &[LaneRun<'_>],
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<Vec<Option<Outcome>>, GpuError> {
         let mut outcomes = vec![None; runs.len()];
-        for Batch { kind, program, members, tapes } in &batches(runs) {
+        for Batch { design, samples: length, program, members, tapes, .. } in &batches(runs) {
             let Some(program) = program else { continue };
             let mut cells = Vec::new();
             for member in members {
-                put_cell(&mut cells, &member.setup, (member.tape * kind.samples) as u32);
+                put_cell(&mut cells, &member.setup, (member.tape * length) as u32);
             }
             let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
-            let (runs, length, dt) = (members.len() as u32, kind.samples as u32, kind.design.dt);
+            let (runs, length, dt) = (members.len() as u32, *length as u32, design.dt);
             let job = GpuJob { program, runs, length, dt, samples, cells };
             let states = self.run(&job, is_wanted).await?;
-            let of = |(member, state): &(&BatchMember<'_>, &RunState)| {
-                outcome(&member.setup, member.record, &tapes[member.tape], state)
+            let of = |(member, state): &(&BatchMember<'_>, &[u32])| {
+                outcome(&member.setup, member.record, &tapes[member.tape], program.shape, state)
             };
-            let done: Vec<(&BatchMember<'_>, &RunState)> = members.iter().zip(&states).collect();
+            let done: Vec<_> = members.iter().zip(states.chunks_exact(program.shape.state())).collect();
             let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
             for (member, outcome) in members.iter().zip(of_batch) {
                 outcomes[member.place] = Some(outcome);
@@ -164,32 +148,28 @@ impl Batch<'_> {
             let most_runs = MOST_RUNS.min(words / shape.state());
             let most_samples = MOST_SAMPLES.min(words / shape.sample());
             self.members.len() < most_runs
-                && (self.tapes.is_empty() || (self.tapes.len() + 1) * self.kind.samples <= most_samples)
+                && (self.tapes.is_empty() || (self.tapes.len() + 1) * self.samples <= most_samples)
         })
     }
 }
 
-fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
+fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
     let prepared = in_parts(runs, |runs| runs.iter().map(prepare).collect());
     for ((place, run), prepared) in runs.iter().enumerate().zip(prepared) {
         let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
-        let is_its = |batch: &&mut Batch<'_>| {
-            let BatchKind { design, channels, known: others, samples: length } = &batch.kind;
+        let is_its = |batch: &Batch<'_>| {
+            let Batch { design, channels, known: others, samples: length, .. } = batch;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
-        let batch = match batches.iter_mut().rev().find(is_its) {
-            Some(batch) => batch,
-            None => {
-                let program = ShaderProgram::new(&setup.design, &setup.channels, known);
-                let (design, channels) = (setup.design.clone(), setup.channels.clone());
-                let kind = BatchKind { design, channels, known, samples };
-                batches.push(Batch { kind, program, members: Vec::new(), tapes: Vec::new() });
-                let Some(batch) = batches.last_mut() else { continue };
-                batch
-            }
-        };
+        let at = batches.iter().rposition(is_its).unwrap_or(batches.len());
+        if at == batches.len() {
+            let program = ShaderProgram::new(&setup.design, &setup.channels, known);
+            let (design, channels) = (setup.design.clone(), setup.channels.clone());
+            batches.push(Batch { design, channels, known, samples, program, members: Vec::new(), tapes: Vec::new() });
+        }
+        let batch = &mut batches[at];
         if batch.program.is_none() {
             continue;
         }

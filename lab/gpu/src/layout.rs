@@ -31,18 +31,6 @@ impl StateShape {
     }
 }
 
-fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
-    let mut present = 0;
-    for (place, number) in measured.iter().enumerate() {
-        present |= u32::from(!number.is_nan()) << place;
-    }
-    words.extend([bits(force), present]);
-    words.extend(measured.iter().map(|&number| if number.is_nan() { 0 } else { bits(number) }));
-    words.extend(measured.is_empty().then_some(0));
-    words.extend(truth.iter().copied().map(bits));
-    words.extend(truth.is_empty().then_some(0));
-}
-
 pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
     let Setup { mean, variance, process, sensors, fading, white, .. } = setup;
     let root = |&number: &f64| bits(number.sqrt());
@@ -51,65 +39,6 @@ pub(crate) fn put_cell(words: &mut Vec<u32>, setup: &Setup, first: u32) {
     words.extend(sensors.iter().copied().map(bits));
     words.extend(sensors.is_empty().then_some(0));
     words.extend([root(fading), root(white), first]);
-}
-
-#[derive(Clone, Copy, Debug)]
-struct ErrorTally {
-    squares: f64,
-    recent: f64,
-    inside: u32,
-    settled: u32,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct RunState {
-    mean: Vec<f64>,
-    variance: Vec<f64>,
-    tracked: Vec<ErrorTally>,
-    nis: f64,
-    nees: f64,
-    ln_determinants: f64,
-    nees_degrees: u32,
-    nees_samples: u32,
-    /// The sample at which the filter stopped, 0 if it has not, and why.
-    stopped: u32,
-    reason: u32,
-}
-
-impl RunState {
-    pub(crate) fn read(shape: StateShape, words: &[u32]) -> Self {
-        let n = shape.size;
-        let number = |at: usize| f64::from(f32::from_bits(words[at]));
-        let both = |at: usize, other: usize| number(at) + number(other);
-        let root = 2 * n;
-        let variance = |row: usize| {
-            let first = root + row * (row + 1) / 2;
-            (first..=first + row).map(|at| number(at) * number(at)).sum()
-        };
-        let first = root + shape.triangle();
-        let tracked = |place: usize| {
-            let at = first + TRACKED * place;
-            ErrorTally {
-                squares: both(at, at + 1),
-                recent: both(at + 2, at + 3),
-                inside: words[at + 4],
-                settled: words[at + 5],
-            }
-        };
-        let sums = first + TRACKED * shape.known.max(1);
-        Self {
-            mean: (0..n).map(|i| both(i, n + i)).collect(),
-            variance: (0..n).map(variance).collect(),
-            tracked: (0..shape.known).map(tracked).collect(),
-            nis: both(sums, sums + 1),
-            nees: both(sums + 2, sums + 3),
-            nees_degrees: words[sums + 4],
-            nees_samples: words[sums + 5],
-            ln_determinants: number(sums + 6).ln() + f64::from(words[sums + 7].cast_signed()) * std::f64::consts::LN_2,
-            stopped: words[sums + 8],
-            reason: words[sums + 9],
-        }
-    }
 }
 
 pub(crate) fn bits(number: f64) -> u32 {
@@ -149,7 +78,12 @@ impl RecordTape {
             if !(own.iter().all(is_fine) && is_fine(&force) && numbers.iter().all(is_missing)) {
                 return None;
             }
-            put_sample(&mut words, force, &numbers, &own);
+            let is_there = numbers.iter().enumerate().map(|(place, number)| u32::from(!number.is_nan()) << place);
+            words.extend([bits(force), is_there.sum()]);
+            words.extend(numbers.iter().map(|&number| if number.is_nan() { 0 } else { bits(number) }));
+            words.extend(numbers.is_empty().then_some(0));
+            words.extend(own.iter().copied().map(bits));
+            words.extend(own.is_empty().then_some(0));
             let present = if k == 0 { 0 } else { numbers.iter().filter(|number| !number.is_nan()).count() };
             counts = [counts[0] + present as u32, counts[1] + u32::from(present > 0)];
             measured.push(counts);
@@ -160,60 +94,57 @@ impl RecordTape {
     }
 }
 
-pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &RecordTape, state: &RunState) -> Outcome {
-    let stop = (state.stopped > 0).then(|| Stop { sample: state.stopped as usize, reason: reason(state.reason) });
+/// The outcome of a run from the words of its state at the end.
+pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &RecordTape, shape: StateShape, words: &[u32]) -> Outcome {
+    let number = |at: usize| f64::from(f32::from_bits(words[at]));
+    let both = |at: usize, other: usize| number(at) + number(other);
+    let (n, tracked) = (shape.size, 2 * shape.size + shape.triangle());
+    let rest = tracked + TRACKED * shape.known.max(1);
+    let variance = |row: usize| -> f64 {
+        let first = 2 * n + row * (row + 1) / 2;
+        (first..=first + row).map(|at| number(at) * number(at)).sum()
+    };
+    let mean: Vec<f64> = (0..n).map(|i| both(i, n + i)).collect();
+    let std: Vec<f64> = (0..n).map(|row| variance(row).sqrt()).collect();
+    // The sample at which the filter stopped, 0 if it has not, and why, as `belief.wgsl` numbers it.
+    let reason = if words[rest + 9] == 2 { FilterError::SingularInnovation } else { FilterError::NotFinite };
+    let stop = (words[rest + 8] > 0).then(|| Stop { sample: words[rest + 8] as usize, reason });
     let samples = stop.map_or(record.len(), |stop| stop.sample);
-    let [degrees, measured] = tape.measured[samples - 1];
-    let sums = channels((setup, record, tape), state, samples);
-    Outcome {
-        samples,
-        nees: Total { sum: state.nees, degrees: state.nees_degrees, samples: state.nees_samples },
-        nis: Total { sum: state.nis, degrees, samples: measured },
-        log_likelihood: if degrees > 0 { log_likelihood(state.nis, state.ln_determinants, degrees) } else { 0.0 },
-        stop,
-        diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
-        channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
-        mean: state.mean.clone(),
-        std: state.variance.iter().map(|variance| variance.sqrt()).collect(),
-        sample_scores: Vec::new(),
-    }
-}
-
-fn channels(
-    (setup, record, tape): (&Setup, &Record, &RecordTape),
-    state: &RunState,
-    samples: usize,
-) -> Vec<(Channel, ChannelSums)> {
-    let known = state.tracked.len();
     let recent = samples.saturating_sub(record.len() * 4 / 5) as u32;
     let frequency = setup.channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY);
-    let of = |(place, tracked): (usize, &ErrorTally)| {
-        let channel = setup.channels[place];
-        let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
+    let sums = |place: usize| {
+        let (channel, at) = (setup.channels[place], tracked + TRACKED * place);
         let error = |mean: &[f64], k: usize| {
             let is_negative = frequency.is_some_and(|place| mean[place] < 0.0);
             let sign = if channel.is_mirrored() && is_negative { -1.0 } else { 1.0 };
-            sign * mean[place] - truth(k)
+            sign * mean[place] - record.truth(channel).map_or(f64::NAN, |truth| truth[k])
         };
         let sums = ChannelSums {
-            total: ErrorSums { squares: tracked.squares, known: samples as u32, inside: tracked.inside },
+            total: ErrorSums { squares: both(at, at + 1), known: samples as u32, inside: words[at + 4] },
             first_error: error(&setup.mean, 0).abs(),
-            largest_truth: tape.largest_truth[(samples - 1) * known + place],
-            settled: tracked.settled as usize,
-            recent: (tracked.recent, recent),
-            error: error(&state.mean, samples - 1),
-            std: state.variance[place].sqrt(),
+            largest_truth: tape.largest_truth[(samples - 1) * shape.known + place],
+            settled: words[at + 5] as usize,
+            recent: (both(at + 2, at + 3), recent),
+            error: error(&mean, samples - 1),
+            std: std[place],
             initial_std: setup.variance[place].sqrt(),
         };
         (channel, sums)
     };
-    state.tracked.iter().enumerate().map(of).collect()
-}
-
-/// As `belief.wgsl` numbers them.
-fn reason(number: u32) -> FilterError {
-    match number {
-        2 => FilterError::SingularInnovation,
-        _ => FilterError::NotFinite,
+    let sums: Vec<(Channel, ChannelSums)> = (0..shape.known).map(sums).collect();
+    let [degrees, measured] = tape.measured[samples - 1];
+    let (nis, exponent) = (both(rest, rest + 1), words[rest + 7].cast_signed());
+    let ln_determinants = number(rest + 6).ln() + f64::from(exponent) * std::f64::consts::LN_2;
+    Outcome {
+        samples,
+        nees: Total { sum: both(rest + 2, rest + 3), degrees: words[rest + 4], samples: words[rest + 5] },
+        nis: Total { sum: nis, degrees, samples: measured },
+        log_likelihood: if degrees > 0 { log_likelihood(nis, ln_determinants, degrees) } else { 0.0 },
+        stop,
+        diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
+        channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
+        mean,
+        std,
+        sample_scores: Vec::new(),
     }
 }

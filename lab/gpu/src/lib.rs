@@ -35,7 +35,8 @@ mod shader;
 mod text;
 
 pub use adapter::{Gpu, GpuError, Software};
-pub use batch::{GpuRun, program, serves};
+pub use batch::{program, serves};
+pub use kalmanscope_lanes::LaneRun;
 
 /// Parts for the tests of this crate.
 #[doc(hidden)]

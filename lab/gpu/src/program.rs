@@ -8,7 +8,7 @@ use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, MapMode};
 
 use crate::adapter::{Gpu, GpuError};
-use crate::layout::{RunState, bits};
+use crate::layout::bits;
 use crate::shader::{GROUP, ShaderProgram};
 
 /// Drivers reset a device that is busy with one dispatch for seconds, and pictures of the system wait.
@@ -40,7 +40,7 @@ struct Buffers {
 }
 
 impl Gpu {
-    pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<RunState>, GpuError> {
+    pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<u32>, GpuError> {
         let pipeline = self.pipeline(&job.program.text);
         self.trouble.check()?;
         let buffers = self.buffers(job, &pipeline);
@@ -122,31 +122,27 @@ impl Gpu {
     }
 
     async fn done(&self) -> Result<(), GpuError> {
-        let signal = OneShot::new();
-        let setter = Arc::clone(&signal);
-        self.queue.on_submitted_work_done(move || setter.set(()));
+        let (set, done) = one_shot();
+        self.queue.on_submitted_work_done(move || set(()));
         self.wait()?;
         self.trouble.check()?;
-        signal.get().await;
+        done.await;
         self.trouble.check()
     }
 
-    async fn read(&self, states: &Buffer, job: &GpuJob<'_>) -> Result<Vec<RunState>, GpuError> {
+    async fn read(&self, states: &Buffer, job: &GpuJob<'_>) -> Result<Vec<u32>, GpuError> {
         let size = size_of_states(job);
         let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(states, 0, &copy, 0, size);
         self.queue.submit([encoder.finish()]);
-        let signal = OneShot::new();
-        let setter = Arc::clone(&signal);
-        copy.slice(..).map_async(MapMode::Read, move |result| setter.set(result));
+        let (set, mapped) = one_shot();
+        copy.slice(..).map_async(MapMode::Read, set);
         self.wait()?;
         self.trouble.check()?;
-        signal.get().await.map_err(failed)?;
+        mapped.await.map_err(failed)?;
         let view = copy.slice(..).get_mapped_range().map_err(failed)?;
-        let words: &[u32] = bytemuck::cast_slice(&view);
-        let shape = job.program.shape;
-        Ok(words.chunks_exact(shape.state()).map(|words| RunState::read(shape, words)).collect())
+        Ok(bytemuck::cast_slice(&view).to_vec())
     }
 
     /// Runs callbacks: natively by waiting for the device; a browser runs them by itself.
@@ -171,35 +167,22 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-struct OneShot<T>(Mutex<(Option<T>, Option<Waker>)>);
-
-impl<T> OneShot<T> {
-    fn new() -> Arc<Self> {
-        Arc::new(Self(Mutex::new((None, None))))
-    }
-
-    fn set(&self, value: T) {
-        let waker = {
-            let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+/// A function that takes a value, and the future of that value.
+fn one_shot<T: Send>() -> (impl FnOnce(T) + Send, impl Future<Output = T>) {
+    let shared = Arc::new(Mutex::new((None, None)));
+    let other = Arc::clone(&shared);
+    let set = move |value| {
+        let waker: Option<Waker> = {
+            let mut both = other.lock().unwrap_or_else(PoisonError::into_inner);
             both.0 = Some(value);
             both.1.take()
         };
-        if let Some(waker) = waker {
-            waker.wake();
-        }
-    }
-
-    async fn get(&self) -> T {
-        poll_fn(|context| {
-            let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            match both.0.take() {
-                Some(value) => Poll::Ready(value),
-                None => {
-                    both.1 = Some(context.waker().clone());
-                    Poll::Pending
-                }
-            }
-        })
-        .await
-    }
+        waker.into_iter().for_each(Waker::wake);
+    };
+    let get = poll_fn(move |context| {
+        let mut both = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        both.1 = Some(context.waker().clone());
+        both.0.take().map_or(Poll::Pending, Poll::Ready)
+    });
+    (set, get)
 }

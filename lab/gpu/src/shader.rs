@@ -33,14 +33,16 @@ pub(crate) struct ShaderProgram {
 impl ShaderProgram {
     /// The first `known` channels have a known truth. `None` if the plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
-        let Design { model, method, readings, .. } = design;
+        let Design { model, method, readings, has_slope, .. } = design;
         if model.size > MOST {
             return None;
         }
         let notes = Notes::of(model, readings)?;
         let shape = StateShape { size: model.size, sensors: readings.len(), known };
         let is_linear = readings.iter().all(Reading::is_of_components);
-        let mut text = constants(design, channels, shape)?;
+        let numbers = whole(design, channels, shape);
+        let mut text: String = numbers.iter().map(|(name, number)| format!("const {name} = {number}u;\n")).collect();
+        text.push_str(&format!("const HAS_SLOPE = {has_slope};\nconst KNOWS_TRUTH = {};\n", known > 0));
         let mut parts = COMMON.to_vec();
         match method {
             Method::Linearised(propagation, _) => {
@@ -53,7 +55,9 @@ impl ShaderProgram {
                 text.push_str(&derived(notes.clone(), "rates", ["M", "BY"], &notes.rates)?);
             }
             Method::SquareRoot(_) => return None,
-            Method::SigmaPoints(_) => {
+            Method::SigmaPoints(rule) => {
+                let (distance, offset) = (literal(rule.spread.sqrt())?, literal(rule.offset)?);
+                text.push_str(&format!("const DISTANCE = {distance};\nconst OFFSET = {offset};\n"));
                 parts.push(include_str!("shader/sigma_points.wgsl"));
                 text.push_str(&apart(&notes, "rates", "M", &notes.rates)?);
             }
@@ -70,7 +74,6 @@ impl ShaderProgram {
             "fn rates_by_force() -> array<f32, M> {{\n  return array<f32, M>({});\n}}\n",
             pushes?.join(", ")
         ));
-        let numbers = whole(design, channels, shape);
         let has_parts = numbers.iter().any(|&(name, count)| name == "PARTS" && count > 1);
         for part in parts {
             text.push('\n');
@@ -103,18 +106,6 @@ fn whole(design: &Design, channels: &[Channel], shape: StateShape) -> [(&'static
         ("MIRRORED", mirrored(channels, shape.known)),
         ("STAGES", if *method == Method::Linearised(Propagation::Euler, 1) { 1 } else { 4 }),
     ]
-}
-
-fn constants(design: &Design, channels: &[Channel], shape: StateShape) -> Option<String> {
-    let Design { method, has_slope, .. } = design;
-    let whole = whole(design, channels, shape);
-    let mut text: String = whole.iter().map(|(name, number)| format!("const {name} = {number}u;\n")).collect();
-    text.push_str(&format!("const HAS_SLOPE = {has_slope};\nconst KNOWS_TRUTH = {};\n", shape.known > 0));
-    if let Method::SigmaPoints(rule) = method {
-        let (distance, offset) = (literal(rule.spread.sqrt())?, literal(rule.offset)?);
-        text.push_str(&format!("const DISTANCE = {distance};\nconst OFFSET = {offset};\n"));
-    }
-    Some(text)
 }
 
 fn mirrored(channels: &[Channel], known: usize) -> usize {

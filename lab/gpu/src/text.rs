@@ -15,9 +15,7 @@ impl ShaderText<'_> {
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
         let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
-            if let Some(value) = self.value(place)? {
-                writeln!(text, "  let v{place} = {value};").ok()?;
-            }
+            writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
         }
         for (to, node) in outputs {
             writeln!(text, "  out[{to}] = {};", self.name(*node)?).ok()?;
@@ -34,11 +32,9 @@ impl ShaderText<'_> {
         let mut text = format!("fn {name}(y: array<f32, N>, d: array<f32, N>, f: f32) -> {array} {{\n");
         writeln!(text, "  var out: {array};").ok()?;
         for place in self.needed(outputs) {
-            if let Some(value) = self.value(place)? {
-                writeln!(text, "  let v{place} = {value};").ok()?;
-            }
-            if let Some(change) = self.change(place)? {
-                writeln!(text, "  let d{place} = {change};").ok()?;
+            writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
+            if self.change_name(Node::at(place)).is_some() {
+                writeln!(text, "  let d{place} = {};", self.change(place)?).ok()?;
             }
         }
         for (to, node) in outputs {
@@ -54,17 +50,19 @@ impl ShaderText<'_> {
         self.builder.operations()[place]
     }
 
+    /// The places of the operations that have a line: constants and inputs have none.
     fn needed(&self, outputs: &[(usize, Node)]) -> Vec<usize> {
         let mut is_needed = vec![false; self.builder.operations().len()];
         outputs.iter().for_each(|(_, node)| is_needed[node.place()] = true);
         for place in (0..is_needed.len()).rev() {
             if is_needed[place] {
-                for node in numbers(self.operation(place)).into_iter().flatten() {
+                for node in self.operation(place).operands().into_iter().flatten() {
                     is_needed[node.place()] = true;
                 }
             }
         }
-        (0..is_needed.len()).filter(|&place| is_needed[place]).collect()
+        let has_line = |&place: &usize| is_needed[place] && self.operation(place).operands()[0].is_some();
+        (0..is_needed.len()).filter(has_line).collect()
     }
 
     fn name(&self, node: Node) -> Option<String> {
@@ -84,11 +82,10 @@ impl ShaderText<'_> {
         })
     }
 
-    /// The value of an operation; `Some(None)` if it needs no line.
-    fn value(&self, place: usize) -> Option<Option<String>> {
+    fn value(&self, place: usize) -> Option<String> {
         let name = |node| self.name(node);
-        Some(Some(match self.operation(place) {
-            Operation::Constant(_) | Operation::Input(_) => return Some(None),
+        Some(match self.operation(place) {
+            Operation::Constant(_) | Operation::Input(_) => return None,
             Operation::Add(a, b) => format!("{} + {}", name(a)?, name(b)?),
             Operation::Subtract(a, b) => format!("{} - {}", name(a)?, name(b)?),
             Operation::Multiply(a, b) => format!("{} * {}", name(a)?, name(b)?),
@@ -98,17 +95,14 @@ impl ShaderText<'_> {
                 let (of, _, more) = called(function)?;
                 format!("{of}({}{more})", name(a)?)
             }
-        }))
+        })
     }
 
-    fn change(&self, place: usize) -> Option<Option<String>> {
+    fn change(&self, place: usize) -> Option<String> {
         let name = |node| self.name(node);
         let change = |node| self.change_name(node);
-        if self.change_name(Node::at(place)).is_none() {
-            return Some(None);
-        }
-        Some(Some(match self.operation(place) {
-            Operation::Constant(_) | Operation::Input(_) => return Some(None),
+        Some(match self.operation(place) {
+            Operation::Constant(_) | Operation::Input(_) => return None,
             Operation::Add(a, b) => match (change(a), change(b)) {
                 (Some(da), Some(db)) => format!("{da} + {db}"),
                 (da, db) => da.or(db)?,
@@ -126,27 +120,15 @@ impl ShaderText<'_> {
             Operation::Divide(a, b) => match (change(a), change(b)) {
                 (Some(da), Some(db)) => format!("({da} - v{place} * {db}) / ({} + {db})", name(b)?),
                 (Some(da), None) => format!("{da} / {}", name(b)?),
-                (None, db) => {
-                    let db = db?;
-                    format!("-(v{place} * {db}) / ({} + {db})", name(b)?)
-                }
+                (None, Some(db)) => format!("-(v{place} * {db}) / ({} + {db})", name(b)?),
+                (None, None) => return None,
             },
             Operation::Negative(a) => format!("-{}", change(a)?),
             Operation::Call(function, a) => {
                 let (_, apart, more) = called(function)?;
                 format!("{apart}({}, {}{more})", name(a)?, change(a)?)
             }
-        }))
-    }
-}
-
-fn numbers(operation: Operation) -> [Option<Node>; 2] {
-    match operation {
-        Operation::Constant(_) | Operation::Input(_) => [None, None],
-        Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
-            [Some(a), Some(b)]
-        }
-        Operation::Negative(a) | Operation::Call(_, a) => [Some(a), None],
+        })
     }
 }
 
@@ -182,9 +164,8 @@ pub(crate) fn literal(number: f64) -> Option<String> {
     is_there.then_some(text)
 }
 
-/// A text in WGSL in which loops of the form `for (var i = FIRST; i < END; i++) {` are unrolled, if constants give
-/// their bounds. The body begins on the next line, and its closing bracket has its own line. Any other loop stays, as one with `i
-/// += 1u` does.
+/// A text in WGSL in which loops of the form `for (var i = FIRST; i < END; i++) {` are unrolled, if constants give their bounds. The
+/// closing bracket of the body has its own line. Any other loop stays, as one with `i += 1u` does.
 pub fn unrolled(text: &str, constants: &[(&str, usize)]) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let mut out = String::with_capacity(4 * text.len());

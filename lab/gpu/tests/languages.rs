@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::{Channel, FilterKind, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, simulate};
-use kalmanscope_gpu::{GpuRun, program};
+use kalmanscope_gpu::{LaneRun, program};
 use naga::back::{hlsl, msl};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -46,7 +46,7 @@ fn translate_all(name: &str, scenario: &Scenario) -> usize {
             continue;
         }
         let name = format!("{name}, {kind:?}, {propagation:?}");
-        let text = program(&GpuRun { scenario: &scenario, place: 0, record: &record });
+        let text = program(&LaneRun { scenario: &scenario, place: 0, record: &record });
         let text = text.unwrap_or_else(|| panic!("{name} has no program"));
         if !known.contains(&text) {
             translate(&name, &text);

@@ -13,7 +13,7 @@ mod on_adapter {
 
 use kalmanscope_core::{Scenario, simulate};
 use kalmanscope_gpu::internals::{is_software, unrolled};
-use kalmanscope_gpu::{GpuRun, serves};
+use kalmanscope_gpu::{LaneRun, serves};
 use wgpu::{AdapterInfo, Backend, DeviceType};
 
 #[test]
@@ -55,7 +55,7 @@ fn the_table_says_what_is_served() {
         let scenario =
             Scenario::from_toml(&format!("duration = 1.0\n{text}")).unwrap_or_else(|e| panic!("{text}: {e}"));
         let record = simulate(&scenario);
-        let is_served = serves(&GpuRun { scenario: &scenario, place: 0, record: &record });
+        let is_served = serves(&LaneRun { scenario: &scenario, place: 0, record: &record });
         assert_eq!(if is_served { "yes" } else { "no" }, expected, "{text}");
         counts[usize::from(is_served)] += 1;
     }

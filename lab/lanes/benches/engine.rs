@@ -14,7 +14,7 @@ use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Scenario};
-use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with, serves};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
 const RUNS: usize = 8;
@@ -105,7 +105,7 @@ fn measure(
         let one = &runs[repeat % RUNS];
         least[0] = least[0].min(time(|| Outcome::at(one.scenario, one.place, one.record, &[])));
         for (least, level) in least[1..].iter_mut().zip([InstructionSet::Baseline, InstructionSet::Avx2]) {
-            *least = least.min(time(|| outcomes_with(level, &runs, &[])) / RUNS as f64);
+            *least = least.min(time(|| outcomes(level, &runs, &[])) / RUNS as f64);
         }
     }
     let [single, baseline, avx2] = least.map(|time| time / SAMPLES as f64);

@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};
-//! use kalmanscope_lanes::{LaneRun, outcomes};
+//! use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let scenario = Scenario { duration: 10.0, ..Scenario::default() };
 //! let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
@@ -23,7 +23,7 @@
 //!     })
 //!     .collect();
 //! let runs: Vec<LaneRun> = guesses.iter().map(|scenario| LaneRun { scenario, place: 0, record: run.record() }).collect();
-//! let outcomes = outcomes(&runs)?;
+//! let outcomes = outcomes(InstructionSet::best(), &runs, &[])?;
 //! assert!(outcomes.iter().all(|outcome| (outcome.mean[2] - 6.0).abs() < 0.5));
 //! # Ok(())
 //! # }
@@ -57,22 +57,13 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
     Ok(Setup::new(run.scenario, run.place, run.record)?.is_some())
 }
 
-/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in
-/// numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
-/// [`Outcome::at`], whatever the other runs.
+/// The outcomes of some runs, in their order, with these instructions, or the best ones below them that the processor has. Runs that
+/// differ in numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
+/// [`Outcome::at`], whatever the other runs, with looks at the filters at these samples, which are in order.
 ///
 /// # Errors
 /// Those of [`Setup::new`], for the first run that has one.
-pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
-    outcomes_with(InstructionSet::best(), runs, &[])
-}
-
-/// [`outcomes`] with these instructions, or the best ones below them that the processor has, and with looks at the filters at
-/// these samples, which are in order, as those of [`Outcome::at`].
-///
-/// # Errors
-/// Those of [`outcomes`].
-pub fn outcomes_with(level: InstructionSet, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+pub fn outcomes(level: InstructionSet, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
     let setups: Result<Vec<Option<Setup>>, RunError> =
         runs.iter().map(|run| Setup::new(run.scenario, run.place, run.record)).collect();
     let setups = setups?;
@@ -128,20 +119,16 @@ pub enum InstructionSet {
 impl InstructionSet {
     /// Those that this processor has, the best one last.
     pub fn available() -> Vec<Self> {
-        [Self::Baseline, Self::Avx2].into_iter().filter(|level| level.is_available()).collect()
+        #[cfg(target_arch = "x86_64")]
+        if fearless_simd::Level::new().as_avx2().is_some() {
+            return vec![Self::Baseline, Self::Avx2];
+        }
+        vec![Self::Baseline]
     }
 
     /// The best one that this processor has.
     pub fn best() -> Self {
         Self::available().last().copied().unwrap_or(Self::Baseline)
-    }
-
-    fn is_available(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        if fearless_simd::Level::new().as_avx2().is_some() {
-            return true;
-        }
-        self == Self::Baseline
     }
 
     fn outcomes(self, batch: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {

@@ -15,133 +15,61 @@ const NOISE: f64 = 1e-2;
 
 /// A point, in standard deviations of the initial belief.
 #[derive(Clone)]
-struct Particle {
-    at: Vec<f64>,
+pub(super) struct Particle {
+    pub(super) at: Vec<f64>,
     log_likelihood: f64,
 }
 
-pub(super) struct Population {
+pub(super) struct Population<L> {
     random: Normal,
-    points: Vec<Particle>,
-    /// The exponent of the likelihood, from 0 to 1, now and first.
-    temperature: f64,
-    first: f64,
-    log_evidence: f64,
-    stage: SamplerStage,
+    pub(super) points: Vec<Particle>,
+    log_likelihoods: L,
+    pub(super) runs: u64,
 }
 
-#[derive(Clone, Copy)]
-enum SamplerStage {
-    Drawn,
-    /// The half of the points that tries to move, the sweeps that have ended, and the moves so far.
-    Moving {
-        half: usize,
-        sweeps: u32,
-        moves: usize,
-    },
-    Done,
-    Failed,
-}
-
-impl Population {
-    pub(super) fn new(count: usize, parameters: usize, seed: u64) -> Self {
+impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
+    pub(super) fn new(count: usize, parameters: usize, seed: u64, log_likelihoods: L) -> Self {
         let mut random = Normal::from_seed(seed);
-        let mut point = || (0..parameters).map(|_| random.sample()).collect();
-        let points = (0..count).map(|_| Particle { at: point(), log_likelihood: f64::NAN }).collect();
-        Self { random, points, temperature: 0.0, first: 1.0, log_evidence: 0.0, stage: SamplerStage::Drawn }
+        let draws: Vec<Vec<f64>> = (0..count).map(|_| (0..parameters).map(|_| random.sample()).collect()).collect();
+        let points = log_likelihoods(&draws).into_iter().zip(draws);
+        let points = points.map(|(log_likelihood, at)| Particle { at, log_likelihood }).collect();
+        Self { random, points, log_likelihoods, runs: count as u64 }
     }
 
-    pub(super) fn wanted(&mut self) -> Vec<Vec<f64>> {
-        match self.stage {
-            SamplerStage::Drawn => self.points.iter().map(|point| point.at.clone()).collect(),
-            SamplerStage::Moving { half, .. } => self.proposals(half),
-            SamplerStage::Done | SamplerStage::Failed => Vec::new(),
-        }
-    }
-
-    pub(super) fn take(&mut self, wanted: Vec<Vec<f64>>, log_likelihoods: &[f64]) {
-        match self.stage {
-            SamplerStage::Drawn => {
-                for (point, &log_likelihood) in self.points.iter_mut().zip(log_likelihoods) {
-                    point.log_likelihood = log_likelihood;
+    /// Turns the likelihood on by degrees. Returns ln p(z), or `None` where no draw has a likelihood.
+    pub(super) fn heat(&mut self) -> Option<f64> {
+        let (mut temperature, mut log_evidence) = (0.0, 0.0);
+        while temperature < 1.0 {
+            let possible = self.points.iter().filter(|point| point.log_likelihood.is_finite());
+            let count = possible.clone().count();
+            if count == 0 {
+                return None;
+            }
+            let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+            let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
+            // The number of points that would do as much if they counted the same.
+            let effective = |by: f64| {
+                let weights = self.points.iter().map(|point| weight(point, by));
+                let [sum, squares] = weights.fold([0.0, 0.0], |[sum, squares], w| [sum + w, squares + w * w]);
+                sum * sum / squares
+            };
+            let (left, rest) = (LEFT * count as f64, 1.0 - temperature);
+            let is_last = effective(rest) >= left;
+            let mut by = [0.0, rest];
+            if effective(rest) < left {
+                for _ in 0..60 {
+                    let middle = 0.5 * (by[0] + by[1]);
+                    by[usize::from(effective(middle) < left)] = middle;
                 }
-                self.heat();
             }
-            SamplerStage::Moving { half, sweeps, moves } => {
-                let moves = moves + self.accept(half, wanted, log_likelihoods);
-                self.stage = SamplerStage::Moving { half: 1 - half, sweeps: sweeps + half as u32, moves };
-                let is_last = usize::from(self.temperature == 1.0);
-                let has_moved = moves as f64 >= MOVES[is_last] * self.points.len() as f64;
-                if half == 1 && (has_moved || sweeps + 1 >= TRIES[is_last]) {
-                    self.heat();
-                }
-            }
-            SamplerStage::Done | SamplerStage::Failed => {}
+            let by = by[1];
+            let weights: Vec<f64> = self.points.iter().map(|point| weight(point, by)).collect();
+            log_evidence += by * highest + libm::log(weights.iter().sum::<f64>() / weights.len() as f64);
+            temperature = if is_last { 1.0 } else { temperature + by };
+            self.draw_again(&weights);
+            self.spread(temperature);
         }
-    }
-
-    pub(super) fn points(&self) -> impl Iterator<Item = &[f64]> {
-        self.points.iter().map(|point| &*point.at)
-    }
-
-    /// ln p(z), once all is done; `None` before and where no draw has a likelihood.
-    pub(super) fn log_evidence(&self) -> Option<f64> {
-        matches!(self.stage, SamplerStage::Done).then_some(self.log_evidence)
-    }
-
-    pub(super) fn progress(&self, of_wanted: f64) -> f64 {
-        const DRAWN: f64 = 0.1;
-        const HOT: f64 = 0.8;
-        match self.stage {
-            SamplerStage::Drawn => DRAWN * of_wanted,
-            SamplerStage::Moving { .. } if self.temperature < 1.0 => {
-                DRAWN + (HOT - DRAWN) * (1.0 - libm::log(self.temperature) / libm::log(self.first))
-            }
-            SamplerStage::Moving { moves, .. } => {
-                let share = moves as f64 / (MOVES[1] * self.points.len() as f64);
-                HOT + (1.0 - HOT) * share.min(1.0)
-            }
-            SamplerStage::Done | SamplerStage::Failed => 1.0,
-        }
-    }
-
-    fn heat(&mut self) {
-        if self.temperature == 1.0 {
-            self.stage = SamplerStage::Done;
-            return;
-        }
-        let possible = self.points.iter().filter(|point| point.log_likelihood.is_finite());
-        let count = possible.clone().count();
-        if count == 0 {
-            self.stage = SamplerStage::Failed;
-            return;
-        }
-        let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-        let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
-        // The number of points that would do as much if they counted the same.
-        let effective = |by: f64| {
-            let weights = self.points.iter().map(|point| weight(point, by));
-            let [sum, squares] = weights.fold([0.0, 0.0], |[sum, squares], w| [sum + w, squares + w * w]);
-            sum * sum / squares
-        };
-        let (left, rest) = (LEFT * count as f64, 1.0 - self.temperature);
-        let mut by = [0.0, rest];
-        if effective(rest) < left {
-            for _ in 0..60 {
-                let middle = 0.5 * (by[0] + by[1]);
-                by[usize::from(effective(middle) < left)] = middle;
-            }
-        }
-        let is_last = effective(rest) >= left;
-        let by = by[1];
-        let weights: Vec<f64> = self.points.iter().map(|point| weight(point, by)).collect();
-        self.log_evidence += by * highest + libm::log(weights.iter().sum::<f64>() / weights.len() as f64);
-        self.temperature = if is_last { 1.0 } else { self.temperature + by };
-        if self.first == 1.0 {
-            self.first = self.temperature;
-        }
-        self.draw_again(&weights);
-        self.stage = SamplerStage::Moving { half: 0, sweeps: 0, moves: 0 };
+        Some(log_evidence)
     }
 
     /// Source: Kitagawa (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models.
@@ -158,6 +86,23 @@ impl Population {
         };
         let points = (0..weights.len()).map(draw).collect();
         self.points = points;
+    }
+
+    /// The halves of the points take turns to move.
+    fn spread(&mut self, temperature: f64) {
+        let is_last = usize::from(temperature == 1.0);
+        let mut moves = 0;
+        for _ in 0..TRIES[is_last] {
+            for half in 0..2 {
+                let proposals = self.proposals(half);
+                let log_likelihoods = (self.log_likelihoods)(&proposals);
+                self.runs += proposals.len() as u64;
+                moves += self.accept(half, temperature, proposals, &log_likelihoods);
+            }
+            if moves as f64 >= MOVES[is_last] * self.points.len() as f64 {
+                break;
+            }
+        }
     }
 
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
@@ -184,13 +129,13 @@ impl Population {
         points.iter().skip(half).step_by(2).map(&mut propose).collect()
     }
 
-    fn accept(&mut self, half: usize, proposals: Vec<Vec<f64>>, log_likelihoods: &[f64]) -> usize {
-        let Self { random, points, temperature, .. } = self;
+    fn accept(&mut self, half: usize, temperature: f64, proposals: Vec<Vec<f64>>, log_likelihoods: &[f64]) -> usize {
+        let Self { random, points, .. } = self;
         let square = |at: &[f64]| at.iter().map(|x| x * x).sum::<f64>();
         let mut moves = 0;
         let tried = points.iter_mut().skip(half).step_by(2).zip(proposals).zip(log_likelihoods);
         for ((point, at), &log_likelihood) in tried {
-            let by_likelihood = *temperature * (log_likelihood - point.log_likelihood);
+            let by_likelihood = temperature * (log_likelihood - point.log_likelihood);
             let by_belief = 0.5 * (square(&point.at) - square(&at));
             if libm::log(random.uniform()) < by_likelihood + by_belief {
                 *point = Particle { at, log_likelihood };

@@ -2,26 +2,12 @@
 
 use std::fmt;
 
-use kalmanscope_core::Spacing;
 use kalmanscope_core::filter::Matrix;
+use kalmanscope_core::{Axis, Spacing};
 use kalmanscope_diagnosis::VerdictKind;
+use kalmanscope_records::task::pause;
 
 use super::{Cost, FORBIDDEN, Goal, Try};
-
-/// Settings on a logarithmic axis count by their logarithms. The inverse of the matrix of second derivatives, the observed
-/// information, is the covariance of the error of a maximum-likelihood estimate over a long record.
-/// Source: Efron and Hinkley (1978), Assessing the accuracy of the maximum likelihood estimator: observed versus expected Fisher
-/// information; Åström (1980), Maximum likelihood and prediction error methods (for the likelihood of innovations).
-pub(super) struct Information {
-    values: Vec<f64>,
-    best: f64,
-    steps: Vec<f64>,
-    beside: Vec<[f64; 2]>,
-    /// The second derivatives of pairs, in the order of [`pairs`].
-    mixed: Vec<f64>,
-    tries: usize,
-    pub(super) runs: u64,
-}
 
 /// The first step: a share of the value, or of a linear axis.
 const FIRST: f64 = 0.05;
@@ -36,77 +22,66 @@ const TRIES: usize = 8;
 /// Limits how much further the maximum may be away, in its own σ.
 const NEAR: f64 = 0.5;
 
-impl Information {
-    pub(super) fn new(cost: &Cost, values: Vec<f64>, score: f64) -> Self {
-        let step = |axis: &kalmanscope_core::Axis| match axis.spacing {
-            Spacing::Logarithmic => FIRST,
-            Spacing::Linear => FIRST * (axis.to - axis.from),
-        };
-        let steps = cost.axes.iter().map(step).collect();
-        Self { values, best: -score, steps, beside: Vec::new(), mixed: Vec::new(), tries: 0, runs: 0 }
-    }
-
-    pub(super) fn advance(&mut self, cost: &Cost) -> bool {
-        let n = self.steps.len();
-        if self.beside.len() < n {
-            self.look_beside(cost);
-            return false;
+/// The values two standard deviations below and above each setting, where all of them have a maximum here. Settings on a logarithmic axis
+/// count by their logarithms. The inverse of the matrix of second derivatives, the observed information, is the covariance of the
+/// error of a maximum-likelihood estimate over a long record.
+///
+/// Source: Efron and Hinkley (1978), Assessing the accuracy of the maximum likelihood estimator: observed versus expected Fisher
+/// information; Åström (1980), Maximum likelihood and prediction error methods (for the likelihood of innovations).
+pub(super) async fn bands(cost: &Cost, Try { values, score }: Try, runs: &mut u64) -> Option<Vec<[f64; 2]>> {
+    let (n, best) = (values.len(), -score);
+    let step = |axis: &Axis| match axis.spacing {
+        Spacing::Logarithmic => FIRST,
+        Spacing::Linear => FIRST * (axis.to - axis.from),
+    };
+    let mut steps: Vec<f64> = cost.axes.iter().map(step).collect();
+    let mut cost_at = |steps: &[f64], axes: &[usize], sign: f64| {
+        let mut values = values.clone();
+        for &axis in axes {
+            values[axis] = moved(cost.axes[axis].spacing, values[axis], sign * steps[axis]);
         }
-        let Some((i, j)) = pairs(n).nth(self.mixed.len()) else { return true };
-        let both: f64 = [-1.0, 1.0].iter().map(|sign| self.cost_at(cost, &[(i, *sign), (j, *sign)])).sum();
-        let alone: f64 = [i, j].iter().map(|&axis| self.beside[axis].iter().sum::<f64>()).sum();
-        self.mixed.push((both - alone + 2.0 * self.best) / (2.0 * self.steps[i] * self.steps[j]));
-        false
-    }
-
-    fn look_beside(&mut self, cost: &Cost) {
-        let axis = self.beside.len();
-        let sides = [-1.0, 1.0].map(|sign| self.cost_at(cost, &[(axis, sign)]));
-        let fall = 0.5 * (sides[0] + sides[1]) - self.best;
-        self.tries += 1;
-        if FALL.contains(&fall) || self.tries > TRIES {
-            self.beside.push(sides);
-            self.tries = 0;
-        } else if fall > 0.0 && fall < FORBIDDEN / 4.0 {
-            self.steps[axis] *= (WANTED / fall).sqrt().clamp(0.1, 10.0);
-        } else {
-            self.steps[axis] *= if fall > 0.0 { 0.2 } else { 3.0 };
-        }
-    }
-
-    fn cost_at(&mut self, cost: &Cost, moves: &[(usize, f64)]) -> f64 {
-        let mut values = self.values.clone();
-        for &(axis, sign) in moves {
-            values[axis] = moved(cost.axes[axis].spacing, values[axis], sign * self.steps[axis]);
-        }
-        self.runs += 1;
+        *runs += 1;
         cost.of_scenario(&cost.with_values(&values))
-    }
-
-    /// The values two standard deviations below and above each setting, where all of them have a maximum here.
-    pub(super) fn bands(&self, cost: &Cost) -> Option<Vec<[f64; 2]>> {
-        let n = self.steps.len();
-        let mut second = vec![0.0; n * n];
-        let mut slope = vec![0.0; n];
-        for (axis, ([below, above], step)) in self.beside.iter().zip(&self.steps).enumerate() {
-            second[axis * n + axis] = (above + below - 2.0 * self.best) / (step * step);
-            slope[axis] = (above - below) / (2.0 * step);
+    };
+    let mut beside: Vec<[f64; 2]> = Vec::new();
+    for axis in 0..n {
+        for tries in 1.. {
+            pause().await;
+            let sides = [-1.0, 1.0].map(|sign| cost_at(&steps, &[axis], sign));
+            let fall = 0.5 * (sides[0] + sides[1]) - best;
+            if FALL.contains(&fall) || tries > TRIES {
+                beside.push(sides);
+                break;
+            }
+            steps[axis] *= match fall {
+                fall if fall > 0.0 && fall < FORBIDDEN / 4.0 => (WANTED / fall).sqrt().clamp(0.1, 10.0),
+                fall if fall > 0.0 => 0.2,
+                _ => 3.0,
+            };
         }
-        for ((i, j), mixed) in pairs(n).zip(&self.mixed) {
-            (second[i * n + j], second[j * n + i]) = (*mixed, *mixed);
-        }
-        let is_known = self.beside.len() == n && self.beside.iter().flatten().all(|cost| *cost < FORBIDDEN);
-        let factor = Matrix::from_column_slice(n, n, &second).cholesky().filter(|_| is_known)?;
-        let cov = factor.inverse();
-        let away: Vec<f64> = (0..n).map(|i| (0..n).map(|j| cov[(i, j)] * slope[j]).sum::<f64>()).collect();
-        let square: f64 = away.iter().zip(&slope).map(|(a, b)| a * b).sum();
-        let is_here = square <= NEAR * NEAR * n as f64;
-        let band = |axis: usize| {
-            let spread = 2.0 * cov[(axis, axis)].sqrt();
-            [-spread, spread].map(|by| moved(cost.axes[axis].spacing, self.values[axis], by))
-        };
-        is_here.then(|| (0..n).map(band).collect())
     }
+    let mut second = Matrix::zeros(n, n);
+    for i in 0..n {
+        second[(i, i)] = (beside[i][1] + beside[i][0] - 2.0 * best) / (steps[i] * steps[i]);
+        for j in i + 1..n {
+            pause().await;
+            let both: f64 = [-1.0, 1.0].iter().map(|sign| cost_at(&steps, &[i, j], *sign)).sum();
+            let alone: f64 = [i, j].iter().map(|&axis| beside[axis].iter().sum::<f64>()).sum();
+            second[(i, j)] = (both - alone + 2.0 * best) / (2.0 * steps[i] * steps[j]);
+            second[(j, i)] = second[(i, j)];
+        }
+    }
+    let slope: Vec<f64> =
+        beside.iter().zip(&steps).map(|([below, above], step)| (above - below) / (2.0 * step)).collect();
+    let is_known = beside.iter().flatten().all(|cost| *cost < FORBIDDEN);
+    let cov = second.cholesky().filter(|_| is_known)?.inverse();
+    let away: Vec<f64> = (0..n).map(|i| (0..n).map(|j| cov[(i, j)] * slope[j]).sum::<f64>()).collect();
+    let square: f64 = away.iter().zip(&slope).map(|(a, b)| a * b).sum();
+    let band = |axis: usize| {
+        let spread = 2.0 * cov[(axis, axis)].sqrt();
+        [-spread, spread].map(|by| moved(cost.axes[axis].spacing, values[axis], by))
+    };
+    (square <= NEAR * NEAR * n as f64).then(|| (0..n).map(band).collect())
 }
 
 fn moved(spacing: Spacing, value: f64, by: f64) -> f64 {
@@ -114,10 +89,6 @@ fn moved(spacing: Spacing, value: f64, by: f64) -> f64 {
         Spacing::Logarithmic => value * libm::exp(by),
         Spacing::Linear => value + by,
     }
-}
-
-fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
 }
 
 const EDGE: f64 = 0.01;

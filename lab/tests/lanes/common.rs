@@ -7,7 +7,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Signal,
 };
-use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes_with};
+use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes};
 
 pub(crate) struct Draw(pub(crate) u64);
 
@@ -166,7 +166,7 @@ pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
     let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
     for level in InstructionSet::available() {
-        let lanes = outcomes_with(level, runs, &samples).unwrap();
+        let lanes = outcomes(level, runs, &samples).unwrap();
         assert_eq!(lanes.len(), singles.len());
         for (place, (lane, single)) in lanes.iter().zip(&singles).enumerate() {
             assert_eq!(bits(lane), bits(single), "{what}, run {place} at {level:?}\n{lane:?}\n{single:?}");
@@ -184,7 +184,7 @@ pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> V
         assert_eq!(bits(&lane), bits(&alone), "{what}, filter {place}\n{lane:?}\n{alone:?}");
         alone.nees.samples
     };
-    outcomes_with(InstructionSet::best(), &runs, &samples).unwrap().into_iter().enumerate().map(check).collect()
+    outcomes(InstructionSet::best(), &runs, &samples).unwrap().into_iter().enumerate().map(check).collect()
 }
 
 /// Every number of an outcome, bit by bit; all NaNs count as equal.

@@ -6,11 +6,11 @@ use js_sys::{Array, Float64Array, Uint8Array, Uint32Array};
 use kalmanscope_core::import::{ImportError, Loaded, Table, load};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::suggest::{self, Suggestion};
-use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, Work, document};
+use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document};
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
-use crate::scope::{Portioned, WholeTask, Words, answer, count, fail, hear, numbers};
+use crate::scope::{Portions, Words, answer, count, fail, hear, in_portions, numbers};
 
 /// The message that gives a worker an ensemble, of which it is to run cells.
 pub fn cells_message(number: u32, runner: &Runner) -> Array {
@@ -32,15 +32,6 @@ pub fn runner(words: &Words) -> Result<Runner, String> {
         Source::Measured(Arc::new(record.ok_or("the record of the message is not one")?))
     };
     Runner::new(ensemble, source).map_err(|error| error.to_string())
-}
-
-struct CellWork(Runner);
-
-impl Portioned for CellWork {
-    fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
-        let cells = cells(portion);
-        rows_part(&cells, &self.0.rows(&cells), handed_over)
-    }
 }
 
 /// A portion of cells.
@@ -66,32 +57,10 @@ pub fn rows(part: &JsValue) -> Option<(Vec<usize>, Vec<f64>)> {
     Some((cells(&part.get(0)), part.get(1).dyn_into::<Float64Array>().ok()?.to_vec()))
 }
 
-struct FilterWork {
-    record: Record,
-    pass: Pass,
-}
-
 /// The message that gives a worker the filter at a place of a scenario.
 pub fn filter_message(number: u32, scenario: &Scenario, place: usize, record: &Record) -> Array {
     let scenario = document::to_json(scenario).unwrap_or_default();
     Array::of5(&"filter".into(), &number.into(), &scenario.into(), &filtered(record), &(place as u32).into())
-}
-
-impl FilterWork {
-    fn new(words: &Words) -> Result<Self, String> {
-        let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
-        let place = words.get(4).as_f64().unwrap_or(f64::NAN) as usize;
-        let pass = Pass::new(&scenario, place, &record).map_err(|error| error.to_string())?;
-        Ok(Self { record, pass })
-    }
-}
-
-impl Portioned for FilterWork {
-    fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
-        let mut tape = Tape::default();
-        self.pass.follow(&self.record, self.pass.done() + count(portion), &mut tape);
-        numbers(&tape.0, handed_over)
-    }
 }
 
 /// The samples of a message.
@@ -103,11 +72,6 @@ pub fn tape(value: &JsValue) -> Option<Tape> {
 pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
     let scenario = document::to_json(scenario).unwrap_or_default();
     Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
-}
-
-fn suggest(words: &Words) -> Result<Work<Suggestion>, String> {
-    let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
-    Ok(suggest::begin(&scenario, record))
 }
 
 fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue {
@@ -179,19 +143,15 @@ fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     if clocks.readings.is_empty() { Some(record) } else { record.with_clocks(clocks).ok() }
 }
 
-fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
-    let scenario: Scenario = document::read_json(scenario).map_err(|error| error.to_string())?;
-    let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));
+fn scenario_and_record(words: &Words) -> Result<(Scenario, Record), String> {
+    let scenario: Scenario = document::read_json(&words.text(2)).map_err(|error| error.to_string())?;
+    let record = words.get(3).dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));
     Ok((scenario, record.ok_or("the record of the message is not one")?))
 }
 
 /// The message that gives a worker the bytes of a file.
 pub fn file_message(number: u32, bytes: &[u8]) -> Array {
     Array::of3(&"file".into(), &number.into(), &Uint8Array::from(bytes))
-}
-
-fn file(words: &Words) -> Work<Result<Loaded, ImportError>> {
-    load(words.get(2).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default())
 }
 
 /// A file that has been read as `[hash, table, column, …]`, or a text with the reason why it cannot be read.
@@ -224,14 +184,14 @@ pub fn loaded(value: &JsValue) -> Option<Result<Loaded, String>> {
 
 /// Does tasks for as long as the worker lives.
 pub fn serve() {
-    let mut tasks: Vec<(f64, Box<dyn Portioned>)> = Vec::new();
+    let mut tasks: Vec<(f64, Portions)> = Vec::new();
     hear(move |words| {
         let number = words.number();
         match words.text(0).as_str() {
             "more" => {
                 if let Some((_, task)) = tasks.iter_mut().find(|(other, _)| *other == number) {
                     let handed_over = Array::new();
-                    let part = task.go_on(&words.get(2), &handed_over);
+                    let part = task(&words.get(2), &handed_over);
                     answer(number, &part, &handed_over);
                 }
             }
@@ -244,12 +204,33 @@ pub fn serve() {
     });
 }
 
-fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
+fn begin(kind: &str, words: &Words) -> Result<Portions, String> {
     Ok(match kind {
-        "cells" => Box::new(CellWork(runner(words)?)),
-        "filter" => Box::new(FilterWork::new(words)?),
-        "file" => Box::new(WholeTask::new(file(words), loaded_message)),
-        "suggest" => Box::new(WholeTask::new(suggest(words)?, suggestion_message)),
+        "cells" => {
+            let runner = runner(words)?;
+            Box::new(move |portion, handed_over| {
+                let cells = cells(portion);
+                rows_part(&cells, &runner.rows(&cells), handed_over)
+            })
+        }
+        "filter" => {
+            let (scenario, record) = scenario_and_record(words)?;
+            let place = words.get(4).as_f64().unwrap_or(f64::NAN) as usize;
+            let mut pass = Pass::new(&scenario, place, &record).map_err(|error| error.to_string())?;
+            Box::new(move |portion, handed_over| {
+                let mut tape = Tape::default();
+                pass.follow(&record, pass.done() + count(portion), &mut tape);
+                numbers(&tape.0, handed_over)
+            })
+        }
+        "file" => {
+            let bytes = words.get(2).dyn_into::<Uint8Array>().map(|bytes| bytes.to_vec()).unwrap_or_default();
+            in_portions(load(bytes), loaded_message)
+        }
+        "suggest" => {
+            let (scenario, record) = scenario_and_record(words)?;
+            in_portions(suggest::begin(&scenario, record), suggestion_message)
+        }
         _ => return Err(format!("`{kind}` is no task")),
     })
 }

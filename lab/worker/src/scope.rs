@@ -26,8 +26,7 @@ impl Words {
     }
 }
 
-/// Tells the page that the worker is ready, and calls `listener` with each message of the page. A panic is sent to the
-/// page as a message.
+/// Reports that the worker is ready, and calls `listener` with each message of the page. A panic is sent as a message.
 pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     std::panic::set_hook(Box::new(|panic| {
         tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
@@ -63,35 +62,24 @@ fn scope() -> DedicatedWorkerGlobalScope {
     js_sys::global().unchecked_into()
 }
 
-pub(crate) trait Portioned {
-    /// Does a portion, and returns the part to send. The browser does not copy buffers in `handed_over`.
-    fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue;
-}
+/// Does a portion of a task, and returns the part to send. The browser does not copy buffers in the array.
+pub(crate) type Portions = Box<dyn FnMut(&JsValue, &Array) -> JsValue>;
 
-pub(crate) struct WholeTask<T: Task> {
-    task: Option<T>,
-    message: fn(&T::Outcome, &Array) -> JsValue,
-}
-
-impl<T: Task> WholeTask<T> {
-    pub(crate) fn new(task: T, message: fn(&T::Outcome, &Array) -> JsValue) -> Self {
-        Self { task: Some(task), message }
-    }
-}
-
-impl<T: Task> Portioned for WholeTask<T> {
-    fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
-        let Some(task) = &mut self.task else { return JsValue::NULL };
+/// A task in portions of some pieces of work, whose parts are the shares that are done, and in the end a message of the outcome.
+pub(crate) fn in_portions<T: Task + 'static>(task: T, message: fn(&T::Outcome, &Array) -> JsValue) -> Portions {
+    let mut task = Some(task);
+    Box::new(move |portion, handed_over| {
+        let Some(own) = &mut task else { return JsValue::NULL };
         let mut left = count(portion);
-        let is_done = task.advance(&mut || {
+        let is_done = own.advance(&mut || {
             left = left.saturating_sub(1);
             left > 0
         });
         if !is_done {
-            return task.progress().into();
+            return own.progress().into();
         }
-        self.task.take().map_or(JsValue::NULL, |task| (self.message)(&task.finish(), handed_over))
-    }
+        task.take().map_or(JsValue::NULL, |task| message(&task.finish(), handed_over))
+    })
 }
 
 pub(crate) fn count(portion: &JsValue) -> usize {

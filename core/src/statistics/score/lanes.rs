@@ -262,7 +262,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
     #[inline(never)]
     fn park(&mut self) {
         for lane in (0..T::LANES).filter(|&lane| self.stopped.lane(lane) > 0.0) {
-            self.filter.park(lane);
+            self.filter.belief.park(lane);
         }
     }
 

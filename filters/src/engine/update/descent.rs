@@ -34,20 +34,6 @@ impl<T: Number> Descent<T> {
         let prior = GaussianBelief { mean: zeros(n), cov: zeros(n * n) };
         Self { prior, at: zeros(n), first: [const { Vec::new() }; 3] }
     }
-
-    pub(super) fn linearise_again(&mut self, belief: &mut GaussianBelief<T>) {
-        self.at.copy_from_slice(&belief.mean);
-        belief.copy_from(&self.prior);
-    }
-
-    /// Whether no component has moved by more than 1e-6 of its standard deviation.
-    pub(super) fn has_converged(&self, belief: &GaussianBelief<T>) -> bool {
-        let n = belief.size();
-        (0..n).all(|i| {
-            let moved = belief.mean[i] - self.at[i];
-            (moved * moved).le(belief.cov[i * (n + 1)] * CONVERGED).all()
-        })
-    }
 }
 
 impl<T: Number> Update<T> {
@@ -78,9 +64,18 @@ impl<T: Number> Update<T> {
                 if !result.holds.all() {
                     break;
                 }
-                descent.linearise_again(target.belief);
-                result.holds = self.condition_at(level, target, observation, &descent.at).holds;
-                if descent.has_converged(target.belief) {
+                let Target { design, belief, checks, .. } = &mut *target;
+                descent.at.copy_from_slice(&belief.mean);
+                belief.copy_from(&descent.prior);
+                self.expected.take_at(level, design, belief, &self.active, observation.force, &descent.at);
+                let number = self.compare(level, m, observation);
+                result.holds = self.correct(level, m, design, belief, number, checks).holds;
+                // No component has moved by more than 1e-6 of its standard deviation.
+                let has_converged = (0..belief.size()).all(|i| {
+                    let moved = belief.mean[i] - descent.at[i];
+                    (moved * moved).le(belief.cov[i * (belief.size() + 1)] * CONVERGED).all()
+                });
+                if has_converged {
                     break;
                 }
             }
@@ -114,21 +109,5 @@ impl<T: Number> Update<T> {
             passage.jacobian.clear();
         }
         self.passage = Some(passage);
-    }
-
-    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
-    ///
-    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
-    fn condition_at<L: Level>(
-        &mut self,
-        level: L,
-        Target { design, belief, checks, .. }: &mut Target<'_, T, impl Dynamics>,
-        observation: MeasuredReadings<'_, T>,
-        at: &[T],
-    ) -> UpdateResult<T> {
-        let count = self.active.len();
-        self.expected.take_at(level, design, belief, &self.active, observation.force, at);
-        let number = self.compare(level, count, observation);
-        self.correct(level, count, design, belief, number, checks)
     }
 }

@@ -83,7 +83,45 @@ impl Adaptation {
 }
 
 /// A filter that learns R, Q or both, as [`Adaptation`] has it.
-pub struct Adapting<T>(Learning<T>);
+#[derive(Clone, Debug)]
+pub struct Adapting<T> {
+    pub(crate) adaptation: Adaptation,
+    pub(crate) uncertainty: Vec<T>,
+    /// K e
+    shift: Vec<T>,
+    residuals: Residuals<T>,
+    /// The sample, and the time between samples \[s\].
+    pub(crate) sample: usize,
+    dt: f64,
+}
+
+impl<T: Number, P: Dynamics> Wrapper<T, P> for Adapting<T> {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+        self.sample += 1;
+        inner.predict(span);
+    }
+
+    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
+        let result = inner.update(readings);
+        if self.learns_now() {
+            let GaussianFilter { noise, update, design, .. } = inner.filter();
+            let (innovations, [.., gain]) = (update.innovations(), update.parts());
+            let white = design.white.map(|(place, _)| place);
+            if self.adaptation.process_noise {
+                let has_measured = T::of(0.0).lt(result.measured);
+                self.adapt_process(&innovations, gain, has_measured, (&mut noise.matrix, white));
+            }
+            if self.adaptation.sensor_noise {
+                self.adapt_sensors(&innovations, readings.measured, &mut noise.sensors);
+            }
+        }
+        result
+    }
+
+    fn report<'a>(&'a self, learnt: &mut Learnt<'a, T>) {
+        learnt.uncertainty = Some(&self.uncertainty);
+    }
+}
 
 impl<T: Number> Adapting<T> {
     /// Where Q is learnt, it becomes a whole matrix.
@@ -95,58 +133,16 @@ impl<T: Number> Adapting<T> {
             filter.fill_process_noise();
         }
         let (n, dt) = (filter.belief.size(), filter.design.dt);
-        adaptation.is_on().then(|| Box::new(Self(Learning::new(adaptation, n, &filter.noise.sensors, dt))) as _)
-    }
-}
-
-impl<T: Number, P: Dynamics> Wrapper<T, P> for Adapting<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
-        self.0.sample += 1;
-        inner.predict(span);
-    }
-
-    fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
-        let result = inner.update(readings);
-        if self.0.learns_now() {
-            let GaussianFilter { noise, update, design, .. } = inner.filter();
-            let (innovations, [.., gain]) = (update.innovations(), update.parts());
-            let white = design.white.map(|(place, _)| place);
-            if self.0.adaptation.process_noise {
-                let has_measured = T::of(0.0).lt(result.measured);
-                self.0.adapt_process(&innovations, gain, has_measured, (&mut noise.matrix, white));
-            }
-            if self.0.adaptation.sensor_noise {
-                self.0.adapt_sensors(&innovations, readings.measured, &mut noise.sensors);
-            }
-        }
-        result
-    }
-
-    fn report<'a>(&'a self, learnt: &mut Learnt<'a, T>) {
-        learnt.uncertainty = Some(&self.0.uncertainty);
-    }
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct Learning<T> {
-    pub(crate) adaptation: Adaptation,
-    pub(crate) uncertainty: Vec<T>,
-    /// K e
-    shift: Vec<T>,
-    residuals: Residuals<T>,
-    /// The sample, and the time between samples \[s\].
-    pub(crate) sample: usize,
-    dt: f64,
-}
-
-impl<T: Number> Learning<T> {
-    pub(crate) fn learns_now(&self) -> bool {
-        self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
+        adaptation.is_on().then(|| Box::new(Self::new(adaptation, n, &filter.noise.sensors, dt)) as _)
     }
 
     pub(crate) fn new(adaptation: Adaptation, n: usize, sensors: &[T], dt: f64) -> Self {
         let uncertainty = mapped(sensors, &|r| adaptation.initial_uncertainty(*r));
         Self { adaptation, uncertainty, shift: vec![T::of(0.0); n], residuals: Residuals::default(), sample: 0, dt }
+    }
+
+    pub(crate) fn learns_now(&self) -> bool {
+        self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
     }
 
     /// Adapts the lower triangle of Q, n × n, without a white force, by an update with the gain K, n × m.

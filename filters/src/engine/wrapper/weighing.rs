@@ -10,8 +10,7 @@ use crate::engine::robust::Robust;
 use crate::engine::update::{Update, UpdateResult};
 use crate::engine::weights::Weights;
 
-/// A filter that weighs its readings. A lane whose weights have settled keeps its measurements and R while others iterate, and so the
-/// same update.
+/// A filter that weighs its readings. A lane whose weights have settled keeps them while others iterate, and so the same update.
 pub struct Weighing<T> {
     weights: Weights<T>,
     before: GaussianBelief<T>,

@@ -7,7 +7,7 @@ use std::time::Instant;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Axis, Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Scenario, Source, simulate};
 use kalmanscope_diagnosis::{Measure, ValueKind};
-use kalmanscope_gpu::{Gpu, GpuError, GpuRun, Software, serves};
+use kalmanscope_gpu::{Gpu, GpuError, LaneRun, Software, serves};
 use kalmanscope_lab::{Ensemble, EnsembleRows, Plan, Priority, Runner, Slice, Threads};
 
 use crate::common::{CLOSE, Tally, built_in, gpu};
@@ -198,8 +198,8 @@ fn with_guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
 
 fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let record = simulate(&scenarios[0]);
-    let run = |scenario| GpuRun { scenario, place: 0, record: &record };
-    let runs: Vec<GpuRun<'_>> = scenarios.iter().map(run).collect();
+    let run = |scenario| LaneRun { scenario, place: 0, record: &record };
+    let runs: Vec<LaneRun<'_>> = scenarios.iter().map(run).collect();
     assert!(serves(&runs[0]), "{name}");
     let begin = Instant::now();
     let outcomes = pollster::block_on(gpu().outcomes(&runs, &|| true)).unwrap();

@@ -5,7 +5,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values, simulate,
 };
-use kalmanscope_gpu::{GpuRun, serves};
+use kalmanscope_gpu::{LaneRun, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
@@ -88,8 +88,8 @@ fn tally(seed: u64) -> Tally {
         let is_missing = |sensor: usize, k: usize| k.wrapping_mul(2_654_435_761 + 977 * sensor) >> 3 & 7 < gap;
         let record = simulate(&scenario).with_gaps(is_missing);
         let record = if nth % 5 > 0 { record } else { record.without_truth() };
-        let runs: Vec<GpuRun<'_>> =
-            (0..FILTERS).map(|place| GpuRun { scenario: &scenario, place, record: &record }).collect();
+        let runs: Vec<LaneRun<'_>> =
+            (0..FILTERS).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
         assert!(runs.iter().all(serves), "{scenario:?}");
         let outcomes = pollster::block_on(gpu().outcomes(&runs, &|| true)).unwrap();
         for (place, outcome) in outcomes.iter().enumerate() {
@@ -122,7 +122,7 @@ fn a_filter_that_overflows_stops() {
     scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 1e9;
     scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = -1.0;
     let record = simulate(&scenario);
-    let run = GpuRun { scenario: &scenario, place: 0, record: &record };
+    let run = LaneRun { scenario: &scenario, place: 0, record: &record };
     let exact = Outcome::at(&scenario, 0, &record, &[]).unwrap();
     let outcome = pollster::block_on(gpu().outcomes(&[run], &|| true)).unwrap().remove(0).unwrap();
     assert!(exact.stop.is_some_and(|stop| stop.sample == 1), "{exact:?}");

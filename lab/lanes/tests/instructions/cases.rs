@@ -5,7 +5,7 @@ use std::hint::black_box;
 use kalmanscope_core::{
     Channel, FilterKind, Hold, Pass, PlantKind, Propagation, Record, Sample, Scenario, Sink, Stop, simulate,
 };
-use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes_with};
+use kalmanscope_lanes::{InstructionSet, LANES, LaneRun, outcomes};
 
 pub(crate) struct Case {
     pub(crate) name: String,
@@ -131,7 +131,7 @@ fn abreast(level: InstructionSet, scenario: &Scenario, record: &Record) {
     };
     let scenarios: Vec<Scenario> = (0..LANES).map(guess).collect();
     let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
-    let outcomes = outcomes_with(level, &runs, &[]).expect("the filters are possible");
+    let outcomes = outcomes(level, &runs, &[]).expect("the filters are possible");
     assert!(outcomes.iter().all(|outcome| outcome.stop.is_none()));
     black_box(outcomes);
 }
