@@ -257,32 +257,3 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportE
     remarks.push(format!("the first file and the second file have {seconds:.3} s in common; each keeps its times"));
     Ok(Table::of_columns("two files with clocks of their own", columns, remarks))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::Imported;
-    use super::super::builder::tests::import;
-
-    #[test]
-    fn one_clock_that_stands_twice_changes_nothing() {
-        let once = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,1,4\n0.3,0,5\n0.4,1,3\n";
-        let twice = "t,force,time,displacement\n0,1,0,2\n0.1,2,0.1,3\n0.2,1,0.2,4\n0.3,0,0.3,5\n0.4,1,0.4,3\n";
-        let in_ms = "t [s],force,time [ms],displacement\n0,1,0,2\n0.1,2,100,3\n0.2,1,200,4\n0.3,0,300,5\n0.4,1,400,3\n";
-        let of = |text: &str| {
-            let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
-            assert_eq!(remarks, Vec::<String>::new());
-            (record.dt(), record.input().to_vec(), record.measured(0).to_vec())
-        };
-        assert_eq!(of(once), of(twice));
-        assert_eq!(of(once), of(in_ms));
-    }
-
-    #[test]
-    fn clocks_without_a_common_time_are_read_row_by_row_which_is_said() {
-        let text =
-            "t,force,stamp,displacement\n0,1,1000,2\n0.1,2,1000.11,3\n0.2,1,1000.2,4\n0.3,0,1000.3,5\n0.4,1,1000.4,3\n";
-        let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
-        assert_eq!((record.dt(), record.measured(0)), (0.1, &[2.0, 3.0, 4.0, 5.0, 3.0][..]));
-        assert!(remarks[0].contains("the clocks `t` and `stamp` have no time in common"), "{remarks:?}");
-    }
-}

@@ -321,18 +321,3 @@ impl Delays {
         (self.input.max(0) as usize).max(libm::ceil(of_sensors) as usize)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_filter_reads_ahead_for_what_is_late_and_back_for_what_is_early() {
-        let of = |input, sensors: &[f64]| Delays::new(input, sensors.iter().copied());
-        assert_eq!(of(2, &[0.0, 0.0]), Delays { input: 2, sensors: Vec::new() });
-        assert_eq!((of(0, &[]).lookahead(), of(0, &[]).reach()), (0, 0));
-        assert_eq!((of(-3, &[1.5, 0.0]).lookahead(), of(-3, &[1.5, 0.0]).reach()), (3, 0));
-        assert_eq!((of(1, &[4.2, -2.5]).lookahead(), of(1, &[4.2, -2.5]).reach()), (5, 3));
-        assert_eq!(of(0, &[2.000_000_1, 0.25]).sensors, [2.0, 0.25]);
-    }
-}
