@@ -50,8 +50,7 @@ pub(super) static TIMES: Cause = Cause {
             short(factor)
         );
         let off = (factor - 1.0).abs();
-        let likely = LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+        found.push(LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence).of_record());
     },
 };
 
@@ -151,8 +150,8 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             let (edits, end) = match fault {
                 Fault::Sign | Fault::Scale => {
                     let channel = sensors[which].gain();
-                    let edit = |table: &str, value: f64| bad.edit(&format!("{table}.{}", channel.key()), value);
-                    let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
+                    let mean = bad.entry("initial_mean", channel, gain);
+                    let std = bad.entry("initial_std", channel, GAIN_STD * gain.abs());
                     let end = match fault {
                         Fault::Sign => format!("perhaps the {name} has the wrong sign"),
                         _ => format!(
@@ -178,8 +177,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     (vec![bad.edit("sensor_delay", delays)], end)
                 }
             };
-            let likely = LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}"));
-            found.push(LikelyCause { certain: true, of_record: true, ..likely });
+            found.push(LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}")).of_record());
         }
     }
 }

@@ -60,10 +60,8 @@ fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         // Process noise adds up over the steps of a sample.
         let share = 1.0 / f64::from(FINER).sqrt();
         let noise = |channel: &Channel| {
-            (bad.filter.process_std[*channel] > 0.0).then(|| {
-                let key = format!("process_std.{}", channel.key());
-                bad.edit(&key, share * bad.filter.process_std[*channel])
-            })
+            let std = bad.filter.process_std[*channel];
+            (std > 0.0).then(|| bad.entry("process_std", *channel, share * std))
         };
         let mut edits = vec![Edit::new("record.interpolate", i64::from(FINER))];
         edits.extend(bad.case.estimates.channels().iter().filter_map(noise));
@@ -82,13 +80,12 @@ pub(super) static INPUT_GAIN: Cause = Cause {
         }
         let broad = bad.follows_input(1..=i32::MAX);
         let weight = 1.5 * broad / (1.0 + 1.5 * broad);
-        let name = Channel::INPUT_GAIN.key();
         let ratio = load(bad).map_or(1.0, |load| load / bad.input_size());
         let edits = if ratio.is_normal() && !FEW.contains(&ratio) {
-            let [mean, std, _] = bad.begins(name, 0.5 * ratio, ratio);
+            let [mean, std, _] = bad.begins(Channel::INPUT_GAIN.key(), 0.5 * ratio, ratio);
             vec![bad.augmented(Channel::INPUT_GAIN), mean, std]
         } else {
-            vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
+            vec![bad.augmented(Channel::INPUT_GAIN), bad.entry("initial_std", Channel::INPUT_GAIN, 0.5)]
         };
         found.push(LikelyCause::new(cause, weight, 1.0, edits, "the gain of the input is wrong".to_owned()));
     },
@@ -122,8 +119,7 @@ fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     let weight = 2.0 * mean / (1.0 + 2.0 * mean);
     let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
     let std = bad.input_size().max(stiffness).max(1e-9);
-    let name = Channel::INPUT_OFFSET.key();
-    let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.edit(&format!("initial_std.{name}"), std)];
+    let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.entry("initial_std", Channel::INPUT_OFFSET, std)];
     found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
 }
 
@@ -148,13 +144,10 @@ fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     let input = &case.record.input()[case.samples.clone()];
     let Some(still) = still_part(input) else { return };
     let part = case.samples.start + still.start..case.samples.start + still.end;
-    let level = |ranges: &[Range<usize>]| {
-        let totals = ranges.iter().map(|range| case.diagnostics.nis_within(range.clone()));
-        let (sum, degrees) = totals.fold((0.0, 0.0), |(sum, n), one| (sum + one.sum, n + f64::from(one.degrees)));
-        sum / degrees
-    };
-    let there = level(std::slice::from_ref(&part));
-    let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
+    let nis = |samples: Range<usize>| case.diagnostics.nis_within(samples);
+    let [before, behind] = [nis(case.samples.start..part.start), nis(part.end..case.samples.end)];
+    let there = nis(part.clone()).per_degree();
+    let elsewhere = (before.sum + behind.sum) / f64::from(before.degrees + behind.degrees);
     // Without readings, there or elsewhere, the level is NaN, which is no evidence.
     let rises = there > RISE && there > RISE * elsewhere;
     if !rises {
@@ -169,8 +162,8 @@ fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
         short(there),
         short(elsewhere)
     );
-    let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence);
-    found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
+    let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence).of_record();
+    found.push(LikelyCause { samples: Some(part), ..likely });
 }
 
 /// The longest part of an input that is constant, where the rest moves.
@@ -259,7 +252,6 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
              `{is}`, and no setting of a filter corrects that",
             one.sensor.key()
         );
-        let likely = LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+        found.push(LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence).of_record());
     }
 }

@@ -215,8 +215,8 @@ fn with_white_force(bad: &BadFilter<'_>) -> Option<Vec<Edit>> {
     let (velocity, white) = (Channel::VELOCITY, Channel::WHITE_FORCE);
     let std = bad.filter.process_std[velocity];
     let edits = || {
-        let size = bad.edit(&format!("process_std.{}", white.key()), std / bad.case.record.dt());
-        vec![bad.augmented(white), size, bad.edit(&format!("process_std.{}", velocity.key()), 0.0)]
+        let size = bad.entry("process_std", white, std / bad.case.record.dt());
+        vec![bad.augmented(white), size, bad.entry("process_std", velocity, 0.0)]
     };
     (std > 0.0 && !bad.filter.augment.contains(&white)).then(edits)
 }
@@ -282,9 +282,8 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
     let motions = || case.estimates.channels().iter().copied().filter(moves);
     for factor in FACTORS {
-        let edits = motions().map(|channel| {
-            bad.edit(&format!("process_std.{}", channel.key()), factor * process_std(bad, filter, channel))
-        });
+        let edits =
+            motions().map(|channel| bad.entry("process_std", channel, factor * process_std(bad, filter, channel)));
         let agrees = (first > 0.0) == (factor > 1.0);
         let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
         let turned = |channel| process_std(bad, filter, channel) / process_std(bad, bad.origin, channel);

@@ -49,9 +49,8 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
             edits.extend(bad.begins(channel.key(), 0.5 * square, 0.4 * square));
         }
-        let key = Channel::HYSTERETIC_DISPLACEMENT.key();
-        edits.push(bad.edit(&format!("initial_std.{key}"), 0.5 * size));
-        edits.push(bad.edit(&format!("process_std.{key}"), 1e-3 * size));
+        edits.push(bad.entry("initial_std", Channel::HYSTERETIC_DISPLACEMENT, 0.5 * size));
+        edits.push(bad.entry("process_std", Channel::HYSTERETIC_DISPLACEMENT, 1e-3 * size));
         let likely = LikelyCause::new(cause, weight, 2.0, edits, "the spring yields".to_owned());
         found.push(LikelyCause { softens: true, ..likely });
     }
@@ -82,8 +81,8 @@ fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         for (first, second) in
             [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
         {
-            edits.push(bad.edit(&format!("initial_std.{}", second.key()), bad.filter.initial_std[first]));
-            edits.push(bad.edit(&format!("process_std.{}", second.key()), bad.filter.process_std[first]));
+            edits.push(bad.entry("initial_std", second, bad.filter.initial_std[first]));
+            edits.push(bad.entry("process_std", second, bad.filter.process_std[first]));
         }
         let likely = LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}"));
         found.push(LikelyCause { renews_guess: true, ..likely });
@@ -112,14 +111,13 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
     let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1).fold(0.0, f64::max);
     let weight = first / (1.0 + first);
-    let key = Channel::UNKNOWN_FORCE.key();
     let period = TAU / frequency / case.record.dt();
     let periods = case.len() as f64 / period;
     for change in CHANGES {
         let edits = vec![
             bad.augmented(Channel::UNKNOWN_FORCE),
-            bad.edit(&format!("initial_std.{key}"), force),
-            bad.edit(&format!("process_std.{key}"), change * force / period.sqrt()),
+            bad.entry("initial_std", Channel::UNKNOWN_FORCE, force),
+            bad.entry("process_std", Channel::UNKNOWN_FORCE, change * force / period.sqrt()),
         ];
         let sentence = "the record lacks a force that changes slowly".to_owned();
         // A force that changes freely fits any record: its freedom has a price on top of that of its two values.

@@ -46,10 +46,7 @@ fn marked(
             short(there),
             short(elsewhere)
         );
-        let with = |edits| {
-            let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone());
-            LikelyCause { certain: true, of_record: true, ..likely }
-        };
+        let with = |edits| LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone()).of_record();
         found.push(with(Vec::new()));
         if !bad.filter.robust.is_on() && bad.filter.can(&WEIGHED) && bad.filter.walk == 0.0 {
             found.push(with(vec![bad.edit("robust", "gate")]));
@@ -151,19 +148,19 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
         let bias = one.sensor.bias();
         let mean = one.mean(&case.kept).abs();
-        let (key, name) = (bias.key(), one.sensor.key());
+        let name = one.sensor.key();
         let step = WIDE * std / (case.len().max(1) as f64).sqrt();
         if bad.filter.augment.contains(&bias) {
             for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
-                let edits = vec![bad.edit(&format!("process_std.{key}"), step)];
+                let edits = vec![bad.entry("process_std", bias, step)];
                 let sentence = format!("the bias of the {name} drifts, but its Q is too small");
                 found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
             }
             continue;
         }
-        let still = vec![bad.augmented(bias), bad.edit(&format!("initial_std.{key}"), WIDE * std)];
+        let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
         let mut drifting = still.clone();
-        drifting.push(bad.edit(&format!("process_std.{key}"), step));
+        drifting.push(bad.entry("process_std", bias, step));
         let weight = 2.0 * mean / (1.0 + 2.0 * mean);
         found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
         found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
@@ -194,7 +191,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         if first < COLOURED || bad.filter.augment.contains(&bias) {
             continue;
         }
-        let (key, size) = (bias.key(), bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt());
+        let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();
         let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
@@ -205,9 +202,9 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
             stds[place] = white * size;
             let edits = vec![
                 bad.augmented(bias),
-                bad.edit(&format!("initial_std.{key}"), coloured),
-                bad.edit(&format!("process_std.{key}"), coloured * (-libm::expm1(-2.0 / samples)).sqrt()),
-                bad.edit(&format!("correlation_time.{key}"), samples * case.record.dt()),
+                bad.entry("initial_std", bias, coloured),
+                bad.entry("process_std", bias, coloured * (-libm::expm1(-2.0 / samples)).sqrt()),
+                bad.entry("correlation_time", bias, samples * case.record.dt()),
                 bad.edit("sensor_std", stds),
             ];
             let sentence = format!(
@@ -240,8 +237,7 @@ pub(super) static WRAPS: Cause = Cause {
                 one.sensor.key(),
                 short(turn)
             );
-            let likely = LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence);
-            found.push(LikelyCause { certain: true, of_record: true, ..likely });
+            found.push(LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence).of_record());
         }
     },
 };
