@@ -1,6 +1,6 @@
 //! Formats with a header that describes their numbers. They are tried before a dialect is looked for.
 //!
-//! A row of [`FORMATS`] recognises a file by its first lines, and lays it out: rows of a table, or series behind headers.
+//! A file has rows of a table, or series behind headers.
 
 mod arrays;
 mod kinds;
@@ -22,14 +22,18 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-type Find = fn(&[&str]) -> Option<Layout>;
+/// Recognise a file by its first lines.
+type Is = fn(&[&str]) -> bool;
 
-const FORMATS: [(&str, Find); 9] = [
-    ("PEER (AT2)", series::peer),
-    ("strong motion (CSMIP, COSMOS)", series::strong_motion),
-    ("SLIST", series::slist),
-    ("universal file, data set 58", series::uff58),
-    ("SAC", series::sac),
+const SERIES: [(&str, Is, Next); 5] = [
+    ("PEER (AT2)", |lines| lines.iter().take(6).any(|line| series::size(line).is_some()), series::peer),
+    ("strong motion (CSMIP, COSMOS)", series::is_strong_motion, series::strong_motion),
+    ("SLIST", |lines| lines[0].starts_with("TIMESERIES ") && lines[0].contains(", SLIST,"), series::slist),
+    ("universal file, data set 58", series::is_uff58, series::uff58),
+    ("SAC", series::is_sac, series::sac),
+];
+
+const ROWS: [(&str, fn(&[&str]) -> Option<Rows>); 4] = [
     ("LabVIEW measurement", rows::lvm),
     ("Campbell TOA5", rows::toa5),
     ("Rigol", rows::rigol),
@@ -37,7 +41,9 @@ const FORMATS: [(&str, Find); 9] = [
 ];
 
 pub(super) fn find(lines: &[&str]) -> Option<(&'static str, Layout)> {
-    FORMATS.iter().find_map(|(name, find)| Some((*name, find(lines)?)))
+    let series = SERIES.iter().find(|(_, is, _)| !lines.is_empty() && is(lines));
+    let rows = || ROWS.iter().find_map(|(name, rows)| Some((*name, Layout::Rows(rows(lines)?))));
+    series.map(|(name, _, next)| (*name, Layout::Series(*next))).or_else(rows)
 }
 
 fn text_after<'a>(line: &'a str, word: &str, ends: &[char]) -> Option<&'a str> {

@@ -27,7 +27,7 @@ const KINDS: [Kind; 22] = [
     ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
     ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
     ("a NumPy archive", |b| is_zip(b) && has_entry(b, |name| name.ends_with(".npy")), Read(|b, _| arrays::npz(b))),
-    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| arrays::mat(b))),
+    ("a MATLAB file", is_mat5, Read(|b, _| arrays::mat(b))),
     ("a universal file with data set 58b", has_58b, Refuse("save it as text (data set 58)")),
     ("a spreadsheet (.xlsx)", |b| is_zip(b) && has_entry(b, |name| name.starts_with("xl/")), SHEET),
     ("a spreadsheet or document (.ods, .odt)", |b| is_zip(b) && has_entry(b, |name| name == "content.xml"), SHEET),
@@ -66,8 +66,8 @@ fn has_58b(bytes: &[u8]) -> bool {
 }
 
 /// Only the end of the header: programs choose its text.
-fn has_mat5_mark(bytes: &[u8]) -> bool {
-    has(bytes, 124, b"\x00\x01IM") || has(bytes, 124, b"\x01\x00MI")
+fn is_mat5(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MATLAB 5.0") || has(bytes, 124, b"\x00\x01IM") || has(bytes, 124, b"\x01\x00MI")
 }
 
 fn is_sac(bytes: &[u8]) -> bool {

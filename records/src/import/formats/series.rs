@@ -1,13 +1,12 @@
 //! Formats with series of numbers: ground motions, seismograms, and universal files of modal analysis.
 
-use super::{Layout, Series, field_width, number_after, numbers, text_after};
+use super::{Series, field_width, number_after, numbers, text_after};
 use crate::import::cell::clock;
 
 /// Sources: Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, OSMS 85-03; COSMOS (2001), Strong motion
 /// data format, version 1.20: the step is the real-header value 34.
-pub(super) fn strong_motion(lines: &[&str]) -> Option<Layout> {
-    lines.iter().find(|line| csmip(line).is_some() || cosmos(line).is_some())?;
-    Some(Layout::Series(next_strong_motion))
+pub(super) fn is_strong_motion(lines: &[&str]) -> bool {
+    lines.iter().any(|line| csmip(line).is_some() || cosmos(line).is_some())
 }
 
 /// `10100 points of accel data equally spaced at 0.010 sec, in cm/sec2. (8f10.5)`
@@ -26,7 +25,7 @@ fn cosmos(line: &str) -> Option<(usize, String)> {
     Some((words.next()?.parse().ok()?, words.next()?.to_owned()))
 }
 
-fn next_strong_motion(header: &[String]) -> Option<Series> {
+pub(super) fn strong_motion(header: &[String]) -> Option<Series> {
     let line = header.last()?;
     let (count, kind, dt, unit) = match csmip(line) {
         Some((count, kind, dt)) => (count, kind, dt, text_after(line, ", in ", &['.', '('])),
@@ -60,14 +59,8 @@ fn step(header: &[String]) -> Option<f64> {
     values.flatten().nth(33).filter(|step| *step > 0.0)
 }
 
-/// Source: PEER (2013), NGA-West2 ground motion database, files of the kinds AT2, VT2 and DT2.
-pub(super) fn peer(lines: &[&str]) -> Option<Layout> {
-    lines.iter().take(6).find(|line| size(line).is_some())?;
-    Some(Layout::Series(next_peer))
-}
-
 /// `NPTS=  7807, DT=   .0050 SEC`, or in older files `7807    0.0050    NPTS, DT`
-fn size(line: &str) -> Option<(usize, f64)> {
+pub(super) fn size(line: &str) -> Option<(usize, f64)> {
     let upper = line.to_ascii_uppercase();
     let (_, behind) = upper.split_once("NPTS")?;
     let (count, dt) = match number_after(&upper, "NPTS=").or_else(|| number_after(&upper, "NPTS =")) {
@@ -81,7 +74,8 @@ fn size(line: &str) -> Option<(usize, f64)> {
     ((1.0..1e9).contains(&count) && dt > 0.0).then_some((count as usize, dt))
 }
 
-fn next_peer(header: &[String]) -> Option<Series> {
+/// Source: PEER (2013), NGA-West2 ground motion database, files of the kinds AT2, VT2 and DT2.
+pub(super) fn peer(header: &[String]) -> Option<Series> {
     let (count, dt) = size(header.last()?)?;
     let kind = header.iter().rev().find(|line| line.to_ascii_uppercase().contains("UNITS OF"));
     let unit = kind.and_then(|line| text_after(line, "units of", &[',', ';', ':', ')']));
@@ -91,14 +85,9 @@ fn next_peer(header: &[String]) -> Option<Series> {
     Some(Series { name: name.to_owned(), unit, dt, count: Some(count), ..Series::default() })
 }
 
-/// Also as ObsPy writes them. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
-pub(super) fn slist(lines: &[&str]) -> Option<Layout> {
-    let first = lines.first()?;
-    (first.starts_with("TIMESERIES ") && first.contains(", SLIST,")).then_some(Layout::Series(next_slist))
-}
-
+/// Also as ObsPy writes them. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST):
 /// `TIMESERIES NL_HGN_02_BHZ_R, 11947 samples, 40 sps, 2003-05-29T02:13:22.043400, SLIST, FLOAT, Counts`.
-fn next_slist(header: &[String]) -> Option<Series> {
+pub(super) fn slist(header: &[String]) -> Option<Series> {
     let mut parts = header.last()?.strip_prefix("TIMESERIES ")?.split(',').map(str::trim);
     let name = parts.next()?.to_owned();
     let count = parts.next()?.strip_suffix("samples")?.trim().parse().ok()?;
@@ -112,12 +101,11 @@ fn next_slist(header: &[String]) -> Option<Series> {
 const HEADER: usize = 12;
 
 /// Functions of time, as text. Source: University of Cincinnati, Universal file formats for modal analysis testing, data set 58.
-pub(super) fn uff58(lines: &[&str]) -> Option<Layout> {
-    let begins = |pair: &[&str]| pair[0].trim() == "-1" && pair[1].trim() == "58";
-    (lines.first()?.trim() == "-1" && lines.windows(2).any(begins)).then_some(Layout::Series(next_uff58))
+pub(super) fn is_uff58(lines: &[&str]) -> bool {
+    lines[0].trim() == "-1" && lines.windows(2).any(|pair| pair[0].trim() == "-1" && pair[1].trim() == "58")
 }
 
-fn next_uff58(header: &[String]) -> Option<Series> {
+pub(super) fn uff58(header: &[String]) -> Option<Series> {
     let begins = |pair: &[String]| pair[0].trim() == "-1" && pair[1].trim() == "58";
     let place = header.windows(2).rposition(begins)? + 1;
     if header.len() != place + HEADER {
@@ -170,12 +158,11 @@ fn axis(direction: &str) -> &'static str {
 const SAC: usize = 30;
 
 /// Source: Lawrence Livermore National Laboratory, SAC users manual, "SAC data file format", alphanumeric.
-pub(super) fn sac(lines: &[&str]) -> Option<Layout> {
-    let header: Vec<String> = lines.get(..SAC)?.iter().map(ToString::to_string).collect();
-    next_sac(&header).map(|_| Layout::Series(next_sac))
+pub(super) fn is_sac(lines: &[&str]) -> bool {
+    sac(&lines.iter().take(SAC).map(ToString::to_string).collect::<Vec<_>>()).is_some()
 }
 
-fn next_sac(header: &[String]) -> Option<Series> {
+pub(super) fn sac(header: &[String]) -> Option<Series> {
     let row = |line: usize| numbers(header.get(line)?, None).filter(|row| row.len() == 5);
     let all: Option<Vec<Vec<f64>>> = (0..22).map(row).collect();
     let all = all.filter(|all| header.len() == SAC && (6.0..=7.0).contains(&all[15][1]))?;
