@@ -95,7 +95,8 @@ async fn built(
                     remarks.push(format!("`{name}` counts the samples: numbers that it skips are missing rows"));
                     Timing::of_times(&times, &name, |row| table.line(row))?
                 }
-                None => Timing::of_rate(rate, table.rows())?,
+                None if table.rows() < FEWEST => return Err(ImportError::TooShort(table.rows())),
+                None => Timing::of_steps(Steps { start: 0.0, dt: 1.0 / rate, count: table.rows() }),
             }
         }
         (None, None) => return Err(no_time(table)),
@@ -123,11 +124,8 @@ async fn built(
     let Steps { start, dt, .. } = columns.conditioning.steps();
     let Columns { own, mut remarks, .. } = columns;
     let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
-    remarks.extend(
-        still.map(|quantity| {
-            format!("all readings of the {} are the same: there is no motion in them", quantity.name())
-        }),
-    );
+    let said = |of: Quantity| format!("all readings of the {} are the same: there is no motion in them", of.name());
+    remarks.extend(still.map(said));
     let samples = values.len();
     for (quantity, values) in &sensors {
         let read = values.iter().rposition(|value| !value.is_nan()).map_or(samples, |last| last + 1);
@@ -136,11 +134,10 @@ async fn built(
             remarks.push(format!("the {name} has no readings after {end:.2} s of {all:.2} s: is it of another clock?"));
         }
     }
-    if samples < FEWEST {
-        return Err(ImportError::TooShort(samples));
-    }
-    if samples > MOST {
-        return Err(ImportError::TooLong(samples));
+    match samples {
+        ..FEWEST => return Err(ImportError::TooShort(samples)),
+        FEWEST..=MOST => {}
+        _ => return Err(ImportError::TooLong(samples)),
     }
     let mut record = Record::new(dt, Input { kind, hold, values }, sensors)?.with_truth(truth)?.starting_at(start);
     if let Some(own) = own.filter(|_| is_kept) {

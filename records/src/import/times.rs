@@ -176,13 +176,6 @@ pub(super) enum Places {
 }
 
 impl Timing {
-    pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
-        if rows < FEWEST {
-            return Err(ImportError::TooShort(rows));
-        }
-        Ok(Self::of_steps(Steps { start: 0.0, dt: 1.0 / rate, count: rows }))
-    }
-
     pub(super) fn of_steps(Steps { start, dt, count: samples }: Steps) -> Self {
         let (places, remark, gaps) = (Places::Rows, None, None);
         Self { start, dt, samples, places, worst: 0.0, is_rounded: true, remark, gaps }
@@ -253,17 +246,13 @@ impl Timing {
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
-    pub(super) fn is_exact(&self) -> bool {
-        matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
-    }
-
     pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
         let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
         Ok(Self { dt, samples, ..self })
     }
 
     pub(super) fn is_even(&self) -> bool {
-        self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
+        !matches!(self.places, Places::Times(_)) && (self.worst <= EXACT || self.is_rounded)
     }
 
     pub(super) fn kept(&self) -> String {
