@@ -1,5 +1,4 @@
-//! Whether a filter deserves trust: its diagnosis with tests, causes and remedies; the scores of a run, its story, and the job that
-//! computes a run and its analysis again.
+//! Whether a filter deserves trust: its diagnosis with tests, causes and remedies; scores and story of a run, and the job of the next.
 
 mod analysis;
 mod case;

@@ -1,12 +1,10 @@
-//! The search for remedies of several causes. It repairs one cause, diagnoses the filter again, and tries causes of the
-//! remaining misfit on the repaired filter.
+//! The search for remedies of several causes, which are repaired one after the other.
 //!
 //! ```text
 //! filter ──trials──▶ causes ──the best repaired──▶ filter ──trials──▶ causes ... until it is good or nothing pays
 //! ```
 //!
-//! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
-//! that a later one has made needless.
+//! Each cause must gain more log likelihood than its numbers cost. The last step removes causes that a later one has made needless.
 
 use std::sync::Arc;
 
@@ -62,8 +60,7 @@ enum Stage {
 }
 
 impl Diagnosis {
-    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
-    /// [`Self::new`].
+    /// The search for remedies of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
     ///
     /// # Errors
     /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
@@ -95,8 +92,7 @@ impl Search {
         self.before.as_ref().or_else(|| self.trials.before().filter(|_| matches!(self.stage, Stage::Causes(None))))
     }
 
-    /// The remedies that have been found so far, each of one cause or several: those that end in a good verdict come
-    /// first, then the likeliest. No two begin with the same cause, or have the same causes.
+    /// The remedies so far: those that end in a good verdict come first, then the likeliest. No two begin with the same cause.
     pub fn remedies(&self) -> Vec<Remedy> {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.ranked().into_iter().map(|ranked| ranked.remedy).collect();

@@ -1,7 +1,6 @@
 //! The contents of a file of settings, in no format.
 //!
-//! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
-//! A program has the code of each type and of each format once, and not that of each pair.
+//! Only a [`Document`] is read from TOML and JSON: a program has the code of each type and of each format once, not that of each pair.
 
 use std::fmt;
 

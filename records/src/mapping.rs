@@ -50,8 +50,7 @@ pub struct Mapping {
     /// Keep one of this many samples, after a low-pass below the new Nyquist frequency.
     #[serde(skip_serializing_if = "is_one")]
     pub every: usize,
-    /// Put this many steps in place of one: the input is interpolated as a band-limited signal, measurements are
-    /// missing in between.
+    /// Put this many steps in place of one: the input is interpolated as a band-limited signal, without measurements in between.
     #[serde(skip_serializing_if = "is_one")]
     pub interpolate: usize,
 }
@@ -69,8 +68,7 @@ pub struct Time {
     /// Samples in a second, for a file without times \[Hz\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
-    /// Whether the samples are equally spaced, and only their times are not. Without it, times that differ by more than rounding are
-    /// those of the readings.
+    /// Whether the samples are equally spaced, and only their times are not. Else times off by more than rounding are those of readings.
     #[serde(skip_serializing_if = "is_default")]
     pub even: bool,
     /// Time between samples \[s\] of a record whose readings keep their times; without it, that of the fastest clock. Filters go

@@ -157,8 +157,7 @@ impl Record {
         }
     }
 
-    /// The same record with this many steps in place of one: readings are missing in between. `None` if it would be too long, or its
-    /// readings have their own times.
+    /// The same record with this many steps in place of one. `None` if it would be too long, or its readings have their own times.
     pub fn finer(&self, steps: usize) -> Option<Self> {
         if self.clocks().is_some() || self.len().saturating_mul(steps) > MOST {
             return None;
@@ -193,8 +192,7 @@ impl Record {
         self.time_of(self.forgotten + k)
     }
 
-    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last
-    /// \[s\].
+    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last \[s\].
     pub fn time_of(&self, number: usize) -> f64 {
         self.start + number as f64 * self.dt
     }

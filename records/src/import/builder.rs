@@ -28,8 +28,7 @@ pub struct Imported {
     pub still: Option<Quantity>,
 }
 
-/// Begins to make the record of a table's columns with the meaning that a mapping gives them, column by column. It has the truth of the
-/// plant's channels too, beside [`Channel::all`], where the table has `true_…` columns of them.
+/// Begins to make the record of a table's columns by a mapping, with the truth of [`Channel::all`] and of `truth` where it has some.
 pub fn building(
     table: impl Borrow<Table> + Send + 'static,
     mapping: Mapping,

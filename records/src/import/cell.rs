@@ -61,9 +61,8 @@ impl Content {
 }
 
 impl Decimal {
-    /// The number in a cell: NaN in an empty one and for `nan`, `OVLD` and the like, `None` in one with other text.
-    /// Thousands may be separated, as in `1.234,5`, and the exponent may be Fortran's, as in `1.5D-3`. Times of day
-    /// such as `13:05:00.25`, with or without a date, are in seconds.
+    /// The number in a cell, such as `1.234,5`, `1.5D-3` or the seconds of `13:05:00.25`, with or without a date; NaN in an empty one and
+    /// for `nan`, `OVLD` and the like; `None` in one with other text.
     pub fn number(self, cell: &str) -> Option<f64> {
         let found = self.read(cell, false);
         (found != Content::Text).then(|| found.value())

@@ -91,8 +91,7 @@ impl MappedColumn {
         self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
     }
 
-    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
-    /// that is far from all others, is missing.
+    /// The column of a table with a name, in the unit of its header, without the numbers that loggers write for a missing reading.
     pub fn of(table: &Table, column: impl Into<String>) -> Self {
         let mut mapped = Self::new(column);
         if let Some(place) = table.place(&mapped.column) {
@@ -188,8 +187,7 @@ impl Table {
         of(low, high).or_else(|| of(high, low))
     }
 
-    /// The table with empty cells in place of numbers that are no readings, and a remark on each column that had some: of `missing`,
-    /// or without it of the numbers that loggers write for a missing reading.
+    /// The table without the number `missing`, or those that loggers write for a missing reading, and a remark on each column with some.
     #[must_use]
     pub fn with_gaps(&self, missing: Option<f64>) -> Self {
         let mut with_gaps = self.clone();

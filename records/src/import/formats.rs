@@ -1,6 +1,4 @@
-//! Formats with a header that describes their numbers. They are tried before a dialect is looked for.
-//!
-//! A file has rows of a table, or series behind headers.
+//! Formats with a header that describes their numbers: rows of a table, or series. They are tried before a dialect is looked for.
 
 mod arrays;
 mod kinds;

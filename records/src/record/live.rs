@@ -97,9 +97,8 @@ impl LiveRecord {
         Self { wait: seconds.max(0.0), ..self }
     }
 
-    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later:
-    /// then nothing more comes as long as each gives its readings in order. The first that comes too late is refused; from then
-    /// on samples wait.
+    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later.
+    /// The first reading out of order is refused if it comes too late; from then on samples wait.
     #[must_use]
     pub fn prompt(self) -> Self {
         Self { prompt: true, ..self }
