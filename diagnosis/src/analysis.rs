@@ -3,9 +3,7 @@
 mod smoothing;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::internals::Bank;
-use kalmanscope_core::internals::Waste;
-use kalmanscope_core::internals::mapped;
+use kalmanscope_core::internals::{Bank, Waste, mapped};
 use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
 use crate::Diagnosis;

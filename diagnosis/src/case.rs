@@ -137,10 +137,6 @@ impl<'a> Case<'a> {
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
 
-    pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
-        self.ranges(|part| self.bad[part] || self.forgiven[part])
-    }
-
     pub(super) fn ranges(&self, is_chosen: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for part in (0..PARTS).filter(|&part| is_chosen(part)) {

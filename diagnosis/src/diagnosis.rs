@@ -54,7 +54,8 @@ impl Diagnosis {
         }
         checks::decide(&mut evidence);
         let verdict = Verdict::of(&case, &evidence);
-        Some(Self { verdict, evidence, bad_parts: case.bad_samples(), samples })
+        let bad_parts = case.ranges(|part| case.bad[part] || case.forgiven[part]);
+        Some(Self { verdict, evidence, bad_parts, samples })
     }
 
     /// The likeliest by the evidence, without a trial, come first; for a good verdict other models that may be likelier.

@@ -117,11 +117,10 @@ impl Search {
             }
         }
         sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
-        let mut known: Vec<Vec<&str>> = Vec::new();
+        let mut known = Vec::new();
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
-            let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
-            sort_items(&mut keys, Ord::cmp);
+            let keys = sorted_keys(remedy.causes());
             let is_new = !known.contains(&keys);
             known.push(keys);
             is_new
@@ -190,13 +189,6 @@ impl Search {
         }
     }
 
-    fn shorten_first(&mut self) {
-        match self.remedies().first().and_then(|first| self.place_of(first)) {
-            Some(path) => self.shorten(path, 0),
-            None => self.stage = Stage::Done,
-        }
-    }
-
     fn place_of(&self, remedy: &Remedy) -> Option<usize> {
         self.paths.iter().position(|path| path.remedy().is_some_and(|other| other.edits == remedy.edits))
     }
@@ -259,7 +251,10 @@ impl Search {
                 self.run(&path, true);
                 self.stage = Stage::Causes(Some(place));
             }
-            None => self.shorten_first(),
+            None => match self.remedies().first().and_then(|first| self.place_of(first)) {
+                Some(path) => self.shorten(path, 0),
+                None => self.stage = Stage::Done,
+            },
         }
     }
 
@@ -270,6 +265,12 @@ impl Search {
         let is_open = after.as_ref()?.kind == VerdictKind::Consistent && !is_tried && steps.len() < STEPS;
         (is_open && self.filters < FILTERS).then_some(place)
     }
+}
+
+fn sorted_keys<'a>(causes: impl Iterator<Item = &'a LikelyCause>) -> Vec<&'static str> {
+    let mut keys: Vec<_> = causes.map(|likely| likely.cause.key).collect();
+    sort_items(&mut keys, Ord::cmp);
+    keys
 }
 
 fn priced(rank: f64, is_force: bool) -> f64 {
@@ -352,8 +353,7 @@ impl Path {
 
     fn without(&self, place: usize, origin: &Scenario) -> Option<Self> {
         let mut path = Self { rank: self.rank, is_tried: true, ..Self::new(origin) };
-        for (_, step) in self.steps.iter().enumerate().filter(|(i, _)| *i != place) {
-            let mut step = step.clone();
+        for mut step in [&self.steps[..place], &self.steps[place + 1..]].concat() {
             let augment = &path.scenario.filters.first()?.augment;
             let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
             let is_list = |edit: &&mut Edit| edit.inner() == AUGMENT;
@@ -373,9 +373,7 @@ impl Path {
     }
 
     fn causes(&self) -> Vec<&'static str> {
-        let mut keys: Vec<_> = mapped(&self.steps, &|step| step.likely.cause.key);
-        sort_items(&mut keys, Ord::cmp);
-        keys
+        sorted_keys(self.steps.iter().map(|step| &step.likely))
     }
 
     fn is_enough_for(&self, other: &Self) -> bool {

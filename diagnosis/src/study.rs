@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::Tape;
-use kalmanscope_core::internals::Revision;
-use kalmanscope_core::internals::Spare;
-use kalmanscope_core::internals::numbers;
+use kalmanscope_core::internals::{Revision, Spare, numbers};
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Record, Run, RunError, Scenario, Source, Update};
 

@@ -135,13 +135,13 @@ pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
 pub(super) fn shift(values: &mut [f64], delay: i32) {
     let n = values.len();
     let by = (delay.unsigned_abs() as usize).min(n);
+    let gap = if delay > 0 { n - by..n } else { 0..by };
     if delay > 0 {
-        values.rotate_left(by);
-        values[n - by..].fill(f64::NAN);
-    } else if delay < 0 {
-        values.rotate_right(by);
-        values[..by].fill(f64::NAN);
+        values.rotate_left(by)
+    } else {
+        values.rotate_right(by)
     }
+    values[gap].fill(f64::NAN);
 }
 
 /// A number that seems to mark missing readings: it occurs several times, far from all others.

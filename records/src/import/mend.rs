@@ -30,9 +30,8 @@ pub(super) fn mend(mut table: Table) -> Table {
     if !named.is_empty() && named.iter().all(falls) {
         let name = table.columns[named[0]].name.clone();
         table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
-        table
-            .remarks
-            .push(format!("the times in `{name}` fall, the newest first: the rows are read from last to first"));
+        let said = format!("the times in `{name}` fall, the newest first: the rows are read from last to first");
+        table.remarks.push(said);
     }
     for &place in &named {
         let column = &mut table.columns[place];
@@ -79,9 +78,8 @@ fn with_fractions(table: &mut Table) {
     let fractions = table.columns.remove(place + 1);
     let time = &mut table.columns[place];
     time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
-    table
-        .remarks
-        .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
+    let said = format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name);
+    table.remarks.push(said);
 }
 
 /// Wristbands write the time of the start there, and the samples a second.
@@ -148,17 +146,13 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
         rows.drain(..first);
     }
     let step = median_step(&rows.iter().map(|&row| times[row]).collect::<Vec<f64>>());
-    let back =
-        |rows: &[usize]| -> Vec<usize> { (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect() };
-    let backward = back(&rows);
+    let backward: Vec<usize> = (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect();
     if !backward.is_empty() && step > 0.0 {
         let line = |k: usize| table.line(rows[k]);
         let begins = |&k: &usize| (times[rows[k]] - times[rows[0]]).abs() <= 3.0 * step;
         if let Some(sorted) = in_order(&times, &rows, step) {
-            said.push(format!(
-                "the rows from line {} on are not in the order of their times: they are sorted",
-                line(backward[0] - 1)
-            ));
+            let first = line(backward[0] - 1);
+            said.push(format!("the rows from line {first} on are not in the order of their times: they are sorted"));
             rows = sorted;
         } else if backward.iter().all(begins) {
             let ends = [&[0], &backward[..], &[rows.len()]].concat();

@@ -1,7 +1,6 @@
 //! Columns of numbers, as a file has them, and the reading of their rows.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use kalmanscope_filters::lists::{mapped, numbers};
 use serde::{Deserialize, Serialize};
@@ -137,15 +136,9 @@ impl Table {
         };
         let mut text = mapped(&self.columns, &name).join(",") + "\n";
         for row in 0..self.rows() {
-            for (place, column) in self.columns.iter().enumerate() {
-                let comma = if place > 0 { "," } else { "" };
-                // Writing to a text cannot fail.
-                let _ = match column.values[row] {
-                    value if value.is_finite() => write!(text, "{comma}{value}"),
-                    _ => write!(text, "{comma}"),
-                };
-            }
-            text.push('\n');
+            let cell = |column: &Column| Some(column.values[row]).filter(|value| value.is_finite());
+            let cells = mapped(&self.columns, &|column| cell(column).map_or(String::new(), |value| value.to_string()));
+            text += &(cells.join(",") + "\n");
         }
         text
     }
