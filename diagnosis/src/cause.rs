@@ -19,9 +19,8 @@ use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario};
 
 use super::case::Case;
 use super::checks::{Evidence, Subject};
-use super::innovations::SensorInnovations;
-use super::parts::FIRST_CROSS_LAG;
 use super::periodogram::Periodogram;
+use super::sums::{FIRST_CROSS_LAG, SensorInnovations};
 
 /// Every cause. A new one is an item of a file and a line here.
 pub static CAUSES: &[&Cause] = &[

@@ -8,8 +8,7 @@ use super::{BadFilter, Cause, LikelyCause};
 use crate::VerdictKind;
 use crate::case::chi_squared_p;
 use crate::checks::Subject;
-use crate::innovations::SensorInnovations;
-use crate::parts::{Chosen, PARTS};
+use crate::sums::{Chosen, PARTS, SensorInnovations};
 use crate::words::short;
 
 const TOLERANCE: f64 = 1.15;

@@ -8,8 +8,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
-use crate::errors::ChannelErrors;
-use crate::parts::{Chosen, PARTS};
+use crate::sums::{ChannelErrors, Chosen, PARTS};
 use crate::words::{percent, short};
 
 /// Limits an error, in standard deviations, if it is larger than the truth and the initial uncertainty.

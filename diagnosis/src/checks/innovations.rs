@@ -5,8 +5,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
-use crate::innovations::SensorInnovations;
-use crate::parts::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS};
+use crate::sums::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS, SensorInnovations};
 use crate::words::short;
 
 /// Limits the factor by which innovations² may differ from their expectation, even if the difference is significant.
