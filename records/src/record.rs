@@ -310,12 +310,7 @@ fn complete<T: Copy + PartialEq>(
     Ok(columns.into_iter().unzip())
 }
 
-fn check(
-    column: &str,
-    values: &[f64],
-    allowed: &'static str,
-    is_allowed: impl Fn(f64) -> bool,
-) -> Result<(), RecordError> {
+fn check(column: &str, values: &[f64], allowed: &'static str, is_allowed: fn(f64) -> bool) -> Result<(), RecordError> {
     let bad = values.iter().position(|&x| !is_allowed(x));
     bad.map_or(Ok(()), |sample| Err(RecordError::Value(column.to_owned(), sample, values[sample], allowed)))
 }

@@ -26,13 +26,9 @@ pub(super) static STICKING: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::stuck, "repeat the last one"),
 };
 
-fn marked(
-    bad: &BadFilter<'_>,
-    cause: &'static Cause,
-    found: &mut Vec<LikelyCause>,
-    look: fn(&Readings) -> Option<Marked>,
-    what: &str,
-) {
+type Look = fn(&Readings) -> Option<Marked>;
+
+fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, look: Look, what: &str) {
     for (place, one) in bad.case.sensors.iter().enumerate() {
         let Some(Marked { share, levels }) = Readings::of(bad.case, place).as_ref().and_then(look) else { continue };
         let [there, elsewhere] = levels;

@@ -11,7 +11,7 @@ use super::guess::no_time;
 use super::own_times::{OwnTimes, on_one_clock};
 use super::shape::{counted, unwrapped};
 use super::times::{Clock, Timing};
-use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Table, times};
+use super::{FEWEST, ImportError, MOST, MappedColumn, Mapping, Offset, Result, Table, times};
 use crate::Record;
 use crate::record::Input;
 use crate::resample::{Steps, mean};
@@ -35,7 +35,7 @@ pub fn building(
     kind: InputKind,
     hold: Hold,
     truth: Vec<Channel>,
-) -> Work<Result<Imported, ImportError>> {
+) -> Work<Result<Imported>> {
     Work::new(async move |_| built(table.borrow(), &mapping, kind, hold, &truth).await)
 }
 
@@ -44,23 +44,11 @@ pub fn building(
 /// # Errors
 /// [`ImportError`] where a setting is impossible, a column is missing or has text or infinite numbers, the times are not usable, or too
 /// few samples or too many remain.
-pub fn build(
-    table: &Table,
-    mapping: &Mapping,
-    kind: InputKind,
-    hold: Hold,
-    truth: &[Channel],
-) -> Result<Imported, ImportError> {
+pub fn build(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold, truth: &[Channel]) -> Result<Imported> {
     at_once(built(table, mapping, kind, hold, truth))
 }
 
-async fn built(
-    table: &Table,
-    mapping: &Mapping,
-    kind: InputKind,
-    hold: Hold,
-    truth: &[Channel],
-) -> Result<Imported, ImportError> {
+async fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold, truth: &[Channel]) -> Result<Imported> {
     mapping.validate()?;
     if mapping.sensors.is_empty() {
         return Err(ImportError::NoSensor);
@@ -155,7 +143,7 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    fn sensor(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+    fn sensor(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>> {
         let values = self.mapped(mapped)?;
         Ok(match self.own.as_mut().filter(|_| self.is_kept) {
             Some(own) => own.sensor(mapped, self.conditioning.steps()),
@@ -163,7 +151,7 @@ impl Columns<'_> {
         })
     }
 
-    fn input(&mut self, hold: Hold) -> Result<Vec<f64>, ImportError> {
+    fn input(&mut self, hold: Hold) -> Result<Vec<f64>> {
         let Conditioning { mapping, timing } = self.conditioning;
         let steps = self.conditioning.steps();
         let Some(mapped) = &mapping.input else {
@@ -193,7 +181,7 @@ impl Columns<'_> {
     }
 
     /// Values at even times; empty where readings keep their times.
-    fn mapped(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+    fn mapped(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>> {
         let (table, Conditioning { timing, .. }) = (self.table, self.conditioning);
         let column_place = place(table, &mapped.column)?;
         let column = table.columns[column_place].without_text()?;
@@ -258,7 +246,7 @@ fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
     Some(table.of_rows((first..end).map(|row| vec![row])))
 }
 
-fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
+fn place(table: &Table, name: &str) -> Result<usize> {
     let names = || mapped(&table.columns, &|column| column.name.as_str()).join(", ");
     table.place(name).ok_or_else(|| ImportError::Column(name.to_owned(), names()))
 }

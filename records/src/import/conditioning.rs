@@ -5,7 +5,7 @@ use kalmanscope_filters::lists::places;
 
 use super::header::unit;
 use super::times::Timing;
-use super::{ImportError, MappedColumn, Mapping, MappingError, Table};
+use super::{MappedColumn, Mapping, MappingError, Result, Table};
 use crate::resample::{self, Steps, band_pass};
 
 #[derive(Clone, Copy)]
@@ -102,7 +102,7 @@ impl MappedColumn {
     }
 }
 
-pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
+pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>> {
     let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
     if low >= nyquist {
         let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));

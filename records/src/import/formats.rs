@@ -9,7 +9,7 @@ mod unpack;
 use super::cell::Content;
 use super::header::number_after;
 use super::table::{Column, Lines, Rows, TextCell, number_names};
-use super::{Decimal, Dialect, ImportError, MOST, Table};
+use super::{Decimal, Dialect, ImportError, MOST, Result, Table};
 
 pub(super) use kinds::read_binary;
 pub(super) use rows::nameless;
@@ -93,7 +93,7 @@ impl SeriesReader {
         Self { format, dialect, next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
     }
 
-    pub(super) fn line(&mut self, text: &str, line: usize) -> Result<(), ImportError> {
+    pub(super) fn line(&mut self, text: &str, line: usize) -> Result<()> {
         let Self { next, header, all, is_reading, rows, lines, loose, .. } = self;
         if text.trim().is_empty() && *is_reading {
             return Ok(());
@@ -140,7 +140,7 @@ impl SeriesReader {
         Ok(())
     }
 
-    pub(super) fn finish(self, lines: usize) -> Result<Table, ImportError> {
+    pub(super) fn finish(self, lines: usize) -> Result<Table> {
         let Self { format, dialect, all, loose, rows: read, lines: mut known, .. } = self;
         // Series that continue each other have more rows than lines.
         known.end(read);

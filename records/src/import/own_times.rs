@@ -8,7 +8,7 @@ use kalmanscope_filters::lists::{self, numbers, sort_items};
 use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
 use super::times::{Clock, Timing};
-use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Table};
+use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Result, Table};
 use crate::record::{Clocks, Timed};
 use crate::resample::{Steps, mean, side_of};
 
@@ -117,11 +117,7 @@ pub(super) struct OneClock {
 }
 
 /// `None` where a mapping's columns have one clock.
-pub(super) fn on_one_clock(
-    table: &Table,
-    mapping: &Mapping,
-    remarks: &mut Vec<String>,
-) -> Result<Option<OneClock>, ImportError> {
+pub(super) fn on_one_clock(table: &Table, mapping: &Mapping, remarks: &mut Vec<String>) -> Result<Option<OneClock>> {
     let clocks = clocks(table);
     let stated = mapping.time.column.as_deref().and_then(|name| table.place(name));
     let is_clock = |place: &usize| clocks.iter().any(|(_, clock)| clock == place);
@@ -200,7 +196,7 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
 }
 
-fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>, ImportError> {
+fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>> {
     let time = Mapping::guess(table).0.time;
     let place = time.column.and_then(|name| table.place(&name)).ok_or_else(|| no_time(table))?;
     Clock::of(table, place, &time.unit, remarks)
@@ -227,7 +223,7 @@ fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
 ///
 /// # Errors
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.
-pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportError> {
+pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table> {
     let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
     let clocks = [(clock_of(first, &mut remarks)?, 0.0), (clock_of(second, &mut remarks)?, offset)];
     let Some((steps, _)) = common(&clocks) else {

@@ -3,7 +3,7 @@
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
 use super::table::RowsReader;
-use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Table};
+use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Result, Table};
 use crate::task::{Progress, Work, pause};
 
 const HEAD: usize = 65_536;
@@ -16,7 +16,7 @@ enum Body {
 }
 
 /// The columns of a file, some lines after the others.
-pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Progress) -> Result<Table, ImportError> {
+pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Progress) -> Result<Table> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(ImportError::Empty);
     }
@@ -65,7 +65,7 @@ pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Prog
     }
 }
 
-fn begin(bytes: &[u8], dialect: Option<Dialect>) -> Result<(Dialect, Body), ImportError> {
+fn begin(bytes: &[u8], dialect: Option<Dialect>) -> Result<(Dialect, Body)> {
     let head = &bytes[..bytes.len().min(HEAD)];
     let encoding = match dialect {
         Some(dialect) => dialect.encoding,
@@ -123,7 +123,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
-pub fn load(bytes: Vec<u8>) -> Work<Result<Loaded, ImportError>> {
+pub fn load(bytes: Vec<u8>) -> Work<Result<Loaded>> {
     Work::new(async move |progress: Progress| {
         let table = mend(read(&bytes, None, &progress).await?);
         let mut hash = Hash::default();

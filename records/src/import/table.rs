@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Content;
 use super::dialect::REMARKS;
 use super::header::{Facts, name_and_unit};
-use super::{Decimal, Dialect, ImportError, MOST_COLUMNS};
+use super::{Decimal, Dialect, ImportError, MOST_COLUMNS, Result};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,7 +71,7 @@ impl Column {
         Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }
     }
 
-    pub(super) fn without_text(&self) -> Result<&Self, ImportError> {
+    pub(super) fn without_text(&self) -> Result<&Self> {
         self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
     }
 
@@ -255,12 +255,7 @@ fn remark(odd: &Odd, what: &str) -> Option<String> {
 const SUMMED: usize = 20;
 
 impl RowsReader {
-    pub(super) fn new(
-        format: Option<&'static str>,
-        mut rows: Rows,
-        lines: &[&str],
-        length: usize,
-    ) -> Result<Self, ImportError> {
+    pub(super) fn new(format: Option<&'static str>, mut rows: Rows, lines: &[&str], length: usize) -> Result<Self> {
         let (dialect, cells) = (rows.dialect, std::mem::take(&mut rows.cells));
         let (belongs, header) = if cells.is_empty() {
             let width = width(&dialect, lines)?;
@@ -342,7 +337,7 @@ impl RowsReader {
         }
     }
 
-    pub(super) fn finish(self, line: usize) -> Result<Table, ImportError> {
+    pub(super) fn finish(self, line: usize) -> Result<Table> {
         let Self { format, rows, mut columns, end, lines, odd, .. } = self;
         let Rows { dialect, even, scale, count, remarks: mut said, rate, .. } = rows;
         let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
@@ -398,7 +393,7 @@ fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<S
     ))
 }
 
-fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
+fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize> {
     let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
     let mut width = dialect.delimiter.cells(first).count();
     // A delimiter that ends each line begins no column.

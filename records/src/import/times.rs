@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use kalmanscope_filters::lists::{mapped, median, sort_items};
 
 use super::header::{Dimension, unit};
-use super::{Column, FEWEST, ImportError, MOST, Table};
+use super::{Column, FEWEST, ImportError, MOST, Result, Table};
 use crate::resample::Steps;
 
 pub(super) const DAY: f64 = 86_400.0;
@@ -41,12 +41,7 @@ pub(super) struct Clock<'a> {
 }
 
 impl<'a> Clock<'a> {
-    pub(super) fn of(
-        table: &'a Table,
-        place: usize,
-        unit: &str,
-        remarks: &mut Vec<String>,
-    ) -> Result<Self, ImportError> {
+    pub(super) fn of(table: &'a Table, place: usize, unit: &str, remarks: &mut Vec<String>) -> Result<Self> {
         let column = table.columns[place].without_text()?;
         let times = of(table, column, unit, remarks);
         let timing = Timing::of_times(&times, &column.name, |row| table.line(row))?;
@@ -181,7 +176,7 @@ impl Timing {
         Self { start, dt, samples, places, worst: 0.0, is_rounded: true, remark, gaps }
     }
 
-    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self, ImportError> {
+    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self> {
         if times.len() < FEWEST {
             return Err(ImportError::TooShort(times.len()));
         }
@@ -246,7 +241,7 @@ impl Timing {
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
-    pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
+    pub(super) fn at_steps(self, dt: f64) -> Result<Self> {
         let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
         Ok(Self { dt, samples, ..self })
     }
@@ -320,7 +315,7 @@ fn cure(times: &[f64]) -> String {
     )
 }
 
-fn count(samples: f64) -> Result<usize, ImportError> {
+fn count(samples: f64) -> Result<usize> {
     let found = samples.min(1e15) as usize;
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::super::guess::is_named_time;
 use super::super::header::{RATES, STEPS};
 use super::super::table::free_name;
-use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Table};
+use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Result, Table};
 use super::unpack::{NumberForm, Room, entries, list, whole};
 
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl Arrays {
     }
 
     /// Of the arrays with equally many rows it has those with times, else those with the most numbers.
-    pub(super) fn table(mut self, form: &str) -> Result<Table, ImportError> {
+    pub(super) fn table(mut self, form: &str) -> Result<Table> {
         let all = std::mem::take(&mut self.all);
         let (single, all): (Vec<_>, Vec<_>) = all.into_iter().partition(|columns| columns[0].values.len() == 1);
         let lengths = all.iter().map(|columns| columns[0].values.len());
@@ -146,14 +146,14 @@ pub(super) fn product(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1_usize, |all, length| all.checked_mul(*length))
 }
 
-pub(super) fn npy(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn npy(bytes: &[u8]) -> Result<Table> {
     let mut arrays = Arrays::default();
     let read = arrays.add_npy("", bytes, &mut Room::of(bytes));
     read.map_err(|reason| ImportError::OtherKind(format!("this is a NumPy file; {reason}")))?;
     arrays.table("a NumPy array")
 }
 
-pub(super) fn npz(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn npz(bytes: &[u8]) -> Result<Table> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     for entry in entries(bytes).unwrap_or_default() {
         let name = entry.name.strip_suffix(".npy").unwrap_or(&entry.name);
@@ -191,7 +191,7 @@ impl<'a> Iterator for ArrayParts<'a> {
 }
 
 /// Source: MathWorks, MAT-file format, level 5.
-pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn mat(bytes: &[u8]) -> Result<Table> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     let is_big = bytes.get(126) == Some(&b'M');
     let mut parts = ArrayParts { rest: bytes.get(HEADER..).unwrap_or_default(), is_big };

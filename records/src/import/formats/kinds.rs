@@ -1,11 +1,11 @@
 //! The kinds of files that are no text, by their first bytes.
 
-use super::super::{Dialect, ImportError, Table, sound};
+use super::super::{Dialect, ImportError, Result, Table, sound};
 use super::arrays;
 use super::unpack::{gzip, has_entry, is_zip, whole, zip};
 
 enum Handling {
-    Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
+    Read(fn(&[u8], Option<Dialect>) -> Result<Table>),
     Refuse(&'static str),
 }
 
@@ -47,7 +47,7 @@ const KINDS: [Kind; 22] = [
     ("a PDF document", |b| b.starts_with(b"%PDF-"), PICTURE),
 ];
 
-pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
+pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table>> {
     let (name, _, handling) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
     Some(match handling {
         Read(read) => read(bytes, dialect),

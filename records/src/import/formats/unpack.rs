@@ -6,18 +6,18 @@ use flate2::Crc;
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use kalmanscope_filters::lists::mapped;
 
-use super::super::{Dialect, ImportError, Mapping, Table, reader};
+use super::super::{Dialect, ImportError, Mapping, Result, Table, reader};
 use crate::task::{Progress, at_once};
 
 /// A packed file may contain itself: it is not unpacked twice.
-fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     if is_zip(bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
     }
     at_once(reader::read(bytes, dialect, &Progress::default()))
 }
 
-pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
     table(&file, dialect)
@@ -75,7 +75,7 @@ impl Entry<'_> {
 }
 
 /// Apps for phones add small tables of names in a folder `meta`.
-pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     const FEWEST: usize = 30;
     let bad = |reason: &str| ImportError::OtherKind(format!("this is a ZIP; {reason}"));
     let mut entries = entries(bytes).ok_or_else(|| bad("it is damaged or cut short"))?;
