@@ -98,31 +98,29 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
     key: "slow_drift",
     name: "a slow drift, or Q of the parameters",
     hint: "The parameters change, but the filter assumes that they are constant. Give them process noise.",
-    likely_causes: slow_drift,
-};
-
-/// Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
-fn slow_drift(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
-    let all: Vec<(usize, Channel)> =
-        case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
-    let mut propose = |parameters: &[(usize, Channel)], told: &str| {
-        for walk in WALKS {
-            let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
-            if !edits.is_empty() {
-                let sentence = format!("{told}, by about {} over the record", percent(walk));
-                found.push(LikelyCause::new(cause, 0.3, 1.0, edits, sentence));
+    likely_causes: |bad, cause, found| {
+        // Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
+        let case = bad.case;
+        let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
+        let all: Vec<(usize, Channel)> =
+            case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
+        let mut propose = |parameters: &[(usize, Channel)], told: &str| {
+            for walk in WALKS {
+                let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
+                if !edits.is_empty() {
+                    let sentence = format!("{told}, by about {} over the record", percent(walk));
+                    found.push(LikelyCause::new(cause, 0.3, 1.0, edits, sentence));
+                }
+            }
+        };
+        propose(&all, "the parameters drift");
+        if (2..=SINGLY).contains(&all.len()) {
+            for one in &all {
+                propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
             }
         }
-    };
-    propose(&all, "the parameters drift");
-    if (2..=SINGLY).contains(&all.len()) {
-        for one in &all {
-            propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
-        }
-    }
-}
+    },
+};
 
 fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
     let (mean, doubt) = (bad.case.estimates.initial_mean(place).abs(), bad.case.estimates.initial_std(place));

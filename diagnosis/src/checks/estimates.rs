@@ -227,31 +227,29 @@ pub(super) static UNLEARNT: Test = Test {
     distribution: "none: it is below 1 if the filter learns anything",
     source: "Söderström and Stoica (1989), System Identification, section 2.4",
     reading: "near 1: the record has no information on the parameter, because nothing excites its effect",
-    run: unlearnt,
-};
-
-fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.last() else { return };
-    let is_considered = |channel| case.estimates.considers(channel);
-    let of = |channel: Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
-    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
-        let first = case.estimates.initial_std(place);
-        if first <= 0.0 {
-            continue;
+    run: |case, test, found| {
+        let Some(last) = case.last() else { return };
+        let is_considered = |channel| case.estimates.considers(channel);
+        let of = |channel: Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
+        for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
+            let first = case.estimates.initial_std(place);
+            if first <= 0.0 {
+                continue;
+            }
+            let share = case.estimates.std(last, place) / first;
+            let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
+            let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
+            let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
+            let time = case.record.time(since);
+            let when =
+                if learnt.is_some() { format!(", and does not fall after {} s", short(time)) } else { String::new() };
+            let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
+            let samples = since..case.samples.end;
+            let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+            found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
         }
-        let share = case.estimates.std(last, place) / first;
-        let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
-        let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
-        let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
-        let time = case.record.time(since);
-        let when =
-            if learnt.is_some() { format!(", and does not fall after {} s", short(time)) } else { String::new() };
-        let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
-        let samples = since..case.samples.end;
-        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-        found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
-    }
-}
+    },
+};
 
 const CALM: std::ops::Range<f64> = 0.8..1.25;
 
@@ -363,36 +361,34 @@ pub(super) static DIVERSITY: Test = Test {
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems; Liu and West (2001)",
     reading: "drawing N_eff particles loses, on average, 1/N_eff of the variance; if these losses explain a quarter of \
               the shrinking of σ, then σ shows the lack of particles, not knowledge",
-    run: diversity,
-};
-
-fn diversity(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let estimates = case.estimates;
-    if estimates.effective_samples().is_empty() {
-        return;
-    }
-    let resamples = |size: &&f64| **size < 0.5 * estimates.particles as f64;
-    let sizes = &estimates.effective_samples()[case.samples.clone()];
-    let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
-    for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
-        let learnt: f64 =
-            (case.samples.start + 1..case.samples.end).map(|k| shrinks_by(learnt_share(case, k, place))).sum();
-        let share = lost / (lost + learnt);
-        if share.is_nan() {
-            continue;
+    run: |case, test, found| {
+        let estimates = case.estimates;
+        if estimates.effective_samples().is_empty() {
+            return;
         }
-        let times = libm::exp(lost.min(700.0));
-        let sentence = format!(
-            "resampling alone makes σ of the {} {} times smaller, {} of all its shrinking",
-            channel.name(),
-            short(times),
-            percent(share)
-        );
-        let effect = (share / SHARE).min(lost / libm::log(TIMES));
-        let one = Evidence::new(test, Subject::Channel(channel), case);
-        found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
-    }
-}
+        let resamples = |size: &&f64| **size < 0.5 * estimates.particles as f64;
+        let sizes = &estimates.effective_samples()[case.samples.clone()];
+        let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
+        for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
+            let learnt: f64 =
+                (case.samples.start + 1..case.samples.end).map(|k| shrinks_by(learnt_share(case, k, place))).sum();
+            let share = lost / (lost + learnt);
+            if share.is_nan() {
+                continue;
+            }
+            let times = libm::exp(lost.min(700.0));
+            let sentence = format!(
+                "resampling alone makes σ of the {} {} times smaller, {} of all its shrinking",
+                channel.name(),
+                short(times),
+                percent(share)
+            );
+            let effect = (share / SHARE).min(lost / libm::log(TIMES));
+            let one = Evidence::new(test, Subject::Channel(channel), case);
+            found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
+        }
+    },
+};
 
 /// The share by which the measurements of sample `k` reduce the variance of the channel at `place`: K S Kᵀ / P.
 fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {

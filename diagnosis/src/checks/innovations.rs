@@ -206,32 +206,30 @@ pub(super) static INPUT: Test = Test {
     source: "Ljung (1999), System Identification, section 16.6",
     reading: "only at lag 0 or 1: the input is late, early or held wrongly; at many positive lags: its gain or the \
               plant is wrong",
-    run: input,
-};
-
-fn input(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        let count = one.count(&case.kept);
-        let correlation = one.cross_correlation(&case.kept);
-        let lags = (FIRST_CROSS_LAG..).zip(correlation);
-        let Some((lag, largest)) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { continue };
-        if largest == 0.0 {
-            continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            let count = one.count(&case.kept);
+            let correlation = one.cross_correlation(&case.kept);
+            let lags = (FIRST_CROSS_LAG..).zip(correlation);
+            let Some((lag, largest)) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { continue };
+            if largest == 0.0 {
+                continue;
+            }
+            let statistic = largest.abs() * count.sqrt();
+            let sensor = one.sensor.key();
+            found.push(Evidence {
+                statistic,
+                p_value: (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0),
+                effect: largest.abs() / CORRELATED,
+                speaks_for: case.pattern(one),
+                sentence: format!(
+                    "prediction errors of the {sensor} still depend on the input (correlation {largest:.2} at lag {lag})"
+                ),
+                ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+            });
         }
-        let statistic = largest.abs() * count.sqrt();
-        let sensor = one.sensor.key();
-        found.push(Evidence {
-            statistic,
-            p_value: (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0),
-            effect: largest.abs() / CORRELATED,
-            speaks_for: case.pattern(one),
-            sentence: format!(
-                "prediction errors of the {sensor} still depend on the input (correlation {largest:.2} at lag {lag})"
-            ),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
-    }
-}
+    },
+};
 
 const LINE: f64 = 5.0;
 
@@ -241,30 +239,28 @@ pub(super) static LINES: Test = Test {
     distribution: "the largest of L/2 sums of squares, χ² with two degrees of freedom a window",
     source: "Welch (1967), The use of fast Fourier transform for the estimation of power spectra",
     reading: "a peak: a mode that the model lacks, or has at another frequency",
-    run: lines,
-};
-
-fn lines(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        let Some((power, turn)) = one.periodogram.peak() else { continue };
-        let statistic = power / one.periodogram.mean();
-        if !statistic.is_finite() {
-            continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            let Some((power, turn)) = one.periodogram.peak() else { continue };
+            let statistic = power / one.periodogram.mean();
+            if !statistic.is_finite() {
+                continue;
+            }
+            let degrees = 2 * one.periodogram.windows as u32;
+            let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
+            found.push(Evidence {
+                statistic,
+                p_value: (one_p * one.periodogram.power.len() as f64).min(1.0),
+                effect: statistic / LINE,
+                speaks_for: case.pattern(one),
+                sentence: format!(
+                    "prediction errors of the {} have a peak of {} times the mean power at {} rad/s",
+                    one.sensor.key(),
+                    short(statistic),
+                    short(turn / case.record.dt())
+                ),
+                ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+            });
         }
-        let degrees = 2 * one.periodogram.windows as u32;
-        let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
-        found.push(Evidence {
-            statistic,
-            p_value: (one_p * one.periodogram.power.len() as f64).min(1.0),
-            effect: statistic / LINE,
-            speaks_for: case.pattern(one),
-            sentence: format!(
-                "prediction errors of the {} have a peak of {} times the mean power at {} rad/s",
-                one.sensor.key(),
-                short(statistic),
-                short(turn / case.record.dt())
-            ),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
-    }
-}
+    },
+};
