@@ -128,14 +128,10 @@ pub(super) static ELLIPSOID: Test = Test {
         let degrees = late.degrees.checked_div(late.samples).unwrap_or(0);
         let all_inside = case.errors.iter().all(|one| one.level(&case.kept) < 1.0);
         let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
-        found.push(Evidence {
-            statistic: share,
-            p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
-            effect: if share > 0.0 { limit / share } else { f64::MAX },
-            speaks_for: VerdictKind::Overconfident,
-            sentence: format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share)),
-            ..Evidence::new(test, Subject::All, case)
-        });
+        let effect = if share > 0.0 { limit / share } else { f64::MAX };
+        let sentence = format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share));
+        let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Overconfident, effect, share, sentence);
+        found.push(Evidence { p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0), ..one });
     },
 };
 
@@ -149,20 +145,13 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             if one.count(&late) == 0.0 {
                 continue;
             }
-            found.push(Evidence {
-                statistic: off * off,
-                // Errors stay below `OFF` even if linearised filters are slightly overconfident: a larger one is certain.
-                p_value: if off > OFF { 0.0 } else { normal_p(off) },
-                effect: off / OFF,
-                speaks_for: VerdictKind::Overconfident,
-                samples: case.late(),
-                sentence: format!(
-                    "the {name} is off by {} times its σ in the last fifth, and inside ±2σ in {} of it",
-                    short(off),
-                    percent(one.coverage(&late))
-                ),
-                ..evidence
-            });
+            // Errors stay below `OFF` even if linearised filters are slightly overconfident: a larger one is certain.
+            let p_value = if off > OFF { 0.0 } else { normal_p(off) };
+            let (times, inside) = (short(off), percent(one.coverage(&late)));
+            let said =
+                format!("the {name} is off by {times} times its σ in the last fifth, and inside ±2σ in {inside} of it");
+            let one = evidence.certain(VerdictKind::Overconfident, off / OFF, off * off, said);
+            found.push(Evidence { p_value, samples: case.late(), ..one });
             continue;
         }
         let level = one.level(&case.kept);
@@ -176,14 +165,9 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let effect = if case.nis(&case.kept).0 < 0.9 { libm::log(level) / libm::log(TOO_SMALL) } else { 0.0 };
             (effect, VerdictKind::Underconfident)
         };
-        found.push(Evidence {
-            statistic: level,
-            p_value: chi_squared_p(level, one.independent(&case.kept)),
-            effect,
-            speaks_for: kind,
-            sentence: format!("errors² of the {name} are {} times what the covariance says", short(level)),
-            ..evidence
-        });
+        let sentence = format!("errors² of the {name} are {} times what the covariance says", short(level));
+        let p_value = chi_squared_p(level, one.independent(&case.kept));
+        found.push(Evidence { p_value, ..evidence.certain(kind, effect, level, sentence) });
     }
 }
 
