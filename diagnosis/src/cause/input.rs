@@ -148,12 +148,10 @@ pub(super) static STILL_INPUT: Cause = Cause {
         }
         let time = |sample: usize| short(case.record.time(sample));
         let until = if part.end == case.samples.end { "on".to_owned() } else { format!("to {} s", time(part.end)) };
+        let (from, times, others) = (time(part.start), short(there), short(elsewhere));
         let sentence = format!(
-            "the input is constant from {} s {until}, where innovations² are {} times what is expected ({} elsewhere): it \
-             is not recorded there, and no setting corrects that",
-            time(part.start),
-            short(there),
-            short(elsewhere)
+            "the input is constant from {from} s {until}, where innovations² are {times} times what is expected ({others} \
+             elsewhere): it is not recorded there, and no setting corrects that"
         );
         let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence).of_record();
         found.push(LikelyCause { samples: Some(part), ..likely });
@@ -241,11 +239,9 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
         if !is_clear {
             continue;
         }
-        let sentence = format!(
-            "the innovations of the {} contain {share:.2} times the ground's acceleration: it is not {is_told}, but \
-             `{is}`, and no setting of a filter corrects that",
-            one.sensor.key()
-        );
+        let contain =
+            format!("the innovations of the {} contain {share:.2} times the ground's acceleration", one.sensor.key());
+        let sentence = format!("{contain}: it is not {is_told}, but `{is}`, and no setting of a filter corrects that");
         found.push(LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence).of_record());
     }
 }

@@ -35,13 +35,9 @@ fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         if there <= RISE * elsewhere.max(1.0) {
             continue;
         }
-        let sentence = format!(
-            "{} of the readings of the {} {what}, where innovations² are {} times what is expected ({} elsewhere)",
-            percent(share),
-            one.sensor.key(),
-            short(there),
-            short(elsewhere)
-        );
+        let (some, name, times, others) = (percent(share), one.sensor.key(), short(there), short(elsewhere));
+        let level = format!("where innovations² are {times} times what is expected ({others} elsewhere)");
+        let sentence = format!("{some} of the readings of the {name} {what}, {level}");
         let with = |edits| LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone()).of_record();
         found.push(with(Vec::new()));
         if !bad.filter.robust.is_on() && bad.filter.can(&WEIGHED) && bad.filter.walk == 0.0 {
@@ -72,13 +68,8 @@ pub(super) static COARSE: Cause = Cause {
             }
             stds[place] = (own * own + step * step / 12.0).sqrt();
             most = most.max(step / own);
-            told.push(format!(
-                "the {} reads in steps of {} {}, {} times the assumed σ",
-                one.sensor.key(),
-                short(step),
-                length.in_place_of(one.sensor.unit()),
-                short(step / own)
-            ));
+            let (name, unit, times) = (one.sensor.key(), length.in_place_of(one.sensor.unit()), short(step / own));
+            told.push(format!("the {name} reads in steps of {} {unit}, {times} times the assumed σ", short(step)));
         }
         if told.is_empty() {
             return;
@@ -108,14 +99,9 @@ fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
         let [there, elsewhere] = marked.levels;
         most = there.max(most);
-        sentences.push(format!(
-            "{} of the readings of the {} stand alone and far off: their innovations² are {} times what is expected, those of \
-             the others {}",
-            percent(marked.share),
-            one.sensor.key(),
-            short(there),
-            short(elsewhere)
-        ));
+        let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
+        let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
+        sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
     }
     if sentences.is_empty() {
         return;
@@ -201,11 +187,9 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
                 bad.entry("correlation_time", bias, samples * case.record.dt()),
                 bad.edit("sensor_std", stds),
             ];
-            let sentence = format!(
-                "the noise of the {} is coloured, with a correlation time of about {} s: a bias can model it",
-                one.sensor.key(),
-                short(samples * case.record.dt())
-            );
+            let (name, time) = (one.sensor.key(), short(samples * case.record.dt()));
+            let coloured = format!("the noise of the {name} is coloured, with a correlation time of about {time} s");
+            let sentence = coloured + ": a bias can model it";
             found.push(LikelyCause::new(cause, first / (1.0 + first), 2.0, edits, sentence));
         }
     }

@@ -73,12 +73,8 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let sentence = format!("the {name} is {}{space}{unit}, over 1000 times any start", short(mean.abs()));
             push(mean.abs() / (FAR * start), sentence);
         } else if channel == Channel::NATURAL_FREQUENCY {
-            let sentence = format!(
-                "the {name} is {} rad/s; samples {} s apart show nothing above {} rad/s",
-                short(mean.abs()),
-                short(case.record.dt()),
-                short(nyquist)
-            );
+            let [size, dt, most] = [mean.abs(), case.record.dt(), nyquist].map(short);
+            let sentence = format!("the {name} is {size} rad/s; samples {dt} s apart show nothing above {most} rad/s");
             push(mean.abs() / nyquist, sentence);
         }
         if channel.is_positive() && case.estimates.initial_std(place) > 0.0 {
@@ -361,12 +357,9 @@ pub(super) static DIVERSITY: Test = Test {
                 continue;
             }
             let times = libm::exp(lost.min(700.0));
-            let sentence = format!(
-                "resampling alone makes σ of the {} {} times smaller, {} of all its shrinking",
-                channel.name(),
-                short(times),
-                percent(share)
-            );
+            let (name, times, part) = (channel.name(), short(times), percent(share));
+            let sentence =
+                format!("resampling alone makes σ of the {name} {times} times smaller, {part} of all its shrinking");
             let effect = (share / SHARE).min(lost / libm::log(TIMES));
             let one = Evidence::new(test, Subject::Channel(channel), case);
             found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));

@@ -173,9 +173,9 @@ impl Columns<'_> {
         }
         if let Some((first, count)) = fill(&mut values) {
             let time = timing.start + first as f64 * timing.dt;
-            self.remarks.push(format!(
-                "the input is missing in {count} sample(s), the first at {time} s; it is interpolated there"
-            ));
+            let said =
+                format!("the input is missing in {count} sample(s), the first at {time} s; it is interpolated there");
+            self.remarks.push(said);
         }
         Ok(self.conditioning.input(values, hold))
     }

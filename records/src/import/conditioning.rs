@@ -231,9 +231,9 @@ pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &Mappe
     let name = &column.name;
     let word = column.word.as_ref().map(|word| {
         let (count, line) = (column.words, word.line);
+        let text = &word.text;
         format!(
-            "{count} cell(s) of `{name}` have a word such as `{}`, the first in line {line}: they count as missing",
-            word.text
+            "{count} cell(s) of `{name}` have a word such as `{text}`, the first in line {line}: they count as missing"
         )
     });
     let number = match mapped.missing {

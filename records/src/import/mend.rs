@@ -158,23 +158,18 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
             let ends = [&[0], &backward[..], &[rows.len()]].concat();
             let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
             let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
+            let (begin, first, last, parts) =
+                (line(backward[0]), line(longest.start), line(longest.end - 1), ends.len() - 1);
             said.push(format!(
-                "the times in `{name}` begin again in line {}: of {} parts the longest is read, lines {} to {}; to read another, save it \
-                 as a file",
-                line(backward[0]),
-                ends.len() - 1,
-                line(longest.start),
-                line(longest.end - 1)
+                "the times in `{name}` begin again in line {begin}: of {parts} parts the longest is read, lines {first} to {last}; to \
+                 read another, save it as a file"
             ));
             rows = rows[longest].to_vec();
         } else if backward.len() <= SET_BACK {
             for &k in &backward {
                 let shift = times[rows[k - 1]] + step - times[rows[k]];
-                said.push(format!(
-                    "the clock `{name}` is set back by {:.3} of its unit in line {}: the times continue by a usual step",
-                    shift,
-                    line(k)
-                ));
+                let back = format!("set back by {shift:.3} of its unit in line {}", line(k));
+                said.push(format!("the clock `{name}` is {back}: the times continue by a usual step"));
                 rows[k..].iter().for_each(|&row| times[row] += shift);
             }
         }
@@ -182,11 +177,9 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
     let groups = of_one_time(&table, place, &times, &rows).unwrap_or_else(|| mapped(&rows, &|row| vec![*row]));
     if groups.len() < rows.len() {
         let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
-        said.push(format!(
-            "{} rows have the time of the row before them, the first is line {}: their last reading counts",
-            rows.len() - groups.len(),
-            table.line(first)
-        ));
+        let (more, line) = (rows.len() - groups.len(), table.line(first));
+        let before = format!("{more} rows have the time of the row before them, the first is line {line}");
+        said.push(before + ": their last reading counts");
     }
     if said.is_empty() {
         return table;

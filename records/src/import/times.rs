@@ -116,13 +116,12 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
         return (1.0, None);
     }
     if step < SLOW[1] {
-        let question = format!(
-            "the times in `{}` have no unit; in seconds they are {} samples a second: are they ms? They count as seconds until their unit \
-             is stated",
-            column.name,
-            rate(1.0)
+        let said = "are they ms? They count as seconds until their unit is stated";
+        let (name, rate) = (&column.name, rate(1.0));
+        return (
+            1.0,
+            Some(format!("the times in `{name}` have no unit; in seconds they are {rate} samples a second: {said}")),
         );
-        return (1.0, Some(question));
     }
     // Of several plausible units the one whose rate is nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
@@ -132,14 +131,11 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     match plausible.as_slice() {
         [] => (1.0, said("seconds", "steps", &format!(", of which a sample has {step}: state their unit"))),
         [(unit, size), others @ ..] => {
-            let (samples, seconds) = (rate(*size), rate(1.0));
+            let (samples, seconds) = (rate(*size), 1.0 / rate(1.0));
             let or = others.first().map(|(other, size)| format!(" (in {other} {} a second)", rate(*size)));
-            let or = or.unwrap_or_default();
-            let question = format!(
-                ", {samples} samples a second{or}; in seconds one in {:.0} s: state their unit if it is another",
-                1.0 / seconds
-            );
-            (*size, said(unit, "steps", &question))
+            let question =
+                format!(", {samples} samples a second{}; in seconds one in {seconds:.0} s", or.unwrap_or_default());
+            (*size, said(unit, "steps", &(question + ": state their unit if it is another")))
         }
     }
 }
@@ -202,11 +198,8 @@ impl Timing {
         let is_rounded = |worst: f64, dt: f64| worst * dt <= ROUNDED * resolution;
         let off_by = |worst: f64, dt: f64| {
             let why = if is_rounded(worst, dt) { ", as rounded ones are" } else { "" };
-            let percent = 100.0 * worst;
-            format!(
-                "the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used",
-                rounded(dt)
-            )
+            let (percent, dt) = (100.0 * worst, rounded(dt));
+            format!("the times are off by up to {percent:.0} % of a step{why}; even steps of {dt} s are used")
         };
         let (samples, places, (remark, gaps)) = (times.len(), Places::Rows, Default::default());
         let even = Self { start, dt, samples, places, worst, is_rounded: is_rounded(worst, dt), remark, gaps };
@@ -251,15 +244,10 @@ impl Timing {
     }
 
     pub(super) fn kept(&self) -> String {
-        let dt = rounded(self.dt);
+        let (dt, percent, own) = (rounded(self.dt), 100.0 * self.worst, "the filters use each reading at its own time");
         match self.places {
-            Places::Times(_) => format!(
-                "the times are irregular: the filters use each reading at its own time, and report at steps of {dt} s"
-            ),
-            _ => format!(
-                "the times are off by up to {:.0} % of a step of {dt} s: the filters use each reading at its own time",
-                100.0 * self.worst
-            ),
+            Places::Times(_) => format!("the times are irregular: {own}, and report at steps of {dt} s"),
+            _ => format!("the times are off by up to {percent:.0} % of a step of {dt} s: {own}"),
         }
     }
 
