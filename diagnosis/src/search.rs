@@ -101,11 +101,9 @@ impl Search {
             (remedy.clone(), priced(*rank, remedy.first.cause.key == UNKNOWN_FORCE), *achieved)
         };
         let mut all: Vec<(Remedy, f64, f64)> = mapped(&self.alone, &with_price);
-        for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
-            if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
-                continue;
-            }
-            let Some(remedy) = path.remedy() else { continue };
+        let is_needless = |path: &Path| self.paths.iter().any(|fewer| fewer.is_enough_for(path));
+        let tried = self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried);
+        for (path, remedy) in tried.filter(|path| !is_needless(path)).filter_map(|path| Some((path, path.remedy()?))) {
             let (key, path_rank) = (remedy.first.cause.key, path.priced_rank());
             match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
                 // Remedies that begin with the same cause are compared by their own gain, not that with all noise fitted.
@@ -176,10 +174,9 @@ impl Search {
                     shorter.rank += shorter.gain - self.paths[path].gain;
                 }
                 let precedence = |path: &Path| path.remedy().map(|remedy| remedy.precedence());
-                let is_better =
-                    shorter.gain >= self.paths[path].gain && precedence(&shorter) >= precedence(&self.paths[path]);
-                if is_better {
-                    self.paths[path] = *shorter;
+                let whole = &mut self.paths[path];
+                if shorter.gain >= whole.gain && precedence(&shorter) >= precedence(whole) {
+                    *whole = *shorter;
                     self.shorten(path, 0);
                 } else {
                     self.shorten(path, step + 1);
@@ -289,10 +286,7 @@ impl Task for Search {
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !self.is_done() {
-            if !self.trials.advance(while_time) {
-                break;
-            }
+        while !self.is_done() && self.trials.advance(while_time) {
             self.conclude();
             if !while_time() {
                 break;

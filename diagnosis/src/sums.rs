@@ -55,11 +55,9 @@ impl ChannelErrors {
             let mut last = 0.0;
             let by_part = std::array::from_fn(|part| {
                 let mut sums = ChannelErrorSums::default();
-                for k in range_of(part, samples) {
-                    let error = (means[k] - truth[k]) / variances[k].sqrt();
-                    if error.is_nan() || variances[k] == 0.0 {
-                        continue;
-                    }
+                let uncertain = range_of(part, samples).filter(|&k| variances[k] != 0.0);
+                let errors = uncertain.map(|k| (means[k] - truth[k]) / variances[k].sqrt());
+                for error in errors.filter(|error| !error.is_nan()) {
                     sums.count += 1.0;
                     sums.square += error * error;
                     sums.product += error * last;

@@ -211,12 +211,10 @@ pub(super) static UNLEARNT: Test = Test {
         let Some(last) = case.last() else { return };
         let is_considered = |channel| case.estimates.considers(channel);
         let of = |channel: Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
-        for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
-            let first = case.estimates.initial_std(place);
-            if first <= 0.0 {
-                continue;
-            }
-            let share = case.estimates.std(last, place) / first;
+        let known = |place: usize| case.estimates.initial_std(place) <= 0.0;
+        let channels = case.estimates.channels().iter().enumerate();
+        for (place, &channel) in channels.filter(|(place, c)| of(**c) && !known(*place)) {
+            let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
             let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
             let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
             let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));

@@ -124,7 +124,7 @@ fn with_turns(times: &mut [f64], turn: impl Fn(f64, f64) -> Option<f64>) -> Opti
     for (row, time) in times.iter_mut().enumerate() {
         if let Some(range) = turn(before, *time) {
             added += range;
-            first = first.or(Some((row, range)));
+            first.get_or_insert((row, range));
         }
         before = if time.is_nan() { before } else { *time };
         *time += added;

@@ -206,12 +206,8 @@ impl LiveRecord {
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
         let Some(begin) = self.begin else { return };
         let newest = steps(self.newest - begin, self.record.dt);
-        while self.record.len() < Self::MOST {
-            let sample = self.record.len() as f64;
-            if waits(newest, self, sample) {
-                break;
-            }
-            self.complete(sample);
+        while self.record.len() < Self::MOST && !waits(newest, self, self.record.len() as f64) {
+            self.complete(self.record.len() as f64);
         }
     }
 
