@@ -3,9 +3,7 @@
 mod smoothing;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::internals::Bank;
-use kalmanscope_core::internals::Waste;
-use kalmanscope_core::internals::mapped;
+use kalmanscope_core::internals::{Bank, Waste, mapped};
 use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
 use crate::Diagnosis;
@@ -21,8 +19,7 @@ const BOUND_CHUNK: usize = 2_000;
 /// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// The wanted ones of diagnostics, smoothed estimates and bounds of a run's filters. Each of the three is available
-/// once it is complete for all filters.
+/// The wanted results of a run's filters, each kind once it is complete for all of them.
 #[derive(Default)]
 pub struct Analysis {
     wanted: Wanted,
@@ -72,9 +69,8 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, the diagnosis may
-    /// be of an earlier sample: it is computed again when the number of new samples reaches half the number of kept
-    /// ones, and at the end. While diagnoses are put off, it is that of an earlier run with as many samples.
+    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, it is computed again after half as
+    /// many samples as are kept, and at the end; while diagnoses are put off, it is that of an earlier run with as many samples.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }
@@ -194,7 +190,6 @@ impl Analysis {
         self.recycle(old);
     }
 
-    /// Returns early once `while_time`, called after each small piece of work, is false. Returns whether all is done.
     pub(crate) fn advance(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
         if self.wanted.diagnostics.is_some() && !self.diagnosed {

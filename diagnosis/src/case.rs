@@ -6,10 +6,8 @@ use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::mapped;
 use kalmanscope_core::{Diagnostics, Estimates, Record};
 
-use super::errors::ChannelErrors;
-use super::innovations::{Pair, SensorInnovations};
-use super::parts::{self, ALL, Chosen, PARTS};
 use super::periodogram::Periodogram;
+use super::sums::{ALL, ChannelErrors, Chosen, PARTS, Pair, SensorInnovations, range_of, sum_over};
 
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
@@ -92,7 +90,7 @@ impl<'a> Case<'a> {
     }
 
     pub(crate) fn part(&self, part: usize) -> Range<usize> {
-        parts::range(part, &self.samples)
+        range_of(part, &self.samples)
     }
 
     pub(crate) fn expected_correlation(&self, [i, j]: [usize; 2]) -> f64 {
@@ -137,10 +135,6 @@ impl<'a> Case<'a> {
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
 
-    pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
-        self.ranges(|part| self.bad[part] || self.forgiven[part])
-    }
-
     pub(super) fn ranges(&self, is_chosen: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for part in (0..PARTS).filter(|&part| is_chosen(part)) {
@@ -161,7 +155,7 @@ impl<'a> Case<'a> {
 
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
         let total = |of: fn(kalmanscope_core::diagnostics::Total) -> f64| {
-            parts::sum(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
+            sum_over(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
         };
         let degrees = total(|total| f64::from(total.degrees));
         (total(|total| total.sum) / degrees, degrees)

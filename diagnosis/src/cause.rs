@@ -19,9 +19,8 @@ use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario};
 
 use super::case::Case;
 use super::checks::{Evidence, Subject};
-use super::innovations::SensorInnovations;
-use super::parts::FIRST_CROSS_LAG;
 use super::periodogram::Periodogram;
+use super::sums::{FIRST_CROSS_LAG, SensorInnovations};
 
 /// Every cause. A new one is an item of a file and a line here.
 pub static CAUSES: &[&Cause] = &[
@@ -115,7 +114,6 @@ pub struct LikelyCause {
     /// Whether a hardening spring, or a slow force that fits as well, rules it out.
     pub(crate) softens: bool,
     pub(crate) renews_guess: bool,
-    /// Whether the record itself shows it, without a model: it comes before every other cause.
     pub(crate) of_record: bool,
     /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
     pub(crate) silences: bool,
@@ -164,6 +162,10 @@ impl BadFilter<'_> {
 
     pub(crate) fn edit(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
         Edit::of_filter(self.filter.id, key, value)
+    }
+
+    pub(crate) fn entry(&self, table: &str, channel: Channel, value: f64) -> Edit {
+        self.edit(&format!("{table}.{}", channel.key()), value)
     }
 
     pub(crate) fn begins(&self, key: &str, mean: f64, std: f64) -> [Edit; 3] {
@@ -226,6 +228,11 @@ impl LikelyCause {
             of_record: false,
             silences: false,
         }
+    }
+
+    /// The evidence is enough without a trial, and the record itself shows it, without a model: it comes before every other cause.
+    pub(crate) fn of_record(self) -> Self {
+        Self { certain: true, of_record: true, ..self }
     }
 }
 

@@ -5,7 +5,7 @@
 //! Case ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ LikelyCauses ──trials, search──▶ Remedies
 //! ```
 //!
-//! Each test ([`Test`]) is an item of a file in `checks/`, each cause ([`Cause`]) one in `cause/`.
+//! Each test is an item of a file in `checks/`, each cause one in `cause/`.
 
 use std::ops::Range;
 
@@ -30,8 +30,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// The diagnosis of a filter from its estimates, its record and their diagnostics. `None` if the diagnostics have
-    /// the depth [`Depth::Consistency`].
+    /// The diagnosis of a filter. `None` if the diagnostics have the depth [`Depth::Consistency`].
     ///
     /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Self> {
@@ -55,7 +54,8 @@ impl Diagnosis {
         }
         checks::decide(&mut evidence);
         let verdict = Verdict::of(&case, &evidence);
-        Some(Self { verdict, evidence, bad_parts: case.bad_samples(), samples })
+        let bad_parts = case.ranges(|part| case.bad[part] || case.forgiven[part]);
+        Some(Self { verdict, evidence, bad_parts, samples })
     }
 
     /// The likeliest by the evidence, without a trial, come first; for a good verdict other models that may be likelier.

@@ -17,10 +17,11 @@ use crate::{CAUSES, Search};
 
 pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
+pub use rows::MeasureKind;
 
 use info::MeasureSubject;
 use observed::ObservedSums;
-use rows::{ROWS, Row};
+use rows::ROWS;
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
 ///
@@ -45,11 +46,6 @@ pub struct Measure {
     sensor: Option<Quantity>,
 }
 
-/// A measure without the channel or the sensor that it is of. In text it is a word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct MeasureKind(Row);
-
 /// The reason why a text is no measure.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("`{0}` is no score; there are {plain}, and with a channel behind a dot {of_channels}, with a sensor {of_sensors}",
@@ -59,59 +55,55 @@ pub struct MeasureKind(Row);
 pub struct UnknownMeasure(pub String);
 
 fn words(is_it: fn(&MeasureSubject) -> bool) -> String {
-    ROWS.iter()
-        .map(|row| row.info())
-        .filter(|info| is_it(&info.of))
-        .map(|info| info.word)
-        .collect::<Vec<_>>()
-        .join(", ")
+    let infos = ROWS.iter().map(|kind| kind.info()).filter(|info| is_it(&info.of));
+    infos.map(|info| info.word).collect::<Vec<_>>().join(", ")
 }
 
 impl Measure {
     /// Mean normalised innovation squared over its degrees of freedom: 1 is expected.
-    pub const NIS: Self = Self::row(Row::Nis, None, None);
+    pub const NIS: Self = Self::row(MeasureKind::Nis, None, None);
     /// Mean normalised estimation error squared over its degrees of freedom: 1 is expected.
-    pub const NEES: Self = Self::row(Row::Nees, None, None);
+    pub const NEES: Self = Self::row(MeasureKind::Nees, None, None);
     /// The distance of the mean NIS from its expectation, in standard deviations of the mean of white innovations.
-    pub const CONSISTENCY: Self = Self::row(Row::Consistency, None, None);
+    pub const CONSISTENCY: Self = Self::row(MeasureKind::Consistency, None, None);
     /// Log likelihood of all measurements.
-    pub const LOG_LIKELIHOOD: Self = Self::row(Row::LogLikelihood, None, None);
+    pub const LOG_LIKELIHOOD: Self = Self::row(MeasureKind::LogLikelihood, None, None);
     /// Whether the filter stopped or lost the truth.
-    pub const DIVERGED: Self = Self::row(Row::Diverged, None, None);
+    pub const DIVERGED: Self = Self::row(MeasureKind::Diverged, None, None);
     /// Whether the filter stopped.
-    pub const STOPPED: Self = Self::row(Row::Stopped, None, None);
+    pub const STOPPED: Self = Self::row(MeasureKind::Stopped, None, None);
     /// The verdict.
-    pub const VERDICT: Self = Self::row(Row::Verdict, None, None);
+    pub const VERDICT: Self = Self::row(MeasureKind::Verdict, None, None);
     /// The first cause of a bad verdict, of the whole run. To find it takes up to seconds ([`FirstCause`]).
-    pub const CAUSE: Self = Self::row(Row::Cause, None, None);
+    pub const CAUSE: Self = Self::row(MeasureKind::Cause, None, None);
 
-    const fn row(row: Row, channel: Option<Channel>, sensor: Option<Quantity>) -> Self {
-        Self { kind: MeasureKind(row), channel, sensor }
+    const fn row(kind: MeasureKind, channel: Option<Channel>, sensor: Option<Quantity>) -> Self {
+        Self { kind, channel, sensor }
     }
 
     /// The last error of a channel, estimate minus truth, in its unit.
     pub const fn error(channel: Channel) -> Self {
-        Self::row(Row::Error, Some(channel), None)
+        Self::row(MeasureKind::Error, Some(channel), None)
     }
 
     /// Root mean square error of a channel over all samples.
     pub const fn rmse(channel: Channel) -> Self {
-        Self::row(Row::Rmse, Some(channel), None)
+        Self::row(MeasureKind::Rmse, Some(channel), None)
     }
 
     /// The last estimate of a channel.
     pub const fn estimate(channel: Channel) -> Self {
-        Self::row(Row::Estimate, Some(channel), None)
+        Self::row(MeasureKind::Estimate, Some(channel), None)
     }
 
     /// The last standard deviation of a channel.
     pub const fn std(channel: Channel) -> Self {
-        Self::row(Row::Std, Some(channel), None)
+        Self::row(MeasureKind::Std, Some(channel), None)
     }
 
     /// Root mean square error of the identified model's free run, for one sensor in its unit.
     pub const fn free_run(sensor: Quantity) -> Self {
-        Self::row(Row::FreeRun, None, Some(sensor))
+        Self::row(MeasureKind::FreeRun, None, Some(sensor))
     }
 
     /// A measure of a channel or a sensor, as far as its kind has one. `None` if it needs a channel or a sensor that is not given.
@@ -182,26 +174,19 @@ impl Measure {
 
     /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.
     pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
-        self.kind.0.within(&run.at(self, times))
+        self.kind.within(&run.at(self, times))
     }
 }
 
 impl MeasureKind {
     /// Every kind, in the order of tables.
     pub fn all() -> impl Iterator<Item = Self> {
-        ROWS.iter().map(|row| Self(*row))
+        ROWS.iter().copied()
     }
 
     /// The kind of this word.
     pub fn from_word(word: &str) -> Option<Self> {
-        // Older words.
-        let word = if ["inside", "share_inside"].contains(&word) { "coverage" } else { word };
         Self::all().find(|kind| kind.info().word == word)
-    }
-
-    /// Its description.
-    pub fn info(self) -> &'static MeasureInfo {
-        self.0.info()
     }
 
     /// Whether it is of a channel.

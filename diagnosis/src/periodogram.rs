@@ -3,8 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use kalmanscope_core::internals::Transform;
-use kalmanscope_core::internals::{mapped, numbers};
+use kalmanscope_core::internals::{Transform, numbers};
 
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
@@ -25,10 +24,6 @@ pub struct Periodogram {
     pub(crate) power: Vec<f64>,
 }
 
-fn window_length(samples: usize) -> Option<usize> {
-    (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
-}
-
 /// The least frequency, in cycles per window: below it the window's own shape dominates.
 const FIRST: usize = 2;
 
@@ -36,8 +31,12 @@ impl Periodogram {
     /// Of several series of one length, over windows with no sample outside some ranges, of which no two are adjacent.
     pub fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
         let samples = series.first().map_or(0, Vec::len);
-        let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
-        let length = windows.length;
+        let lengths = (0..).map(|i| LONGEST >> i).take_while(|length| *length >= SHORTEST);
+        let fits = |length: &usize| length * WINDOWS <= samples;
+        let Some(length) = lengths.into_iter().find(fits) else { return vec![Self::default(); series.len()] };
+        let weights = numbers(length, &|k| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2));
+        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let mut windows = WelchWindows { transform: Transform::new(length), weights, buffer: vec![(0.0, 0.0); length] };
         let begins = kept.iter().flat_map(|run| run.clone().step_by(length).take(run.len() / length));
         let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series.len()];
         for begin in begins {
@@ -53,7 +52,7 @@ impl Periodogram {
             if one.windows < WINDOWS / 2 {
                 return Self::default();
             }
-            one.power.iter_mut().for_each(|power| *power = *power * windows.scale / one.windows as f64);
+            one.power.iter_mut().for_each(|power| *power = *power * scale / one.windows as f64);
             one
         };
         all.into_iter().map(mean).collect()
@@ -76,25 +75,16 @@ impl Periodogram {
 }
 
 struct WelchWindows {
-    length: usize,
     transform: Transform,
     weights: Vec<f64>,
-    scale: f64,
     buffer: Vec<(f64, f64)>,
 }
 
 impl WelchWindows {
-    fn of(samples: usize) -> Option<Self> {
-        let length = window_length(samples)?;
-        let weights: Vec<f64> = numbers(length, &|k| libm::sin(PI * (k as f64 + 0.5) / length as f64));
-        let weights = mapped(&weights, &|w| w * w);
-        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        Some(Self { length, transform: Transform::new(length), weights, scale, buffer: vec![(0.0, 0.0); length] })
-    }
-
     /// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
     fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Vec<Vec<[f64; 2]>> {
-        let Self { length, transform, weights, buffer, .. } = self;
+        let Self { transform, weights, buffer } = self;
+        let length = weights.len();
         let of_pair = |pair: &[Vec<f64>]| {
             for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(&*weights)) {
                 *slot = (weight * pair[0][k], pair.get(1).map_or(0.0, |second| weight * second[k]));
@@ -102,12 +92,12 @@ impl WelchWindows {
             transform.apply(buffer);
             let power = |j: usize| {
                 // The real series' transform is the even part, the imaginary one's the odd part.
-                let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[*length - j]);
+                let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[length - j]);
                 let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
                 let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
                 [0.25 * (even_re * even_re + even_im * even_im), 0.25 * (odd_re * odd_re + odd_im * odd_im)]
             };
-            (FIRST..*length / 2 - 1).map(power).collect()
+            (FIRST..length / 2 - 1).map(power).collect()
         };
         series.chunks(2).map(of_pair).collect()
     }

@@ -192,8 +192,7 @@ pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::O
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Weights in the logarithm of the odds: a constant, first place, the lead of the gain on a logarithmic scale, that the remedy explains the
-/// verdict, that another one does, that it is certain, that another one is, and further causes.
+/// Weights in the logarithm of the odds, of what [`Remedy::probabilities`] sees.
 /// They are the likeliest for 1,920 situations of the benchmark `diagnosis`, from seed 500,000 on. The constant and the weight of an
 /// explained verdict are larger, so that half of the remedies that explain nothing are right where one fault in five has no name here.
 /// Source: Platt (1999), Probabilistic outputs for support vector machines.

@@ -1,12 +1,10 @@
-//! The search for remedies of several causes. It repairs one cause, diagnoses the filter again, and tries causes of the
-//! remaining misfit on the repaired filter.
+//! The search for remedies of several causes, which are repaired one after the other.
 //!
 //! ```text
 //! filter ──trials──▶ causes ──the best repaired──▶ filter ──trials──▶ causes ... until it is good or nothing pays
 //! ```
 //!
-//! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
-//! that a later one has made needless.
+//! Each cause must gain more log likelihood than its numbers cost. The last step removes causes that a later one has made needless.
 
 use std::sync::Arc;
 
@@ -62,8 +60,7 @@ enum Stage {
 }
 
 impl Diagnosis {
-    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
-    /// [`Self::new`].
+    /// The search for remedies of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
     ///
     /// # Errors
     /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
@@ -95,8 +92,7 @@ impl Search {
         self.before.as_ref().or_else(|| self.trials.before().filter(|_| matches!(self.stage, Stage::Causes(None))))
     }
 
-    /// The remedies that have been found so far, each of one cause or several: those that end in a good verdict come
-    /// first, then the likeliest. No two begin with the same cause, or have the same causes.
+    /// The remedies so far: those that end in a good verdict come first, then the likeliest. No two begin with the same cause.
     pub fn remedies(&self) -> Vec<Remedy> {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.ranked().into_iter().map(|ranked| ranked.remedy).collect();
@@ -105,11 +101,9 @@ impl Search {
             (remedy.clone(), priced(*rank, remedy.first.cause.key == UNKNOWN_FORCE), *achieved)
         };
         let mut all: Vec<(Remedy, f64, f64)> = mapped(&self.alone, &with_price);
-        for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
-            if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
-                continue;
-            }
-            let Some(remedy) = path.remedy() else { continue };
+        let is_needless = |path: &Path| self.paths.iter().any(|fewer| fewer.is_enough_for(path));
+        let tried = self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried);
+        for (path, remedy) in tried.filter(|path| !is_needless(path)).filter_map(|path| Some((path, path.remedy()?))) {
             let (key, path_rank) = (remedy.first.cause.key, path.priced_rank());
             match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
                 // Remedies that begin with the same cause are compared by their own gain, not that with all noise fitted.
@@ -121,11 +115,10 @@ impl Search {
             }
         }
         sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
-        let mut known: Vec<Vec<&str>> = Vec::new();
+        let mut known = Vec::new();
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
-            let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
-            sort_items(&mut keys, Ord::cmp);
+            let keys = sorted_keys(remedy.causes());
             let is_new = !known.contains(&keys);
             known.push(keys);
             is_new
@@ -181,23 +174,15 @@ impl Search {
                     shorter.rank += shorter.gain - self.paths[path].gain;
                 }
                 let precedence = |path: &Path| path.remedy().map(|remedy| remedy.precedence());
-                let is_better =
-                    shorter.gain >= self.paths[path].gain && precedence(&shorter) >= precedence(&self.paths[path]);
-                if is_better {
-                    self.paths[path] = *shorter;
+                let whole = &mut self.paths[path];
+                if shorter.gain >= whole.gain && precedence(&shorter) >= precedence(whole) {
+                    *whole = *shorter;
                     self.shorten(path, 0);
                 } else {
                     self.shorten(path, step + 1);
                 }
             }
             Stage::Done => {}
-        }
-    }
-
-    fn shorten_first(&mut self) {
-        match self.remedies().first().and_then(|first| self.place_of(first)) {
-            Some(path) => self.shorten(path, 0),
-            None => self.stage = Stage::Done,
         }
     }
 
@@ -263,7 +248,10 @@ impl Search {
                 self.run(&path, true);
                 self.stage = Stage::Causes(Some(place));
             }
-            None => self.shorten_first(),
+            None => match self.remedies().first().and_then(|first| self.place_of(first)) {
+                Some(path) => self.shorten(path, 0),
+                None => self.stage = Stage::Done,
+            },
         }
     }
 
@@ -274,6 +262,12 @@ impl Search {
         let is_open = after.as_ref()?.kind == VerdictKind::Consistent && !is_tried && steps.len() < STEPS;
         (is_open && self.filters < FILTERS).then_some(place)
     }
+}
+
+fn sorted_keys<'a>(causes: impl Iterator<Item = &'a LikelyCause>) -> Vec<&'static str> {
+    let mut keys: Vec<_> = causes.map(|likely| likely.cause.key).collect();
+    sort_items(&mut keys, Ord::cmp);
+    keys
 }
 
 fn priced(rank: f64, is_force: bool) -> f64 {
@@ -292,10 +286,7 @@ impl Task for Search {
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !self.is_done() {
-            if !self.trials.advance(while_time) {
-                break;
-            }
+        while !self.is_done() && self.trials.advance(while_time) {
             self.conclude();
             if !while_time() {
                 break;
@@ -356,8 +347,7 @@ impl Path {
 
     fn without(&self, place: usize, origin: &Scenario) -> Option<Self> {
         let mut path = Self { rank: self.rank, is_tried: true, ..Self::new(origin) };
-        for (_, step) in self.steps.iter().enumerate().filter(|(i, _)| *i != place) {
-            let mut step = step.clone();
+        for mut step in [&self.steps[..place], &self.steps[place + 1..]].concat() {
             let augment = &path.scenario.filters.first()?.augment;
             let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
             let is_list = |edit: &&mut Edit| edit.inner() == AUGMENT;
@@ -377,9 +367,7 @@ impl Path {
     }
 
     fn causes(&self) -> Vec<&'static str> {
-        let mut keys: Vec<_> = mapped(&self.steps, &|step| step.likely.cause.key);
-        sort_items(&mut keys, Ord::cmp);
-        keys
+        sorted_keys(self.steps.iter().map(|step| &step.likely))
     }
 
     fn is_enough_for(&self, other: &Self) -> bool {

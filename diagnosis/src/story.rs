@@ -32,8 +32,7 @@ pub struct Story {
 }
 
 impl Story {
-    /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
-    /// diagnosis at the same place. Filters without diagnostics are left out.
+    /// The story of the part of a run that is done, with diagnostics and diagnosis of each filter; one without the first is left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
         let changes = happening::changes_of(run.scenario());
         let is_measured = run.source().is_measured();
@@ -59,8 +58,7 @@ impl Story {
         Self { sentences, aside }
     }
 
-    /// The same, with a sentence that compares filters with themselves before a change, which `words` names. Each filter has its
-    /// id, its name, and its diagnostics before and now.
+    /// The same, with a sentence that compares filters (id, name, diagnostics before and now) over a change, which `words` names.
     #[must_use]
     pub fn compared(mut self, words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Self {
         self.sentences.extend(sentences::of_comparison(words, filters));

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::Tape;
-use kalmanscope_core::internals::Revision;
-use kalmanscope_core::internals::Spare;
-use kalmanscope_core::internals::numbers;
+use kalmanscope_core::internals::{Revision, Spare, numbers};
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Record, Run, RunError, Scenario, Source, Update};
 
@@ -23,8 +21,7 @@ fn forgotten_of(window: usize) -> usize {
     window - window / 4
 }
 
-/// A run and its analysis, which make one picture. The run can be extended ([`Self::advance_to`]), or replaced by one
-/// that a [`Job`](crate::Job) has computed beside it.
+/// A run and its analysis, which make one picture. It can be extended, or replaced by one that a [`Job`] has computed beside it.
 pub struct Study {
     run: Run,
     analysis: Analysis,
@@ -33,8 +30,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// A study before the first sample. It keeps at most `window` samples of a simulated run, and forgets the first
-    /// three quarters of them at that limit.
+    /// A study before the first sample. At `window` samples of a simulated run it forgets the first three quarters of them.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible, or the source does not fit it.
@@ -68,8 +64,7 @@ impl Study {
         self.analysis.want(wanted);
     }
 
-    /// Says whether to put off the diagnoses of new samples and of [`Job`](crate::Job)s begun from now on. While a number is
-    /// dragged, they change faster than anybody reads.
+    /// Puts off the diagnoses of new samples and [`Job`]s, or no longer: while a number is dragged, nobody can read them.
     pub fn put_off_diagnoses(&mut self, wait: bool) {
         self.analysis.waits = wait;
     }
@@ -79,8 +74,7 @@ impl Study {
         self.analysis.waits
     }
 
-    /// Returns unused memory to the system, except for what the next edit needs. Calls `while_time` after each piece and
-    /// returns early if it is false. Returns whether everything is done.
+    /// Returns unused memory to the system until `while_time`, called after each piece, is false. Returns whether all is done.
     pub fn free(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.analysis.free_one() {
             if !while_time() {
@@ -90,9 +84,8 @@ impl Study {
         true
     }
 
-    /// Runs all filters side by side until `samples` samples, counted from the beginning, are done, and the analysis
-    /// with them. Calls `while_time` after each piece of work of about a millisecond and returns early if it is false.
-    /// Returns whether everything is done.
+    /// Runs all filters side by side until `samples` samples, counted from the beginning, are done, and the analysis with them, or
+    /// until `while_time`, called about every millisecond, is false. Returns whether everything is done.
     pub fn advance_to(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         if !self.free(while_time) {
             return false;
@@ -135,10 +128,7 @@ impl Study {
 }
 
 /// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the
-/// job is [finished](Self::finish), so that a screen always shows one complete picture.
-///
-/// The core has no clock: the caller decides when the time is up. The results are bit-identical however the work is
-/// divided.
+/// job is [finished](Self::finish), so that a screen always shows one complete picture. The bits are the same however the work is divided.
 ///
 /// ```
 /// use kalmanscope_core::{Scenario, Source};
@@ -185,8 +175,8 @@ impl Progress {
 }
 
 impl Job {
-    /// The job that computes `samples` samples of a study with another scenario, and with another source if one is
-    /// given. A record and filters that the change does not affect are reused, if the study has as many samples.
+    /// The job that computes `samples` samples of a study with another scenario, and maybe another source. It reuses what the change
+    /// does not affect, if the study has as many samples.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible, or the source does not fit it.
@@ -221,9 +211,8 @@ impl Job {
         self.revision.own_record().unwrap_or(study.run.record()).dt()
     }
 
-    /// Computes until `while_time` returns false, which is called after each piece of work of about a millisecond. The
-    /// record comes first, then the filters from the cheapest to the costliest, then the analysis. `study` is the study
-    /// that the job was made for.
+    /// Computes until `while_time`, called about every millisecond, returns false: the record, then the filters from the cheapest to the
+    /// costliest, then the analysis. `study` is the one that the job was made for.
     pub fn advance(&mut self, study: &Study, while_time: &mut dyn FnMut() -> bool) -> Progress {
         while !self.done {
             let record = study.run.record();
@@ -281,8 +270,8 @@ impl Job {
         study.analysis.recycle(self.analysis);
     }
 
-    /// Leaves the changed filters that would take longer than `seconds` on an ordinary processor to the caller, and
-    /// returns their places. The job continues with the others. Empty if the job does not keep the whole record.
+    /// Leaves the changed filters that take longer than `seconds` on an ordinary processor to the caller: the places that it returns.
+    /// None if the job does not keep the whole record.
     pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples && *stage == *goal;

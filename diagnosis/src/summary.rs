@@ -62,8 +62,7 @@ pub struct Score {
 }
 
 impl Summary {
-    /// The log likelihood as the evidence of a model class ([`ModelClasses`](kalmanscope_core::ModelClasses)): minus infinity where the
-    /// filter stopped.
+    /// The log likelihood as the evidence of a model class: minus infinity where the filter stopped.
     pub fn log_evidence(&self) -> f64 {
         if self.stop.is_some() { f64::NEG_INFINITY } else { self.log_likelihood }
     }

@@ -71,11 +71,7 @@ impl Trials {
         filter.smoother = false;
         let first = estimates.len().min(record.len()).saturating_sub(WINDOW);
         if record.forgotten() + first > 0 && !estimates.is_empty() {
-            for (channel_place, &channel) in estimates.channels().iter().enumerate() {
-                if !filter.knows(channel) {
-                    filter.initial_mean[channel] = estimates.mean(first)[channel_place];
-                }
-            }
+            begin_at(&mut filter, estimates, first);
         }
         let mut own = None;
         if filter.kind.is_sampled() {
@@ -223,12 +219,7 @@ impl Trials {
     fn begun_anew(&self, at: usize) -> Option<f64> {
         let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
         let mut scenario = self.scenario.clone();
-        let filter = scenario.filters.first_mut()?;
-        for (place, &channel) in unturned.channels().iter().enumerate() {
-            if !filter.knows(channel) {
-                filter.initial_mean[channel] = unturned.mean(at)[place];
-            }
-        }
+        begin_at(scenario.filters.first_mut()?, unturned, at);
         let record = self.record_of(&scenario)?;
         let rest = record.part(at..record.len());
         let mut scores = Scores::new(&Pass::history(&scenario, 0).ok()?, &rest);
@@ -236,6 +227,14 @@ impl Trials {
         pass.follow(&rest, rest.len(), &mut scores.against(&rest));
         let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
         pass.stop.is_none().then(|| before + scores.outcome().log_likelihood)
+    }
+}
+
+fn begin_at(filter: &mut FilterSettings, estimates: &Estimates, sample: usize) {
+    for (&channel, mean) in estimates.channels().iter().zip(estimates.mean(sample)) {
+        if !filter.knows(channel) {
+            filter.initial_mean[channel] = *mean;
+        }
     }
 }
 

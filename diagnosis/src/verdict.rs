@@ -126,11 +126,8 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
             let (word, known, open) =
                 if both[0] < both[1] { ("product", both[0], both[1]) } else { ("ratio", both[1], both[0]) };
             if known < RIDGE * open {
-                let (one, other) = (channels[i].name(), channels[j].name());
-                text += &format!(
-                    "; only the {word} of the {one} and the {other} is known, to {}",
-                    percent(known.max(0.0).sqrt())
-                );
+                let (one, other, std) = (channels[i].name(), channels[j].name(), percent(known.max(0.0).sqrt()));
+                text += &format!("; only the {word} of the {one} and the {other} is known, to {std}");
             }
         }
     }

@@ -26,7 +26,6 @@ mod findings;
 mod gallery;
 mod inside;
 mod job;
-mod judgement;
 mod look_ahead;
 mod measured;
 mod measures;
@@ -34,5 +33,23 @@ mod plucks;
 mod snapshots;
 mod start_value_records;
 mod start_values;
-mod story;
 mod verdicts;
+
+use kalmanscope_core::{Diagnostics, Estimates, Record, Run, Task as _};
+use kalmanscope_diagnosis::{Diagnosis, Remedy, VerdictKind};
+
+fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
+    let diagnostics = Diagnostics::new(estimates, record);
+    Diagnosis::new(&diagnostics, estimates, record).unwrap()
+}
+
+fn verdict(run: &Run, filter: usize) -> VerdictKind {
+    diagnosis(&run.estimates()[filter], run.record()).verdict.unwrap().kind
+}
+
+fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy> {
+    let estimates = &run.estimates()[filter];
+    let diagnostics = Diagnostics::new(estimates, record);
+    let search = diagnosis(estimates, record).search(run.scenario(), filter, &diagnostics, estimates, record);
+    search.unwrap().run()
+}

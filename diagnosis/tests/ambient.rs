@@ -4,9 +4,9 @@ use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, Quantity, Record};
 use kalmanscope_diagnosis::VerdictKind;
 
-use crate::judgement::verdict;
 use crate::numbers::{Random, motion, rms};
 use crate::run::{finished_on, forced, last};
+use crate::verdict;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Accelerometer {

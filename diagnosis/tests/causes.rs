@@ -9,8 +9,8 @@ use kalmanscope_core::{
 };
 use kalmanscope_diagnosis::{Remedy, VerdictKind, in_percent};
 
-use crate::judgement::{diagnosis, remedies};
 use crate::run::{finished_on, forced, last, measured, one_filter, oscillator, with_fault, with_input};
+use crate::{diagnosis, remedies};
 
 fn found(scenario: &Scenario) -> Vec<Remedy> {
     on_record(scenario, measured(scenario))

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, simulate};
 use kalmanscope_diagnosis::{CAUSES, Diagnosis, Evidence, Subject, TESTS, VerdictKind};
 
-use crate::judgement::{diagnosis, remedies};
 use crate::numbers::{mean, rms};
 use crate::run::{built_in, finished, finished_on, readings, with_input};
 use crate::situations::{FIRST, Fault, Situation, largest_error, without_truth};
 use crate::threads::on_two_threads;
+use crate::{diagnosis, remedies};
 
 struct Outcome {
     fault: Fault,

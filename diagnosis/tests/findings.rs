@@ -7,7 +7,7 @@ use kalmanscope_diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
 
-use crate::judgement::diagnosis;
+use crate::diagnosis;
 use crate::run::{asset, bound, finished, finished_on};
 use crate::situations::largest_error;
 

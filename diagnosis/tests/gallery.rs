@@ -4,7 +4,7 @@ use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Force, PlantKind, Record, Scenario, simulate};
 
-use crate::judgement::diagnosis;
+use crate::diagnosis;
 use crate::run::{asset, assets, finished, finished_on, last};
 
 fn faults(scenario: &Scenario) -> Vec<String> {

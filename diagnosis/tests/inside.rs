@@ -1,24 +1,26 @@
-//! Parts of the evidence alone: spectra, changes, readings, two sensors that disagree, and numbers in words.
+//! Parts of the evidence alone: spectra, changes, readings, two sensors that disagree, and numbers in words and in stories.
 
 use kalmanscope_core::filter::Normal;
+use kalmanscope_core::signal::Step;
+use kalmanscope_core::{Channel, Scenario, Signal};
 use kalmanscope_diagnosis::internals::{
     Agreement, Periodogram, Readings, change_point, percent, percent_to_a_tenth, plain, seconds, short, still_part,
 };
-use kalmanscope_diagnosis::with_band;
+use kalmanscope_diagnosis::{Adjustable, Phrase, Story, with_band};
+
+use crate::run::finished;
 
 #[test]
 fn white_noise_is_flat_and_a_wave_is_a_line() {
     let mut normal = Normal::from_seed(3);
     let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
     let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
-    let [flat, line] = &Periodogram::of_all(&[noise.clone(), wave.clone()], std::slice::from_ref(&(0..8192)))[..]
-    else {
-        panic!()
-    };
+    let all = std::slice::from_ref(&(0..8192));
+    let [flat, line] = &Periodogram::of_all(&[noise.clone(), wave.clone()], all)[..] else { panic!() };
     assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
     let (power, frequency) = line.peak().unwrap();
     assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
-    let alone = &Periodogram::of_all(&[wave], std::slice::from_ref(&(0..8192)))[0];
+    let alone = &Periodogram::of_all(&[wave], all)[0];
     assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
     assert_eq!(Periodogram::of_all(&[noise[..100].to_vec()], std::slice::from_ref(&(0..100)))[0].peak(), None);
 }
@@ -142,11 +144,15 @@ fn agreement(change: impl Fn(f64) -> [f64; 2], seed: u64) -> Agreement {
 }
 
 #[test]
-fn right_sensors_agree() {
+fn right_sensors_agree_also_where_noise_is_taken_for_too_large() {
     for seed in 0..20 {
-        let Agreement { factor, std, late, late_std, .. } = agreement(|t| [x(t), v(t)], seed);
-        assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{factor} ± {std}");
-        assert!(late.abs() < 4.0 * late_std + 0.3, "{late} ± {late_std}");
+        let [values, rates] = two_sensors(|t| [x(t), v(t)], seed);
+        for times in [1.0, 5.0, 100.0] {
+            let Agreement { factor, std, late, late_std, .. } =
+                Agreement::of(&values, &rates, 1, 0.01, 0.06 * times).unwrap();
+            assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{times}: {factor} ± {std}");
+            assert!(late.abs() < 4.0 * late_std + 0.3, "{times}: {late} ± {late_std}");
+        }
     }
 }
 
@@ -173,17 +179,6 @@ fn a_displacement_is_compared_with_its_acceleration() {
         let read: Vec<f64> = (0..4000).map(|k| scale * a(0.01 * f64::from(k)) + 0.1 * normal.sample() + 0.5).collect();
         let Agreement { factor, .. } = Agreement::of(&values, &read, 2, 0.01, 0.1).unwrap();
         assert!((factor * scale - 1.0).abs() < 0.03, "{scale}: {factor}");
-    }
-}
-
-#[test]
-fn noise_that_is_taken_for_too_large_turns_no_factor() {
-    for seed in 0..10 {
-        let [values, rates] = two_sensors(|t| [x(t), v(t)], seed);
-        for times in [1.0, 5.0, 100.0] {
-            let Agreement { factor, std, .. } = Agreement::of(&values, &rates, 1, 0.01, 0.06 * times).unwrap();
-            assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{times}: {factor} ± {std}");
-        }
     }
 }
 
@@ -223,4 +218,23 @@ fn numbers_have_the_digits_that_one_reads() {
     assert_eq!(with_band(6.0, 1e-12, "rad/s"), "6.00e0 ± 1e-12 rad/s");
     assert_eq!(with_band(54_321.123_456, 1e-5, ""), "54321.123 ± 1e-5");
     assert_eq!([0.04, 2.44, 120.0].map(seconds), ["0.04 s", "2.4 s", "120 s"]);
+}
+
+fn change(from: f64, to: f64) -> Adjustable {
+    let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from, to, at: 1.0 }));
+    let story = Story::of(&finished(&scenario), &[], &[]);
+    let mut settings = story.sentences.iter().flatten().filter_map(Phrase::setting);
+    settings.find(|one| one.address == "plant.natural_frequency.step.to").unwrap().clone()
+}
+
+#[test]
+fn a_share_of_the_stiffness_is_a_natural_frequency() {
+    let loss = change(6.0, 4.8);
+    assert_eq!((loss.to_string().as_str(), loss.value(loss.shown)), ("36 %", 4.8));
+    assert!((loss.value(75.0) - 3.0).abs() < 1e-12 && loss.value(100.0) == 0.0);
+    let gain = change(4.0, 6.0);
+    assert_eq!((gain.to_string().as_str(), gain.value(gain.shown)), ("125 %", 6.0));
+    assert_eq!(loss.showing(50.0).to_string(), "50 %");
+    assert!((loss.at(3.0).shown - 75.0).abs() < 1e-12 && (gain.at(4.0).shown).abs() < 1e-12);
 }

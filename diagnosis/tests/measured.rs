@@ -11,9 +11,9 @@ use kalmanscope_diagnosis::VerdictKind;
 
 use nalgebra::Vector2;
 
-use crate::judgement::verdict;
 use crate::numbers::Random;
 use crate::run::{finished_on, last, suggested};
+use crate::verdict;
 
 /// 68 Hz, ζ = 0.05, a gain, an offset in both columns, a band-limited input, and few samples in a period.
 struct Circuit {

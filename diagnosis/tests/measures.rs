@@ -18,7 +18,7 @@ fn measures_are_written_and_read() {
     }
     let words: std::collections::BTreeSet<&str> = all.iter().map(|measure| measure.info().word).collect();
     assert_eq!(words.len(), MeasureKind::all().count(), "each has its own row");
-    assert_eq!("inside.damping_ratio".parse::<Measure>().unwrap().name(), "share of ζ inside ±2σ");
+    assert_eq!("coverage.damping_ratio".parse::<Measure>().unwrap().name(), "share of ζ inside ±2σ");
     let unit = |text: &str| text.parse::<Measure>().unwrap().unit();
     assert_eq!(
         ["rmse", "settled", "coverage"].map(|word| unit(&format!("{word}.natural_frequency"))),

@@ -1,7 +1,6 @@
 //! The contents of a file of settings, in no format.
 //!
-//! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
-//! A program has the code of each type and of each format once, and not that of each pair.
+//! Only a [`Document`] is read from TOML and JSON: a program has the code of each type and of each format once, not that of each pair.
 
 use std::fmt;
 
@@ -17,7 +16,7 @@ use toml::de::{DeTable, DeValue};
 /// # Errors
 /// [`DocumentError`] where a key is not a word or a number, or the value's type refuses.
 pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Document, DocumentError> {
-    Ok(serde_json::to_value(value)?)
+    serde_json::to_value(value).map_err(DocumentError::new)
 }
 
 /// Reads a value of a type. Keys of channels are those of [`kalmanscope_filters::Channel::all`].
@@ -25,7 +24,7 @@ pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Document, DocumentError> {
 /// # Errors
 /// [`DocumentError`] with the path of the key and the reason.
 pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError> {
-    Ok(serde_path_to_error::deserialize(document)?)
+    serde_path_to_error::deserialize(document).map_err(at_path)
 }
 
 /// The document in a text of JSON.
@@ -33,7 +32,7 @@ pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError
 /// # Errors
 /// [`DocumentError`] where the text is not JSON.
 pub fn from_json(text: &str) -> Result<Document, DocumentError> {
-    Ok(serde_json::from_str(text)?)
+    serde_json::from_str(text).map_err(DocumentError::new)
 }
 
 /// The text of a value as JSON, in one line.
@@ -59,10 +58,7 @@ pub fn to_json_lines<T: Serialize + ?Sized>(value: &T) -> Result<String, Documen
 pub fn from_toml(text: &str) -> Result<Document, DocumentError> {
     let table = text.parse().map_err(|error: toml::de::Error| DocumentError::new(error.to_string().trim_end()))?;
     let document = of_toml(toml::Value::Table(table));
-    match not_finite(&document) {
-        Some(error) => Err(error.in_toml(text)),
-        None => Ok(document),
-    }
+    not_finite(&document).map_or(Ok(document), |error| Err(error.in_toml(text)))
 }
 
 /// The text of a value as TOML. Tables come after other values, so that each has a header.
@@ -111,20 +107,15 @@ fn in_toml(document: Document) -> Result<Option<toml::Value>, DocumentError> {
             _ => return Err(DocumentError::new(format!("TOML has no integer as large as {number}"))),
         },
         Document::Array(values) => {
-            let mut array = Vec::new();
-            for value in values {
-                array.push(in_toml(value)?.ok_or_else(|| DocumentError::new("a list of TOML cannot hold null"))?);
-            }
-            array.into()
+            let no_null = || DocumentError::new("a list of TOML cannot hold null");
+            toml::Value::Array(
+                values.into_iter().map(|value| in_toml(value)?.ok_or_else(no_null)).collect::<Result<_, _>>()?,
+            )
         }
         Document::Object(entries) => {
-            let mut table = toml::Table::new();
-            for (key, value) in entries {
-                if let Some(value) = in_toml(value)? {
-                    table.insert(key, value);
-                }
-            }
-            table.into()
+            let entry = |(key, value)| Some((key, in_toml(value).transpose()?));
+            let entries = entries.into_iter().filter_map(entry).map(|(key, value)| Ok((key, value?)));
+            toml::Value::Table(entries.collect::<Result<_, DocumentError>>()?)
         }
     }))
 }
@@ -163,10 +154,7 @@ pub fn is_one<T: From<u8> + PartialEq>(number: &T) -> bool {
 
 /// The reason why a document cannot be read or written, the path of the key and, for a text of TOML, the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DocumentError(Box<Problem>);
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Problem {
+pub struct DocumentError {
     reason: String,
     path: Vec<Step>,
     line: Option<usize>,
@@ -182,11 +170,11 @@ enum Step {
 impl DocumentError {
     /// An error without a place in the text.
     pub fn new(reason: impl fmt::Display) -> Self {
-        Self(Box::new(Problem { reason: reason.to_string(), path: Vec::new(), line: None }))
+        Self { reason: reason.to_string(), path: Vec::new(), line: None }
     }
 
     fn within(mut self, step: Step) -> Self {
-        self.0.path.insert(0, step);
+        self.path.insert(0, step);
         self
     }
 
@@ -194,8 +182,8 @@ impl DocumentError {
     #[must_use]
     pub fn in_toml(mut self, text: &str) -> Self {
         if let Ok(root) = DeTable::parse(text) {
-            let before = &text.as_bytes()[..start(root, &self.0.path)];
-            self.0.line = Some(1 + before.iter().filter(|&&byte| byte == b'\n').count());
+            let before = &text.as_bytes()[..start(root, &self.path)];
+            self.line = Some(1 + before.iter().filter(|&&byte| byte == b'\n').count());
         }
         self
     }
@@ -232,7 +220,7 @@ pub fn not_finite(document: &Document) -> Option<DocumentError> {
 
 impl fmt::Display for DocumentError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Problem { reason, path, line } = &*self.0;
+        let Self { reason, path, line } = self;
         if let Some(line) = line {
             write!(f, "line {line}: ")?;
         }
@@ -254,23 +242,15 @@ impl fmt::Display for DocumentError {
 
 impl std::error::Error for DocumentError {}
 
-impl From<serde_json::Error> for DocumentError {
-    fn from(error: serde_json::Error) -> Self {
-        Self::new(error)
-    }
-}
-
-impl From<serde_path_to_error::Error<serde_json::Error>> for DocumentError {
-    fn from(error: serde_path_to_error::Error<serde_json::Error>) -> Self {
-        let steps = error.path().iter().filter_map(|segment| match segment {
-            Segment::Seq { index } => Some(Step::Element(*index)),
-            Segment::Map { key } | Segment::Enum { variant: key } => Some(Step::Key(key.clone())),
-            Segment::Unknown => None,
-        });
-        let path = steps.collect();
-        let reason = error.into_inner().to_string();
-        let reason = reason.replace("string or map", "a word, or a table with exactly one key");
-        let reason = reason.replace("map with a single key", "a table with exactly one key");
-        Self(Box::new(Problem { reason, path, line: None }))
-    }
+fn at_path(error: serde_path_to_error::Error<serde_json::Error>) -> DocumentError {
+    let steps = error.path().iter().filter_map(|segment| match segment {
+        Segment::Seq { index } => Some(Step::Element(*index)),
+        Segment::Map { key } | Segment::Enum { variant: key } => Some(Step::Key(key.clone())),
+        Segment::Unknown => None,
+    });
+    let path = steps.collect();
+    let reason = error.into_inner().to_string();
+    let reason = reason.replace("string or map", "a word, or a table with exactly one key");
+    let reason = reason.replace("map with a single key", "a table with exactly one key");
+    DocumentError { reason, path, line: None }
 }

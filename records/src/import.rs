@@ -62,7 +62,7 @@ use crate::task::{Progress, at_once};
 ///
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
-pub fn read(bytes: impl AsRef<[u8]>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
+pub fn read(bytes: impl AsRef<[u8]>, dialect: Option<Dialect>) -> Result<Table> {
     at_once(reader::read(bytes.as_ref(), dialect, &Progress::default())).map(mend::mend)
 }
 
@@ -72,6 +72,9 @@ pub fn hash(bytes: &[u8]) -> String {
     hash.add(bytes);
     hash.text()
 }
+
+/// The result of reading a file.
+pub type Result<T, E = ImportError> = std::result::Result<T, E>;
 
 /// The reason why a file is not a record.
 #[derive(Debug, Error)]

@@ -41,21 +41,3 @@ impl Length {
         LENGTHS.iter().find(|units| units[0] == unit).map_or(unit, |units| units[self as usize])
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use kalmanscope_filters::{Channel, Quantity};
-
-    #[test]
-    fn circuits_swing_in_volts() {
-        let mut mapping = Mapping::default();
-        let column = MappedColumn { unit: "mV".to_owned(), ..MappedColumn::new("V2") };
-        mapping.sensors.insert(Quantity::DISPLACEMENT, column);
-        let length = Length::of(Some(&mapping));
-        assert_eq!(length.in_place_of(Quantity::VELOCITY.unit()), "V/s");
-        assert_eq!(length.in_place_of(Channel::CUBIC_STIFFNESS.unit()), "1/(V² s²)");
-        assert_eq!(length.in_place_of(Channel::NATURAL_FREQUENCY.unit()), "rad/s");
-        assert_eq!(Length::of(None).in_place_of("m"), "m");
-    }
-}

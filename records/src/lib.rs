@@ -1,5 +1,4 @@
-//! Measured records: the input and the readings of sensors over time, also while they come in, on clocks of their own, and the files
-//! that they are read from. Nothing here knows a scenario or a run.
+//! Measured records, also live and with clocks of their own, and the files that they are read from. Nothing here knows a scenario or a run.
 //!
 //! The hidden modules are for the crates of this workspace.
 

@@ -50,8 +50,7 @@ pub struct Mapping {
     /// Keep one of this many samples, after a low-pass below the new Nyquist frequency.
     #[serde(skip_serializing_if = "is_one")]
     pub every: usize,
-    /// Put this many steps in place of one: the input is interpolated as a band-limited signal, measurements are
-    /// missing in between.
+    /// Put this many steps in place of one: the input is interpolated as a band-limited signal, without measurements in between.
     #[serde(skip_serializing_if = "is_one")]
     pub interpolate: usize,
 }
@@ -69,8 +68,7 @@ pub struct Time {
     /// Samples in a second, for a file without times \[Hz\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
-    /// Whether the samples are equally spaced, and only their times are not. Without it, times that differ by more than rounding are
-    /// those of the readings.
+    /// Whether the samples are equally spaced, and only their times are not. Else times off by more than rounding are those of readings.
     #[serde(skip_serializing_if = "is_default")]
     pub even: bool,
     /// Time between samples \[s\] of a record whose readings keep their times; without it, that of the fastest clock. Filters go
@@ -281,38 +279,4 @@ const MOST_EVERY: usize = 10_000;
 
 const fn one() -> f64 {
     1.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::document::{from_toml, read, to_toml};
-
-    #[test]
-    fn a_mapping_survives_toml() {
-        let text = "file = \"a.csv\"\nband = [8.0, 70.0]\nevery = 2\n[time]\nrate = 610.35\n[input]\ncolumn = \"V1\"\n\
-                    gain = 2.0\noffset = \"mean\"\n[sensors.displacement]\ncolumn = \"V2\"\noffset = { mean = [0.0, 1.0] }\n";
-        let mapping: Mapping = read(&from_toml(text).unwrap()).unwrap();
-        assert_eq!(mapping.input.as_ref().unwrap().offset, Offset::MEAN);
-        assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].offset, Offset::Part { mean: [0.0, 1.0] });
-        assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].gain, 1.0);
-        assert_eq!(read::<Mapping>(&from_toml(&to_toml(&mapping).unwrap()).unwrap()).unwrap(), mapping);
-    }
-
-    #[test]
-    fn impossible_numbers_are_named() {
-        let message = |change: &dyn Fn(&mut Mapping)| {
-            let mut mapping = Mapping { input: Some(MappedColumn::new("u")), ..Mapping::default() };
-            change(&mut mapping);
-            mapping.validate().unwrap_err().to_string()
-        };
-        assert_eq!(message(&|m| m.time.rate = Some(0.0)), "`record.time.rate` is 0, but must be positive and finite");
-        assert_eq!(message(&|m| m.interpolate = 9), "`record.interpolate` is 9, but must be from 1 to 8");
-        assert!(message(&|m| m.every = 0).contains("record.every"));
-        assert!(message(&|m| m.band = Some([5.0, 5.0])).contains("rising"));
-        assert!(message(&|m| m.no_input = true).contains("record.no_input"));
-        assert!(message(&|m| m.input.as_mut().unwrap().missing = Some(f64::INFINITY)).contains("record.input.missing"));
-        assert!(message(&|m| m.input.as_mut().unwrap().gain = f64::NAN).contains("record.input.gain"));
-        assert!(message(&|m| (m.from, m.to) = (Some(2.0), Some(1.0))).contains("after `from`"));
-    }
 }

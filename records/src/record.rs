@@ -8,6 +8,7 @@ mod live;
 use std::sync::Arc;
 
 use kalmanscope_filters::catalogue::all_and;
+use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 use thiserror::Error;
 
@@ -83,9 +84,7 @@ impl Record {
         let Input { kind, hold, values } = input;
         check("input", &values, "a finite number", f64::is_finite)?;
         let (sensors, measured) = complete(columns, values.len(), |quantity| quantity.key().to_owned())?;
-        let mut record = Self::empty(dt, kind, hold, sensors, Vec::new());
-        (record.input, record.measured) = (values, measured);
-        Ok(record)
+        Ok(Self { input: values, measured, ..Self::empty(dt, kind, hold, sensors, Vec::new()) })
     }
 
     /// The same record with the truth of some channels, one column each in the channel's unit; NaN where it is not known.
@@ -158,17 +157,16 @@ impl Record {
         }
     }
 
-    /// The same record with this many steps in place of one: readings are missing in between. `None` if it would be too long, or its
-    /// readings have their own times.
+    /// The same record with this many steps in place of one. `None` if it would be too long, or its readings have their own times.
     pub fn finer(&self, steps: usize) -> Option<Self> {
         if self.clocks().is_some() || self.len().saturating_mul(steps) > MOST {
             return None;
         }
-        let input =
-            Input { kind: self.input_kind(), hold: self.hold(), values: finer_input(self.input(), steps, self.hold()) };
-        let columns = self.sensors().iter().enumerate();
-        let columns = columns.map(|(place, quantity)| (*quantity, spread(self.measured(place), steps))).collect();
-        Some(Self::new(self.dt() / steps as f64, input, columns).ok()?.starting_at(self.time(0)))
+        let input = finer_input(&self.input, steps, self.hold);
+        check("input", &input, "a finite number", f64::is_finite).ok()?;
+        let measured = mapped(&self.measured, &|values| spread(values, steps));
+        let empty = Self::empty(self.dt / steps as f64, self.kind, self.hold, self.sensors.clone(), Vec::new());
+        Some(Self { input, measured, start: self.time(0), ..empty })
     }
 
     /// Removes the first samples.
@@ -180,12 +178,8 @@ impl Record {
     /// Adds a sample.
     pub fn push(&mut self, input: f64, measured: impl IntoIterator<Item = f64>, truth: impl IntoIterator<Item = f64>) {
         self.input.push(input);
-        for (column, value) in self.measured.iter_mut().zip(measured) {
-            column.push(value);
-        }
-        for (column, value) in self.truth.iter_mut().zip(truth) {
-            column.push(value);
-        }
+        let columns = self.measured.iter_mut().zip(measured).chain(self.truth.iter_mut().zip(truth));
+        columns.for_each(|(column, value)| column.push(value));
     }
 
     /// Time between samples \[s\].
@@ -198,8 +192,7 @@ impl Record {
         self.time_of(self.forgotten + k)
     }
 
-    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last
-    /// \[s\].
+    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last \[s\].
     pub fn time_of(&self, number: usize) -> f64 {
         self.start + number as f64 * self.dt
     }
@@ -317,16 +310,9 @@ fn complete<T: Copy + PartialEq>(
     Ok(columns.into_iter().unzip())
 }
 
-fn check(
-    column: &str,
-    values: &[f64],
-    allowed: &'static str,
-    is_allowed: impl Fn(f64) -> bool,
-) -> Result<(), RecordError> {
-    match values.iter().position(|&x| !is_allowed(x)) {
-        None => Ok(()),
-        Some(sample) => Err(RecordError::Value(column.to_owned(), sample, values[sample], allowed)),
-    }
+fn check(column: &str, values: &[f64], allowed: &'static str, is_allowed: fn(f64) -> bool) -> Result<(), RecordError> {
+    let bad = values.iter().position(|&x| !is_allowed(x));
+    bad.map_or(Ok(()), |sample| Err(RecordError::Value(column.to_owned(), sample, values[sample], allowed)))
 }
 
 /// The reason why columns or a file are not a record.

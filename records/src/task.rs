@@ -47,10 +47,12 @@ impl<T> Work<T> {
     }
 }
 
-impl<T: 'static> Work<T> {
+impl<T: Send + 'static> Work<T> {
     /// The same work with another outcome.
     pub fn map<U>(self, change: impl FnOnce(T) -> U + Send + 'static) -> Work<U> {
-        Work { rest: Box::pin(async move { change(self.rest.await) }), progress: self.progress, outcome: None }
+        let progress = self.progress.clone();
+        let rest = Box::pin(async move { change(if let Some(done) = self.outcome { done } else { self.rest.await }) });
+        Work { rest, progress, outcome: None }
     }
 }
 
@@ -72,13 +74,8 @@ impl<T> Task for Work<T> {
         self.outcome.is_some()
     }
 
-    fn finish(mut self) -> T {
-        loop {
-            self.advance(&mut || true);
-            if let Some(outcome) = self.outcome.take() {
-                return outcome;
-            }
-        }
+    fn finish(self) -> T {
+        self.outcome.unwrap_or_else(|| at_once(self.rest))
     }
 }
 

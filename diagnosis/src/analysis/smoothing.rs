@@ -1,8 +1,6 @@
 //! The smoothed estimates of a run's filters.
 
-use kalmanscope_core::internals::Smoother;
-use kalmanscope_core::internals::Waste;
-use kalmanscope_core::internals::sort_items;
+use kalmanscope_core::internals::{Smoother, Waste, sort_items};
 use kalmanscope_core::scenario::cost;
 use kalmanscope_core::{Estimates, FilterSettings};
 
@@ -61,7 +59,7 @@ impl Smoothing {
         true
     }
 
-    /// Begins with a filter. Returns its place here. A filter that cannot begin has no estimates.
+    /// Returns the place of a filter here. One that cannot begin has no estimates.
     fn begin(&mut self, smoother: Option<Box<dyn Smoother>>, mut estimates: Estimates, samples: usize) -> usize {
         // Memory that grows is copied, which takes as long as a frame.
         estimates.recycle(None, samples);

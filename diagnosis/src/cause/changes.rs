@@ -98,37 +98,35 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
     key: "slow_drift",
     name: "a slow drift, or Q of the parameters",
     hint: "The parameters change, but the filter assumes that they are constant. Give them process noise.",
-    likely_causes: slow_drift,
-};
-
-/// Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
-fn slow_drift(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
-    let all: Vec<(usize, Channel)> =
-        case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
-    let mut propose = |parameters: &[(usize, Channel)], told: &str| {
-        for walk in WALKS {
-            let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
-            if !edits.is_empty() {
-                let sentence = format!("{told}, by about {} over the record", percent(walk));
-                found.push(LikelyCause::new(cause, 0.3, 1.0, edits, sentence));
+    likely_causes: |bad, cause, found| {
+        // Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
+        let case = bad.case;
+        let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
+        let all: Vec<(usize, Channel)> =
+            case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
+        let mut propose = |parameters: &[(usize, Channel)], told: &str| {
+            for walk in WALKS {
+                let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
+                if !edits.is_empty() {
+                    let sentence = format!("{told}, by about {} over the record", percent(walk));
+                    found.push(LikelyCause::new(cause, 0.3, 1.0, edits, sentence));
+                }
+            }
+        };
+        propose(&all, "the parameters drift");
+        if (2..=SINGLY).contains(&all.len()) {
+            for one in &all {
+                propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
             }
         }
-    };
-    propose(&all, "the parameters drift");
-    if (2..=SINGLY).contains(&all.len()) {
-        for one in &all {
-            propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
-        }
-    }
-}
+    },
+};
 
 fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
     let (mean, doubt) = (bad.case.estimates.initial_mean(place).abs(), bad.case.estimates.initial_std(place));
     let std = walk * mean.max(doubt) / (bad.case.len().max(2) as f64).sqrt();
     let moves = std > bad.filter.process_std[channel] && doubt > 0.0;
-    moves.then(|| bad.edit(&format!("process_std.{}", channel.key()), std))
+    moves.then(|| bad.entry("process_std", channel, std))
 }
 
 const WIDER: f64 = 5.0;
@@ -150,14 +148,14 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let channels = bad.case.estimates.channels();
     let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
     let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
-    let wider = |one: &Channel| bad.edit(&format!("initial_std.{}", one.key()), WIDER * doubt(one));
+    let wider = |one: &Channel| bad.entry("initial_std", *one, WIDER * doubt(one));
     let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
     let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
     let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
     if !frozen.is_empty() {
         let spread = |channel: &Channel| {
             let mean = bad.filter.initial_mean[*channel].abs();
-            bad.edit(&format!("initial_std.{}", channel.key()), if mean > 0.0 { OPEN * mean } else { OPEN })
+            bad.entry("initial_std", *channel, if mean > 0.0 { OPEN * mean } else { OPEN })
         };
         let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
         let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
@@ -175,9 +173,9 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let guess = bad.frequency().filter(|_| is_estimated);
     let peak = bad.measured_peak().filter(|peak| guess.is_some_and(|guess| (peak / guess - 1.0).abs() > FAR));
     if let Some(peak) = peak {
-        let [mean, std] = ["initial_mean", "initial_std"].map(|table| format!("{table}.{}", frequency.key()));
-        let mut edits: Vec<_> = edits.into_iter().filter(|edit| !edit.key.ends_with(&std)).collect();
-        edits.extend([bad.edit(&mean, peak), bad.edit(&std, SPREAD * peak)]);
+        let new =
+            [("initial_mean", peak), ("initial_std", SPREAD * peak)].map(|(table, x)| bad.entry(table, frequency, x));
+        let edits = edits.into_iter().filter(|edit| edit.key != new[1].key).chain(new.clone()).collect();
         let sentence =
             format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
         found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));

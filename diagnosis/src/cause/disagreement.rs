@@ -43,15 +43,13 @@ pub(super) static TIMES: Cause = Cause {
            Give the record the right one.",
     likely_causes: |bad, cause, found| {
         let Some(factor) = common_factor(&pairs(bad)) else { return };
-        let dt = bad.case.record.dt();
+        let (dt, times) = (bad.case.record.dt(), short(factor));
         let sentence = format!(
-            "each sensor changes {} times as much as the next one says: the true time between samples is about \
-         {factor:.3} times the stated {dt} s, and no setting corrects that",
-            short(factor)
+            "each sensor changes {times} times as much as the next one says: the true time between samples is about \
+             {factor:.3} times the stated {dt} s, and no setting corrects that"
         );
         let off = (factor - 1.0).abs();
-        let likely = LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+        found.push(LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence).of_record());
     },
 };
 
@@ -151,17 +149,13 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             let (edits, end) = match fault {
                 Fault::Sign | Fault::Scale => {
                     let channel = sensors[which].gain();
-                    let edit = |table: &str, value: f64| bad.edit(&format!("{table}.{}", channel.key()), value);
-                    let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
-                    let end = match fault {
-                        Fault::Sign => format!("perhaps the {name} has the wrong sign"),
-                        _ => format!(
-                            "perhaps the {name} reads {} times what it should, or there are {} samples a second, not {}",
-                            short(gain.abs()),
-                            short(1.0 / (pair.of_time().abs() * dt)),
-                            short(1.0 / dt)
-                        ),
-                    };
+                    let mean = bad.entry("initial_mean", channel, gain);
+                    let std = bad.entry("initial_std", channel, GAIN_STD * gain.abs());
+                    let [times, rate, not] = [gain.abs(), 1.0 / (pair.of_time().abs() * dt), 1.0 / dt].map(short);
+                    let scale =
+                        format!("reads {times} times what it should, or there are {rate} samples a second, not {not}");
+                    let what = if fault == Fault::Sign { "has the wrong sign" } else { &scale };
+                    let end = format!("perhaps the {name} {what}");
                     (vec![bad.augmented(channel), mean, std], end)
                 }
                 Fault::Late => {
@@ -178,8 +172,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     (vec![bad.edit("sensor_delay", delays)], end)
                 }
             };
-            let likely = LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}"));
-            found.push(LikelyCause { certain: true, of_record: true, ..likely });
+            found.push(LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}")).of_record());
         }
     }
 }

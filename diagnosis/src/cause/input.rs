@@ -41,36 +41,32 @@ pub(super) static INPUT_HOLD: Cause = Cause {
     name: "the input between samples: linear or held",
     hint: "A digital output holds its value between samples. A measured input is nearer to a straight line, or, with \
            few samples a cycle, to a smooth curve.",
-    likely_causes: hold,
-};
-
-fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.input_size() == 0.0 {
-        return;
-    }
-    let (value, sentence) = match bad.scenario.hold {
-        Hold::Zero => ("first", "the input is linear between samples, not held"),
-        Hold::First => ("zero", "the input is held between samples, not linear"),
-    };
-    let near = bad.follows_input(-1..=1);
-    let weight = 2.0 * near / (1.0 + 2.0 * near);
-    found.push(LikelyCause::new(cause, weight, 0.0, vec![Edit::new("hold", value)], sentence.to_owned()));
-    let is_coarse = |mapping: &Mapping| mapping.interpolate == 1 && bad.case.record.clocks().is_none();
-    if bad.scenario.hold == Hold::First && bad.scenario.record.as_ref().is_some_and(is_coarse) {
-        // Process noise adds up over the steps of a sample.
-        let share = 1.0 / f64::from(FINER).sqrt();
-        let noise = |channel: &Channel| {
-            (bad.filter.process_std[*channel] > 0.0).then(|| {
-                let key = format!("process_std.{}", channel.key());
-                bad.edit(&key, share * bad.filter.process_std[*channel])
-            })
+    likely_causes: |bad, cause, found| {
+        if bad.input_size() == 0.0 {
+            return;
+        }
+        let (value, sentence) = match bad.scenario.hold {
+            Hold::Zero => ("first", "the input is linear between samples, not held"),
+            Hold::First => ("zero", "the input is held between samples, not linear"),
         };
-        let mut edits = vec![Edit::new("record.interpolate", i64::from(FINER))];
-        edits.extend(bad.case.estimates.channels().iter().filter_map(noise));
-        let sentence = "the input is a smooth curve between samples, and straight lines cut its peaks".to_owned();
-        found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
-    }
-}
+        let near = bad.follows_input(-1..=1);
+        let weight = 2.0 * near / (1.0 + 2.0 * near);
+        found.push(LikelyCause::new(cause, weight, 0.0, vec![Edit::new("hold", value)], sentence.to_owned()));
+        let is_coarse = |mapping: &Mapping| mapping.interpolate == 1 && bad.case.record.clocks().is_none();
+        if bad.scenario.hold == Hold::First && bad.scenario.record.as_ref().is_some_and(is_coarse) {
+            // Process noise adds up over the steps of a sample.
+            let share = 1.0 / f64::from(FINER).sqrt();
+            let noise = |channel: &Channel| {
+                let std = bad.filter.process_std[*channel];
+                (std > 0.0).then(|| bad.entry("process_std", *channel, share * std))
+            };
+            let mut edits = vec![Edit::new("record.interpolate", i64::from(FINER))];
+            edits.extend(bad.case.estimates.channels().iter().filter_map(noise));
+            let sentence = "the input is a smooth curve between samples, and straight lines cut its peaks".to_owned();
+            found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
+        }
+    },
+};
 
 pub(super) static INPUT_GAIN: Cause = Cause {
     key: "input_gain",
@@ -82,13 +78,12 @@ pub(super) static INPUT_GAIN: Cause = Cause {
         }
         let broad = bad.follows_input(1..=i32::MAX);
         let weight = 1.5 * broad / (1.0 + 1.5 * broad);
-        let name = Channel::INPUT_GAIN.key();
         let ratio = load(bad).map_or(1.0, |load| load / bad.input_size());
         let edits = if ratio.is_normal() && !FEW.contains(&ratio) {
-            let [mean, std, _] = bad.begins(name, 0.5 * ratio, ratio);
+            let [mean, std, _] = bad.begins(Channel::INPUT_GAIN.key(), 0.5 * ratio, ratio);
             vec![bad.augmented(Channel::INPUT_GAIN), mean, std]
         } else {
-            vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
+            vec![bad.augmented(Channel::INPUT_GAIN), bad.entry("initial_std", Channel::INPUT_GAIN, 0.5)]
         };
         found.push(LikelyCause::new(cause, weight, 1.0, edits, "the gain of the input is wrong".to_owned()));
     },
@@ -110,22 +105,19 @@ pub(super) static INPUT_OFFSET: Cause = Cause {
     key: "input_offset",
     name: "an offset of the input",
     hint: "An amplifier's zero is off, or a constant force acts. Let the filter estimate it, or subtract the mean.",
-    likely_causes: offset,
+    likely_causes: |bad, cause, found| {
+        if bad.filter.augment.contains(&Channel::INPUT_OFFSET) {
+            return;
+        }
+        let case = bad.case;
+        let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
+        let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+        let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
+        let std = bad.input_size().max(stiffness).max(1e-9);
+        let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.entry("initial_std", Channel::INPUT_OFFSET, std)];
+        found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
+    },
 };
-
-fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.augment.contains(&Channel::INPUT_OFFSET) {
-        return;
-    }
-    let case = bad.case;
-    let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
-    let weight = 2.0 * mean / (1.0 + 2.0 * mean);
-    let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
-    let std = bad.input_size().max(stiffness).max(1e-9);
-    let name = Channel::INPUT_OFFSET.key();
-    let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.edit(&format!("initial_std.{name}"), std)];
-    found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
-}
 
 const STILL: f64 = 0.05;
 
@@ -140,38 +132,31 @@ pub(super) static STILL_INPUT: Cause = Cause {
     key: "still_input",
     name: "an input that is not recorded for a while",
     hint: "A cable, an amplifier or a logger stopped. No setting corrects that: leave out that part of the record.",
-    likely_causes: still,
+    likely_causes: |bad, cause, found| {
+        let case = bad.case;
+        let input = &case.record.input()[case.samples.clone()];
+        let Some(still) = still_part(input) else { return };
+        let part = case.samples.start + still.start..case.samples.start + still.end;
+        let nis = |samples: Range<usize>| case.diagnostics.nis_within(samples);
+        let [before, behind] = [nis(case.samples.start..part.start), nis(part.end..case.samples.end)];
+        let there = nis(part.clone()).per_degree();
+        let elsewhere = (before.sum + behind.sum) / f64::from(before.degrees + behind.degrees);
+        // Without readings, there or elsewhere, the level is NaN, which is no evidence.
+        let rises = there > RISE && there > RISE * elsewhere;
+        if !rises {
+            return;
+        }
+        let time = |sample: usize| short(case.record.time(sample));
+        let until = if part.end == case.samples.end { "on".to_owned() } else { format!("to {} s", time(part.end)) };
+        let (from, times, others) = (time(part.start), short(there), short(elsewhere));
+        let sentence = format!(
+            "the input is constant from {from} s {until}, where innovations² are {times} times what is expected ({others} \
+             elsewhere): it is not recorded there, and no setting corrects that"
+        );
+        let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence).of_record();
+        found.push(LikelyCause { samples: Some(part), ..likely });
+    },
 };
-
-fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    let input = &case.record.input()[case.samples.clone()];
-    let Some(still) = still_part(input) else { return };
-    let part = case.samples.start + still.start..case.samples.start + still.end;
-    let level = |ranges: &[Range<usize>]| {
-        let totals = ranges.iter().map(|range| case.diagnostics.nis_within(range.clone()));
-        let (sum, degrees) = totals.fold((0.0, 0.0), |(sum, n), one| (sum + one.sum, n + f64::from(one.degrees)));
-        sum / degrees
-    };
-    let there = level(std::slice::from_ref(&part));
-    let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
-    // Without readings, there or elsewhere, the level is NaN, which is no evidence.
-    let rises = there > RISE && there > RISE * elsewhere;
-    if !rises {
-        return;
-    }
-    let time = |sample: usize| short(case.record.time(sample));
-    let until = if part.end == case.samples.end { "on".to_owned() } else { format!("to {} s", time(part.end)) };
-    let sentence = format!(
-        "the input is constant from {} s {until}, where innovations² are {} times what is expected ({} elsewhere): it \
-         is not recorded there, and no setting corrects that",
-        time(part.start),
-        short(there),
-        short(elsewhere)
-    );
-    let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence);
-    found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
-}
 
 /// The longest part of an input that is constant, where the rest moves.
 pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
@@ -254,12 +239,9 @@ fn absolute_acceleration(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut
         if !is_clear {
             continue;
         }
-        let sentence = format!(
-            "the innovations of the {} contain {share:.2} times the ground's acceleration: it is not {is_told}, but \
-             `{is}`, and no setting of a filter corrects that",
-            one.sensor.key()
-        );
-        let likely = LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence);
-        found.push(LikelyCause { certain: true, of_record: true, ..likely });
+        let contain =
+            format!("the innovations of the {} contain {share:.2} times the ground's acceleration", one.sensor.key());
+        let sentence = format!("{contain}: it is not {is_told}, but `{is}`, and no setting of a filter corrects that");
+        found.push(LikelyCause::new(cause, correlation, 0.0, Vec::new(), sentence).of_record());
     }
 }

@@ -8,8 +8,7 @@ use super::{BadFilter, Cause, LikelyCause};
 use crate::VerdictKind;
 use crate::case::chi_squared_p;
 use crate::checks::Subject;
-use crate::innovations::SensorInnovations;
-use crate::parts::{Chosen, PARTS};
+use crate::sums::{Chosen, PARTS, SensorInnovations};
 use crate::words::short;
 
 const TOLERANCE: f64 = 1.15;
@@ -111,27 +110,23 @@ pub(super) static CHANGING_NOISE: Cause = Cause {
     name: "R that changes with time",
     hint: "A sensor is noisier for a while: another range, a loose cable, more traffic. Let the filter learn R, or \
            leave out the noisy part.",
-    likely_causes: changing_noise,
+    likely_causes: |bad, cause, found| {
+        // The innovations must stay white: a changing parameter would leave them correlated.
+        // L = ½ (n ln m - n₁ ln m₁ - n₂ ln m₂),  2 L ~ χ² where nothing changes
+        // Source: Bartlett (1937), Properties of sufficiency and statistical tests, *Proceedings of the Royal Society A* 160.
+        if bad.filter.adaptation.sensor_noise {
+            return;
+        }
+        let case = bad.case;
+        let changes = case.sensors.iter().filter_map(|one| Some((one.sensor, change(one)?)));
+        let Some((sensor, change)) = changes.max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else { return };
+        let sentence = sentence(bad, sensor, &change);
+        let edits = vec![bad.edit("adaptation.sensor_noise", true)];
+        let weight = 1.0 - 1.0 / change.ratio;
+        let samples = case.part(change.parts.0).start..case.part(change.parts.1 - 1).end;
+        found.push(LikelyCause { samples: Some(samples), ..LikelyCause::new(cause, weight, 1.0, edits, sentence) });
+    },
 };
-
-/// The innovations must stay white: a changing parameter would leave them correlated.
-/// ```text
-/// L = ½ (n ln m - n₁ ln m₁ - n₂ ln m₂),  2 L ~ χ² where nothing changes
-/// ```
-/// Source: Bartlett (1937), Properties of sufficiency and statistical tests, *Proceedings of the Royal Society A* 160.
-fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.adaptation.sensor_noise {
-        return;
-    }
-    let case = bad.case;
-    let changes = case.sensors.iter().filter_map(|one| Some((one.sensor, change(one)?)));
-    let Some((sensor, change)) = changes.max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else { return };
-    let sentence = sentence(bad, sensor, &change);
-    let edits = vec![bad.edit("adaptation.sensor_noise", true)];
-    let weight = 1.0 - 1.0 / change.ratio;
-    let samples = case.part(change.parts.0).start..case.part(change.parts.1 - 1).end;
-    found.push(LikelyCause { samples: Some(samples), ..LikelyCause::new(cause, weight, 1.0, edits, sentence) });
-}
 
 struct NoiseChange {
     parts: (usize, usize),
@@ -180,43 +175,41 @@ pub(super) static FELT_DISTURBANCE: Cause = Cause {
     name: "a disturbance felt by an accelerometer",
     hint: "An accelerometer also reads the disturbance. Add the disturbance² to its R, or let the filter model the \
            disturbance as a white force.",
-    likely_causes: felt_disturbance,
+    likely_causes: |bad, cause, found| {
+        let (case, filter) = (bad.case, bad.filter);
+        let model = filter.model(&bad.scenario.plant.kind, bad.scenario.input);
+        // The process noise of a velocity in a step is the disturbance times dt.
+        let disturbance = filter.process_std[Channel::VELOCITY] / case.record.dt();
+        let at_rest = model.at_rest(|quantity| filter.initial_mean[quantity.gain()]);
+        let felt = |i: usize| {
+            let reading = model.reading(case.sensors[i].sensor)?;
+            let read = |force| model.read_disturbed(&reading, &at_rest, 0.0, force);
+            Some((read(1.0) - read(0.0)) * disturbance).filter(|felt| *felt != 0.0)
+        };
+        let places = places(filter.sensor_std.len(), &|i| felt(i).is_some());
+        if places.is_empty() || places.iter().all(|&i| filter.sensor_std[i] > 0.9 * felt(i).unwrap_or(0.0).abs()) {
+            return;
+        }
+        let turned: Vec<f64> =
+            filter.sensor_std.iter().enumerate().map(|(i, std)| libm::hypot(*std, felt(i).unwrap_or(0.0))).collect();
+        let of = |subject: Subject| places.iter().any(|&i| subject == Subject::Sensor(case.sensors[i].sensor));
+        let weight = bad.effect_of(|one| of(one.subject));
+        let sentence =
+            format!("Q contains a disturbance of {} m/s², which the accelerometer reads too", short(disturbance));
+        found.push(LikelyCause::new(cause, weight, 0.0, vec![bad.edit("sensor_std", turned)], sentence.clone()));
+        // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
+        if let Some(edits) = with_white_force(bad) {
+            found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
+        }
+    },
 };
-
-fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let (case, filter) = (bad.case, bad.filter);
-    let model = filter.model(&bad.scenario.plant.kind, bad.scenario.input);
-    // The process noise of a velocity in a step is the disturbance times dt.
-    let disturbance = filter.process_std[Channel::VELOCITY] / case.record.dt();
-    let at_rest = model.at_rest(|quantity| filter.initial_mean[quantity.gain()]);
-    let felt = |i: usize| {
-        let reading = model.reading(case.sensors[i].sensor)?;
-        let read = |force| model.read_disturbed(&reading, &at_rest, 0.0, force);
-        Some((read(1.0) - read(0.0)) * disturbance).filter(|felt| *felt != 0.0)
-    };
-    let places = places(filter.sensor_std.len(), &|i| felt(i).is_some());
-    if places.is_empty() || places.iter().all(|&i| filter.sensor_std[i] > 0.9 * felt(i).unwrap_or(0.0).abs()) {
-        return;
-    }
-    let turned: Vec<f64> =
-        filter.sensor_std.iter().enumerate().map(|(i, std)| libm::hypot(*std, felt(i).unwrap_or(0.0))).collect();
-    let of = |subject: Subject| places.iter().any(|&i| subject == Subject::Sensor(case.sensors[i].sensor));
-    let weight = bad.effect_of(|one| of(one.subject));
-    let sentence =
-        format!("Q contains a disturbance of {} m/s², which the accelerometer reads too", short(disturbance));
-    found.push(LikelyCause::new(cause, weight, 0.0, vec![bad.edit("sensor_std", turned)], sentence.clone()));
-    // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
-    if let Some(edits) = with_white_force(bad) {
-        found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
-    }
-}
 
 fn with_white_force(bad: &BadFilter<'_>) -> Option<Vec<Edit>> {
     let (velocity, white) = (Channel::VELOCITY, Channel::WHITE_FORCE);
     let std = bad.filter.process_std[velocity];
     let edits = || {
-        let size = bad.edit(&format!("process_std.{}", white.key()), std / bad.case.record.dt());
-        vec![bad.augmented(white), size, bad.edit(&format!("process_std.{}", velocity.key()), 0.0)]
+        let size = bad.entry("process_std", white, std / bad.case.record.dt());
+        vec![bad.augmented(white), size, bad.entry("process_std", velocity, 0.0)]
     };
     (std > 0.0 && !bad.filter.augment.contains(&white)).then(edits)
 }
@@ -282,9 +275,8 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
     let motions = || case.estimates.channels().iter().copied().filter(moves);
     for factor in FACTORS {
-        let edits = motions().map(|channel| {
-            bad.edit(&format!("process_std.{}", channel.key()), factor * process_std(bad, filter, channel))
-        });
+        let edits =
+            motions().map(|channel| bad.entry("process_std", channel, factor * process_std(bad, filter, channel)));
         let agrees = (first > 0.0) == (factor > 1.0);
         let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
         let turned = |channel| process_std(bad, filter, channel) / process_std(bad, bad.origin, channel);

@@ -49,9 +49,8 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
             edits.extend(bad.begins(channel.key(), 0.5 * square, 0.4 * square));
         }
-        let key = Channel::HYSTERETIC_DISPLACEMENT.key();
-        edits.push(bad.edit(&format!("initial_std.{key}"), 0.5 * size));
-        edits.push(bad.edit(&format!("process_std.{key}"), 1e-3 * size));
+        edits.push(bad.entry("initial_std", Channel::HYSTERETIC_DISPLACEMENT, 0.5 * size));
+        edits.push(bad.entry("process_std", Channel::HYSTERETIC_DISPLACEMENT, 1e-3 * size));
         let likely = LikelyCause::new(cause, weight, 2.0, edits, "the spring yields".to_owned());
         found.push(LikelyCause { softens: true, ..likely });
     }
@@ -64,31 +63,29 @@ pub(super) static MISSING_MODE: Cause = Cause {
     key: "missing_mode",
     name: "a mode that the model lacks",
     hint: "A peak in the spectrum of the innovations is a mode that the model lacks. Add one more mass.",
-    likely_causes: missing_mode,
+    likely_causes: |bad, cause, found| {
+        let believed = bad.filter.plant.as_ref().unwrap_or(&bad.scenario.plant.kind);
+        let Some(frequency) = bad.frequency().filter(|_| believed.masses() == 1) else { return };
+        let weight = 0.6 * bad.effect_of_lines();
+        let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
+        for frequency in std::iter::once(frequency).chain(bad.measured_peak()) {
+            let stiffness = STIFFNESS * frequency * frequency;
+            let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
+            for mass in 0..2 {
+                edits.extend(bad.begins(Channel::stiffness(mass).key(), stiffness, 0.3 * stiffness));
+            }
+            edits.extend(bad.begins(Channel::STOREY_DAMPING.key(), 0.1 * frequency, 0.1 * frequency));
+            for (first, second) in
+                [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
+            {
+                edits.push(bad.entry("initial_std", second, bad.filter.initial_std[first]));
+                edits.push(bad.entry("process_std", second, bad.filter.process_std[first]));
+            }
+            let likely = LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}"));
+            found.push(LikelyCause { renews_guess: true, ..likely });
+        }
+    },
 };
-
-fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let believed = bad.filter.plant.as_ref().unwrap_or(&bad.scenario.plant.kind);
-    let Some(frequency) = bad.frequency().filter(|_| believed.masses() == 1) else { return };
-    let weight = 0.6 * bad.effect_of_lines();
-    let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
-    for frequency in std::iter::once(frequency).chain(bad.measured_peak()) {
-        let stiffness = STIFFNESS * frequency * frequency;
-        let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
-        for mass in 0..2 {
-            edits.extend(bad.begins(Channel::stiffness(mass).key(), stiffness, 0.3 * stiffness));
-        }
-        edits.extend(bad.begins(Channel::STOREY_DAMPING.key(), 0.1 * frequency, 0.1 * frequency));
-        for (first, second) in
-            [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
-        {
-            edits.push(bad.edit(&format!("initial_std.{}", second.key()), bad.filter.initial_std[first]));
-            edits.push(bad.edit(&format!("process_std.{}", second.key()), bad.filter.process_std[first]));
-        }
-        let likely = LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}"));
-        found.push(LikelyCause { renews_guess: true, ..likely });
-    }
-}
 
 const FREE: f64 = 0.3;
 
@@ -100,33 +97,30 @@ pub(super) static UNKNOWN_FORCE: Cause = Cause {
     name: "a force that is not recorded",
     hint: "Wind, a rotor or a moving load: a slow force pushes innovations to one side for a while. Let the filter \
            estimate it as a random walk. It also absorbs a part of spring and damping, and σ of ζ grows.",
-    likely_causes: unknown_force,
+    likely_causes: |bad, cause, found| {
+        let case = bad.case;
+        let Some(frequency) = bad.frequency() else { return };
+        let force = frequency * frequency * bad.size();
+        if bad.filter.augment.contains(&Channel::UNKNOWN_FORCE) || !(force > 0.0 && force.is_finite()) {
+            return;
+        }
+        let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1).fold(0.0, f64::max);
+        let weight = first / (1.0 + first);
+        let period = TAU / frequency / case.record.dt();
+        let periods = case.len() as f64 / period;
+        for change in CHANGES {
+            let edits = vec![
+                bad.augmented(Channel::UNKNOWN_FORCE),
+                bad.entry("initial_std", Channel::UNKNOWN_FORCE, force),
+                bad.entry("process_std", Channel::UNKNOWN_FORCE, change * force / period.sqrt()),
+            ];
+            let sentence = "the record lacks a force that changes slowly".to_owned();
+            // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
+            let fitted = 2.0 + periods * change / FREE;
+            found.push(LikelyCause::new(cause, weight, fitted, edits, sentence));
+        }
+    },
 };
-
-fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    let Some(frequency) = bad.frequency() else { return };
-    let force = frequency * frequency * bad.size();
-    if bad.filter.augment.contains(&Channel::UNKNOWN_FORCE) || !(force > 0.0 && force.is_finite()) {
-        return;
-    }
-    let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1).fold(0.0, f64::max);
-    let weight = first / (1.0 + first);
-    let key = Channel::UNKNOWN_FORCE.key();
-    let period = TAU / frequency / case.record.dt();
-    let periods = case.len() as f64 / period;
-    for change in CHANGES {
-        let edits = vec![
-            bad.augmented(Channel::UNKNOWN_FORCE),
-            bad.edit(&format!("initial_std.{key}"), force),
-            bad.edit(&format!("process_std.{key}"), change * force / period.sqrt()),
-        ];
-        let sentence = "the record lacks a force that changes slowly".to_owned();
-        // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
-        let fitted = 2.0 + periods * change / FREE;
-        found.push(LikelyCause::new(cause, weight, fitted, edits, sentence));
-    }
-}
 
 struct Component {
     key: &'static str,
@@ -289,7 +283,21 @@ pub(super) static SWINGING_STIFFNESS: Cause = Cause {
     name: "a stiffness that varies with time",
     hint: "A rope with varying tension, a moving pivot or a gear: the stiffness varies with time. Choose an equation \
            in which a second, undamped oscillator is that variation. The filter estimates its frequency too.",
-    likely_causes: swinging_stiffness,
+    likely_causes: |bad, cause, found| {
+        // A swing of the stiffness at w makes lines at w - ωₙ and w + ωₙ.
+        let Some((frequency, _)) = oscillator(bad) else { return };
+        let Some((_, line)) = bad.line().filter(|(height, _)| *height >= LINE) else { return };
+        let estimates = bad.case.estimates;
+        let place = estimates.place(Channel::NATURAL_FREQUENCY);
+        let own = place.map_or(frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
+        for frequency in [line + own, (line - own).abs()].into_iter().filter(|frequency| *frequency > 0.1 * own) {
+            let components = swing(bad, 0.3, [frequency, 0.04], "frequency of the swing");
+            let equation = "x'' + 2 ζ ωₙ x' + ωₙ² (1 + u) x = f; u' = s; s' = -w² u";
+            let edits = edits_of(bad, equation, &components);
+            let sentence = format!("the stiffness varies with time, at about {} rad/s", short(frequency));
+            found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 3.0, edits, sentence));
+        }
+    },
 };
 
 /// A line this far above the mean power is worth a trial.
@@ -304,22 +312,6 @@ fn swing(bad: &BadFilter<'_>, size: f64, [frequency, share]: [f64; 2], name: &'s
         Component { key: "s", parameter: None, mean: 0.0, std: size * frequency },
         Component { key: "w", parameter: Some([name, "rad/s", "positive"]), mean: frequency, std: width },
     ]
-}
-
-/// A swing of the stiffness at w makes lines at w - ωₙ and w + ωₙ.
-fn swinging_stiffness(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some((frequency, _)) = oscillator(bad) else { return };
-    let Some((_, line)) = bad.line().filter(|(height, _)| *height >= LINE) else { return };
-    let estimates = bad.case.estimates;
-    let place = estimates.place(Channel::NATURAL_FREQUENCY);
-    let own = place.map_or(frequency, |place| estimates.canonical_mean(estimates.len() - 1, place));
-    for frequency in [line + own, (line - own).abs()].into_iter().filter(|frequency| *frequency > 0.1 * own) {
-        let components = swing(bad, 0.3, [frequency, 0.04], "frequency of the swing");
-        let equation = "x'' + 2 ζ ωₙ x' + ωₙ² (1 + u) x = f; u' = s; s' = -w² u";
-        let edits = edits_of(bad, equation, &components);
-        let sentence = format!("the stiffness varies with time, at about {} rad/s", short(frequency));
-        found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 3.0, edits, sentence));
-    }
 }
 
 pub(super) static CREEP: Cause = Cause {

@@ -26,30 +26,19 @@ pub(super) static STICKING: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::stuck, "repeat the last one"),
 };
 
-fn marked(
-    bad: &BadFilter<'_>,
-    cause: &'static Cause,
-    found: &mut Vec<LikelyCause>,
-    look: fn(&Readings) -> Option<Marked>,
-    what: &str,
-) {
+type Look = fn(&Readings) -> Option<Marked>;
+
+fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, look: Look, what: &str) {
     for (place, one) in bad.case.sensors.iter().enumerate() {
         let Some(Marked { share, levels }) = Readings::of(bad.case, place).as_ref().and_then(look) else { continue };
         let [there, elsewhere] = levels;
         if there <= RISE * elsewhere.max(1.0) {
             continue;
         }
-        let sentence = format!(
-            "{} of the readings of the {} {what}, where innovations² are {} times what is expected ({} elsewhere)",
-            percent(share),
-            one.sensor.key(),
-            short(there),
-            short(elsewhere)
-        );
-        let with = |edits| {
-            let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone());
-            LikelyCause { certain: true, of_record: true, ..likely }
-        };
+        let (some, name, times, others) = (percent(share), one.sensor.key(), short(there), short(elsewhere));
+        let level = format!("where innovations² are {times} times what is expected ({others} elsewhere)");
+        let sentence = format!("{some} of the readings of the {name} {what}, {level}");
+        let with = |edits| LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone()).of_record();
         found.push(with(Vec::new()));
         if !bad.filter.robust.is_on() && bad.filter.can(&WEIGHED) && bad.filter.walk == 0.0 {
             found.push(with(vec![bad.edit("robust", "gate")]));
@@ -65,38 +54,31 @@ pub(super) static COARSE: Cause = Cause {
     name: "the coarse steps of a sensor",
     hint: "A converter with few bits rounds each reading to a step. Rounding adds a twelfth of the step squared to the \
            noise: add it to R.",
-    likely_causes: coarse,
-};
-
-/// Adds the variance of rounding to R: a step squared over twelve (Widrow and Kollár 2008, *Quantization Noise*).
-fn coarse(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let length = Length::of(bad.scenario.record.as_ref());
-    let mut stds = bad.filter.sensor_std.clone();
-    let (mut told, mut most) = (Vec::new(), 0.0_f64);
-    for (place, one) in bad.case.sensors.iter().enumerate() {
-        let Some(step) = Readings::of(bad.case, place).and_then(|readings| readings.step()) else { continue };
-        let own = stds[place];
-        // A filter that knows of the rounding has a larger σ.
-        if step < LEAST_STEP * own {
-            continue;
+    likely_causes: |bad, cause, found| {
+        // Adds the variance of rounding to R: a step squared over twelve (Widrow and Kollár 2008, *Quantization Noise*).
+        let length = Length::of(bad.scenario.record.as_ref());
+        let mut stds = bad.filter.sensor_std.clone();
+        let (mut told, mut most) = (Vec::new(), 0.0_f64);
+        for (place, one) in bad.case.sensors.iter().enumerate() {
+            let Some(step) = Readings::of(bad.case, place).and_then(|readings| readings.step()) else { continue };
+            let own = stds[place];
+            // A filter that knows of the rounding has a larger σ.
+            if step < LEAST_STEP * own {
+                continue;
+            }
+            stds[place] = (own * own + step * step / 12.0).sqrt();
+            most = most.max(step / own);
+            let (name, unit, times) = (one.sensor.key(), length.in_place_of(one.sensor.unit()), short(step / own));
+            told.push(format!("the {name} reads in steps of {} {unit}, {times} times the assumed σ", short(step)));
         }
-        stds[place] = (own * own + step * step / 12.0).sqrt();
-        most = most.max(step / own);
-        told.push(format!(
-            "the {} reads in steps of {} {}, {} times the assumed σ",
-            one.sensor.key(),
-            short(step),
-            length.in_place_of(one.sensor.unit()),
-            short(step / own)
-        ));
-    }
-    if told.is_empty() {
-        return;
-    }
-    let edits = vec![bad.edit("sensor_std", stds)];
-    let likely = LikelyCause::new(cause, 1.0 - 1.0 / most, told.len() as f64, edits, told.join(", "));
-    found.push(LikelyCause { certain: true, ..likely });
-}
+        if told.is_empty() {
+            return;
+        }
+        let edits = vec![bad.edit("sensor_std", stds)];
+        let likely = LikelyCause::new(cause, 1.0 - 1.0 / most, told.len() as f64, edits, told.join(", "));
+        found.push(LikelyCause { certain: true, ..likely });
+    },
+};
 
 const RULES: [&str; 2] = ["student_t", "gate"];
 
@@ -117,14 +99,9 @@ fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
         let [there, elsewhere] = marked.levels;
         most = there.max(most);
-        sentences.push(format!(
-            "{} of the readings of the {} stand alone and far off: their innovations² are {} times what is expected, those of \
-             the others {}",
-            percent(marked.share),
-            one.sensor.key(),
-            short(there),
-            short(elsewhere)
-        ));
+        let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
+        let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
+        sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
     }
     if sentences.is_empty() {
         return;
@@ -151,19 +128,19 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
         let bias = one.sensor.bias();
         let mean = one.mean(&case.kept).abs();
-        let (key, name) = (bias.key(), one.sensor.key());
+        let name = one.sensor.key();
         let step = WIDE * std / (case.len().max(1) as f64).sqrt();
         if bad.filter.augment.contains(&bias) {
             for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
-                let edits = vec![bad.edit(&format!("process_std.{key}"), step)];
+                let edits = vec![bad.entry("process_std", bias, step)];
                 let sentence = format!("the bias of the {name} drifts, but its Q is too small");
                 found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
             }
             continue;
         }
-        let still = vec![bad.augmented(bias), bad.edit(&format!("initial_std.{key}"), WIDE * std)];
+        let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
         let mut drifting = still.clone();
-        drifting.push(bad.edit(&format!("process_std.{key}"), step));
+        drifting.push(bad.entry("process_std", bias, step));
         let weight = 2.0 * mean / (1.0 + 2.0 * mean);
         found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
         found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
@@ -194,7 +171,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         if first < COLOURED || bad.filter.augment.contains(&bias) {
             continue;
         }
-        let (key, size) = (bias.key(), bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt());
+        let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();
         let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
@@ -205,16 +182,14 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
             stds[place] = white * size;
             let edits = vec![
                 bad.augmented(bias),
-                bad.edit(&format!("initial_std.{key}"), coloured),
-                bad.edit(&format!("process_std.{key}"), coloured * (-libm::expm1(-2.0 / samples)).sqrt()),
-                bad.edit(&format!("correlation_time.{key}"), samples * case.record.dt()),
+                bad.entry("initial_std", bias, coloured),
+                bad.entry("process_std", bias, coloured * (-libm::expm1(-2.0 / samples)).sqrt()),
+                bad.entry("correlation_time", bias, samples * case.record.dt()),
                 bad.edit("sensor_std", stds),
             ];
-            let sentence = format!(
-                "the noise of the {} is coloured, with a correlation time of about {} s: a bias can model it",
-                one.sensor.key(),
-                short(samples * case.record.dt())
-            );
+            let (name, time) = (one.sensor.key(), short(samples * case.record.dt()));
+            let coloured = format!("the noise of the {name} is coloured, with a correlation time of about {time} s");
+            let sentence = coloured + ": a bias can model it";
             found.push(LikelyCause::new(cause, first / (1.0 + first), 2.0, edits, sentence));
         }
     }
@@ -240,8 +215,7 @@ pub(super) static WRAPS: Cause = Cause {
                 one.sensor.key(),
                 short(turn)
             );
-            let likely = LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence);
-            found.push(LikelyCause { certain: true, of_record: true, ..likely });
+            found.push(LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence).of_record());
         }
     },
 };

@@ -8,8 +8,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
-use crate::errors::ChannelErrors;
-use crate::parts::{Chosen, PARTS};
+use crate::sums::{ChannelErrors, Chosen, PARTS};
 use crate::words::{percent, short};
 
 /// Limits an error, in standard deviations, if it is larger than the truth and the initial uncertainty.
@@ -74,12 +73,8 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let sentence = format!("the {name} is {}{space}{unit}, over 1000 times any start", short(mean.abs()));
             push(mean.abs() / (FAR * start), sentence);
         } else if channel == Channel::NATURAL_FREQUENCY {
-            let sentence = format!(
-                "the {name} is {} rad/s; samples {} s apart show nothing above {} rad/s",
-                short(mean.abs()),
-                short(case.record.dt()),
-                short(nyquist)
-            );
+            let [size, dt, most] = [mean.abs(), case.record.dt(), nyquist].map(short);
+            let sentence = format!("the {name} is {size} rad/s; samples {dt} s apart show nothing above {most} rad/s");
             push(mean.abs() / nyquist, sentence);
         }
         if channel.is_positive() && case.estimates.initial_std(place) > 0.0 {
@@ -129,14 +124,10 @@ pub(super) static ELLIPSOID: Test = Test {
         let degrees = late.degrees.checked_div(late.samples).unwrap_or(0);
         let all_inside = case.errors.iter().all(|one| one.level(&case.kept) < 1.0);
         let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
-        found.push(Evidence {
-            statistic: share,
-            p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
-            effect: if share > 0.0 { limit / share } else { f64::MAX },
-            speaks_for: VerdictKind::Overconfident,
-            sentence: format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share)),
-            ..Evidence::new(test, Subject::All, case)
-        });
+        let effect = if share > 0.0 { limit / share } else { f64::MAX };
+        let sentence = format!("the truth is in the 95 % ellipsoid in {} of the samples", percent(share));
+        let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Overconfident, effect, share, sentence);
+        found.push(Evidence { p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0), ..one });
     },
 };
 
@@ -150,20 +141,13 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             if one.count(&late) == 0.0 {
                 continue;
             }
-            found.push(Evidence {
-                statistic: off * off,
-                // Errors stay below `OFF` even if linearised filters are slightly overconfident: a larger one is certain.
-                p_value: if off > OFF { 0.0 } else { normal_p(off) },
-                effect: off / OFF,
-                speaks_for: VerdictKind::Overconfident,
-                samples: case.late(),
-                sentence: format!(
-                    "the {name} is off by {} times its σ in the last fifth, and inside ±2σ in {} of it",
-                    short(off),
-                    percent(one.coverage(&late))
-                ),
-                ..evidence
-            });
+            // Errors stay below `OFF` even if linearised filters are slightly overconfident: a larger one is certain.
+            let p_value = if off > OFF { 0.0 } else { normal_p(off) };
+            let (times, inside) = (short(off), percent(one.coverage(&late)));
+            let said =
+                format!("the {name} is off by {times} times its σ in the last fifth, and inside ±2σ in {inside} of it");
+            let one = evidence.certain(VerdictKind::Overconfident, off / OFF, off * off, said);
+            found.push(Evidence { p_value, samples: case.late(), ..one });
             continue;
         }
         let level = one.level(&case.kept);
@@ -177,14 +161,9 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let effect = if case.nis(&case.kept).0 < 0.9 { libm::log(level) / libm::log(TOO_SMALL) } else { 0.0 };
             (effect, VerdictKind::Underconfident)
         };
-        found.push(Evidence {
-            statistic: level,
-            p_value: chi_squared_p(level, one.independent(&case.kept)),
-            effect,
-            speaks_for: kind,
-            sentence: format!("errors² of the {name} are {} times what the covariance says", short(level)),
-            ..evidence
-        });
+        let sentence = format!("errors² of the {name} are {} times what the covariance says", short(level));
+        let p_value = chi_squared_p(level, one.independent(&case.kept));
+        found.push(Evidence { p_value, ..evidence.certain(kind, effect, level, sentence) });
     }
 }
 
@@ -228,31 +207,27 @@ pub(super) static UNLEARNT: Test = Test {
     distribution: "none: it is below 1 if the filter learns anything",
     source: "Söderström and Stoica (1989), System Identification, section 2.4",
     reading: "near 1: the record has no information on the parameter, because nothing excites its effect",
-    run: unlearnt,
-};
-
-fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.last() else { return };
-    let is_considered = |channel| case.estimates.considers(channel);
-    let of = |channel: Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
-    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
-        let first = case.estimates.initial_std(place);
-        if first <= 0.0 {
-            continue;
+    run: |case, test, found| {
+        let Some(last) = case.last() else { return };
+        let is_considered = |channel| case.estimates.considers(channel);
+        let of = |channel: Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
+        let known = |place: usize| case.estimates.initial_std(place) <= 0.0;
+        let channels = case.estimates.channels().iter().enumerate();
+        for (place, &channel) in channels.filter(|(place, c)| of(**c) && !known(*place)) {
+            let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
+            let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
+            let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
+            let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
+            let time = case.record.time(since);
+            let when =
+                if learnt.is_some() { format!(", and does not fall after {} s", short(time)) } else { String::new() };
+            let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
+            let samples = since..case.samples.end;
+            let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+            found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
         }
-        let share = case.estimates.std(last, place) / first;
-        let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
-        let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
-        let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
-        let time = case.record.time(since);
-        let when =
-            if learnt.is_some() { format!(", and does not fall after {} s", short(time)) } else { String::new() };
-        let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
-        let samples = since..case.samples.end;
-        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-        found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
-    }
-}
+    },
+};
 
 const CALM: std::ops::Range<f64> = 0.8..1.25;
 
@@ -364,36 +339,31 @@ pub(super) static DIVERSITY: Test = Test {
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems; Liu and West (2001)",
     reading: "drawing N_eff particles loses, on average, 1/N_eff of the variance; if these losses explain a quarter of \
               the shrinking of σ, then σ shows the lack of particles, not knowledge",
-    run: diversity,
-};
-
-fn diversity(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let estimates = case.estimates;
-    if estimates.effective_samples().is_empty() {
-        return;
-    }
-    let resamples = |size: &&f64| **size < 0.5 * estimates.particles as f64;
-    let sizes = &estimates.effective_samples()[case.samples.clone()];
-    let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
-    for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
-        let learnt: f64 =
-            (case.samples.start + 1..case.samples.end).map(|k| shrinks_by(learnt_share(case, k, place))).sum();
-        let share = lost / (lost + learnt);
-        if share.is_nan() {
-            continue;
+    run: |case, test, found| {
+        let estimates = case.estimates;
+        if estimates.effective_samples().is_empty() {
+            return;
         }
-        let times = libm::exp(lost.min(700.0));
-        let sentence = format!(
-            "resampling alone makes σ of the {} {} times smaller, {} of all its shrinking",
-            channel.name(),
-            short(times),
-            percent(share)
-        );
-        let effect = (share / SHARE).min(lost / libm::log(TIMES));
-        let one = Evidence::new(test, Subject::Channel(channel), case);
-        found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
-    }
-}
+        let resamples = |size: &&f64| **size < 0.5 * estimates.particles as f64;
+        let sizes = &estimates.effective_samples()[case.samples.clone()];
+        let lost: f64 = sizes.iter().filter(resamples).map(|size| shrinks_by(1.0 / size)).sum();
+        for (place, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
+            let learnt: f64 =
+                (case.samples.start + 1..case.samples.end).map(|k| shrinks_by(learnt_share(case, k, place))).sum();
+            let share = lost / (lost + learnt);
+            if share.is_nan() {
+                continue;
+            }
+            let times = libm::exp(lost.min(700.0));
+            let (name, times, part) = (channel.name(), short(times), percent(share));
+            let sentence =
+                format!("resampling alone makes σ of the {name} {times} times smaller, {part} of all its shrinking");
+            let effect = (share / SHARE).min(lost / libm::log(TIMES));
+            let one = Evidence::new(test, Subject::Channel(channel), case);
+            found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
+        }
+    },
+};
 
 /// The share by which the measurements of sample `k` reduce the variance of the channel at `place`: K S Kᵀ / P.
 fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {

@@ -5,8 +5,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use super::{Evidence, Subject, Test};
 use crate::VerdictKind;
 use crate::case::{Case, chi_squared_p, normal_p};
-use crate::innovations::SensorInnovations;
-use crate::parts::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS};
+use crate::sums::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS, SensorInnovations};
 use crate::words::short;
 
 /// Limits the factor by which innovations² may differ from their expectation, even if the difference is significant.
@@ -59,6 +58,20 @@ fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose:
     }
 }
 
+/// The numbers are the statistic, its p-value and the effect.
+fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, numbers: [f64; 3], said: String) -> Evidence {
+    let [statistic, p_value, effect] = numbers;
+    let (speaks_for, sentence) = (case.pattern(one), format!("prediction errors of the {} {said}", one.sensor.key()));
+    Evidence {
+        statistic,
+        p_value,
+        effect,
+        speaks_for,
+        sentence,
+        ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+    }
+}
+
 const OFF_ZERO: f64 = 0.1;
 
 pub(super) static MEAN: Test = Test {
@@ -70,18 +83,11 @@ pub(super) static MEAN: Test = Test {
     run: |case, test, found| {
         for one in &case.sensors {
             let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
-            if count == 0.0 {
-                continue;
+            if count > 0.0 {
+                let statistic = mean * count.sqrt();
+                let numbers = [statistic, normal_p(statistic), mean.abs() / OFF_ZERO];
+                found.push(pattern(case, test, one, numbers, format!("are {mean:.2}σ on average, not 0")));
             }
-            let statistic = mean * count.sqrt();
-            found.push(Evidence {
-                statistic,
-                p_value: normal_p(statistic),
-                effect: mean.abs() / OFF_ZERO,
-                speaks_for: case.pattern(one),
-                sentence: format!("prediction errors of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
-                ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-            });
         }
     },
 };
@@ -116,17 +122,13 @@ fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let (next, first) = one.first_correlation(&span.parts);
             let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
             let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
-            let (sensor, when) = (one.sensor.key(), span.words);
+            let degrees = correlation.iter().filter(|r| **r != 0.0).count() as u32;
+            let p_value = chi_squared::upper_tail(statistic, degrees).unwrap_or(1.0);
+            let said = format!("are correlated{}: {first:.2} at lag {next}{also}", span.words);
             found.push(Evidence {
-                statistic,
-                p_value: chi_squared::upper_tail(statistic, correlation.iter().filter(|r| **r != 0.0).count() as u32)
-                    .unwrap_or(1.0),
-                effect: largest.abs() / CORRELATED,
                 speaks_for: direction(case, one, telling, one.level(&span.parts)),
-                sentence: format!(
-                    "prediction errors of the {sensor} are correlated{when}: {first:.2} at lag {next}{also}"
-                ),
-                ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
+                samples: span.samples,
+                ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], said)
             });
         }
     }
@@ -148,18 +150,10 @@ fn pairs(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let sum: f64 = lags.clone().map(|(r, ..)| r * r).sum();
         let Some((r, lag, [later, earlier])) = lags.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())) else { continue };
         let [later, earlier] = [later, earlier].map(|place| &case.sensors[place]);
-        found.push(Evidence {
-            statistic: pair.count * sum,
-            p_value: chi_squared::upper_tail(pair.count * sum, 2 * (LAGS as u32 - 1)).unwrap_or(1.0),
-            effect: r.abs() / CORRELATED,
-            speaks_for: case.pattern(later),
-            sentence: format!(
-                "prediction errors of the {} depend on earlier ones of the {} (correlation {r:.2} at lag {lag})",
-                later.sensor.key(),
-                earlier.sensor.key()
-            ),
-            ..Evidence::new(test, Subject::Sensor(later.sensor), case)
-        });
+        let (statistic, sensor) = (pair.count * sum, earlier.sensor.key());
+        let p_value = chi_squared::upper_tail(statistic, 2 * (LAGS as u32 - 1)).unwrap_or(1.0);
+        let said = format!("depend on earlier ones of the {sensor} (correlation {r:.2} at lag {lag})");
+        found.push(pattern(case, test, later, [statistic, p_value, r.abs() / CORRELATED], said));
     }
 }
 
@@ -174,18 +168,10 @@ pub(super) static AT_ONCE: Test = Test {
             let (r, expected) = (pair.correlation[0][0], case.expected_correlation(pair.places));
             let [one, other] = pair.places.map(|place| &case.sensors[place]);
             let statistic = (r - expected) * pair.count.sqrt() / (1.0 - expected * expected).max(1e-3);
-            found.push(Evidence {
-            statistic,
-            p_value: normal_p(statistic),
-            effect: (r - expected).abs() / CORRELATED,
-            speaks_for: case.pattern(one),
-            sentence: format!(
-                "prediction errors of the {} and the {} are correlated by {r:.2}, not {expected:.2}, within a sample",
-                one.sensor.key(),
-                other.sensor.key()
-            ),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
+            let sensor = other.sensor.key();
+            let said = format!("and the {sensor} are correlated by {r:.2}, not {expected:.2}, within a sample");
+            let numbers = [statistic, normal_p(statistic), (r - expected).abs() / CORRELATED];
+            found.push(pattern(case, test, one, numbers, said));
         }
     },
 };
@@ -207,32 +193,21 @@ pub(super) static INPUT: Test = Test {
     source: "Ljung (1999), System Identification, section 16.6",
     reading: "only at lag 0 or 1: the input is late, early or held wrongly; at many positive lags: its gain or the \
               plant is wrong",
-    run: input,
-};
-
-fn input(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        let count = one.count(&case.kept);
-        let correlation = one.cross_correlation(&case.kept);
-        let lags = (FIRST_CROSS_LAG..).zip(correlation);
-        let Some((lag, largest)) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { continue };
-        if largest == 0.0 {
-            continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            let count = one.count(&case.kept);
+            let correlation = one.cross_correlation(&case.kept);
+            let lags = (FIRST_CROSS_LAG..).zip(correlation);
+            let Some((lag, largest)) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { continue };
+            if largest != 0.0 {
+                let statistic = largest.abs() * count.sqrt();
+                let p_value = (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0);
+                let said = format!("still depend on the input (correlation {largest:.2} at lag {lag})");
+                found.push(pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], said));
+            }
         }
-        let statistic = largest.abs() * count.sqrt();
-        let sensor = one.sensor.key();
-        found.push(Evidence {
-            statistic,
-            p_value: (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0),
-            effect: largest.abs() / CORRELATED,
-            speaks_for: case.pattern(one),
-            sentence: format!(
-                "prediction errors of the {sensor} still depend on the input (correlation {largest:.2} at lag {lag})"
-            ),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
-    }
-}
+    },
+};
 
 const LINE: f64 = 5.0;
 
@@ -242,30 +217,19 @@ pub(super) static LINES: Test = Test {
     distribution: "the largest of L/2 sums of squares, χ² with two degrees of freedom a window",
     source: "Welch (1967), The use of fast Fourier transform for the estimation of power spectra",
     reading: "a peak: a mode that the model lacks, or has at another frequency",
-    run: lines,
-};
-
-fn lines(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        let Some((power, turn)) = one.periodogram.peak() else { continue };
-        let statistic = power / one.periodogram.mean();
-        if !statistic.is_finite() {
-            continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            let Some((power, turn)) = one.periodogram.peak() else { continue };
+            let statistic = power / one.periodogram.mean();
+            if !statistic.is_finite() {
+                continue;
+            }
+            let degrees = 2 * one.periodogram.windows as u32;
+            let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
+            let p_value = (one_p * one.periodogram.power.len() as f64).min(1.0);
+            let (times, frequency) = (short(statistic), short(turn / case.record.dt()));
+            let said = format!("have a peak of {times} times the mean power at {frequency} rad/s");
+            found.push(pattern(case, test, one, [statistic, p_value, statistic / LINE], said));
         }
-        let degrees = 2 * one.periodogram.windows as u32;
-        let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
-        found.push(Evidence {
-            statistic,
-            p_value: (one_p * one.periodogram.power.len() as f64).min(1.0),
-            effect: statistic / LINE,
-            speaks_for: case.pattern(one),
-            sentence: format!(
-                "prediction errors of the {} have a peak of {} times the mean power at {} rad/s",
-                one.sensor.key(),
-                short(statistic),
-                short(turn / case.record.dt())
-            ),
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
-    }
-}
+    },
+};

@@ -61,25 +61,16 @@ impl TrueChange {
         match signal {
             Signal::Constant(_) => text,
             Signal::Step(Step { from, to, at }) => {
-                let is_to_come = now < at;
+                let (will, s) = if now < at { ("will ", "") } else { ("", "s") };
                 let text = text.say("At ").setting(time("step.at", at));
                 if channel == Channel::NATURAL_FREQUENCY && from > 0.0 && to > 0.0 {
-                    let verb = match (is_to_come, to < from) {
-                        (true, true) => " the spring will lose ",
-                        (true, false) => " the spring will gain ",
-                        (false, true) => " the spring loses ",
-                        (false, false) => " the spring gains ",
-                    };
+                    let verb = if to < from { "lose" } else { "gain" };
                     let share = Adjustable::stiffness(key("step.to"), from, to);
-                    return text.say(verb).setting(share).say(" of its stiffness");
+                    return text.say(format!(" the spring {will}{verb}{s} ")).setting(share).say(" of its stiffness");
                 }
-                let verb = match (is_to_come, to < from) {
-                    (true, true) => "will fall",
-                    (true, false) => "will rise",
-                    (false, true) => "falls",
-                    (false, false) => "rises",
-                };
-                text.say(format!(" {} {verb} from {} to ", named(channel), plain(from))).setting(value("step.to", to))
+                let verb = if to < from { "fall" } else { "rise" };
+                let words = format!(" {} {will}{verb}{s} from {} to ", named(channel), plain(from));
+                text.say(words).setting(value("step.to", to))
             }
             Signal::Ramp(Ramp { from, to, start, end }) => {
                 let verb = if to < from { "falls" } else { "rises" };
@@ -159,10 +150,9 @@ fn capital(text: &str) -> String {
 
 fn still(scenario: &Scenario) -> Writer {
     let plant = &scenario.plant;
-    let text = Writer::default().say(noun(&plant.kind));
     let named = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     let known = named.into_iter().filter(|channel| plant.kind.parameters().any(|own| own == *channel));
-    let mut text = text;
+    let mut text = Writer::default().say(noun(&plant.kind));
     for (place, channel) in known.enumerate() {
         let signal = plant.parameter(channel).unwrap_or(Signal::Constant(channel.usual_truth()));
         let before = if place == 0 { " with " } else { " and " };
@@ -175,10 +165,7 @@ fn still(scenario: &Scenario) -> Writer {
 
 fn noun(kind: &PlantKind) -> String {
     let name = kind.name().replace(", ", " of ");
-    match name.as_str() {
-        name if name.starts_with("equation") => "Your own equation".to_owned(),
-        name => format!("A {name}"),
-    }
+    if name.starts_with("equation") { "Your own equation".to_owned() } else { format!("A {name}") }
 }
 
 fn moved(scenario: &Scenario) -> String {
@@ -186,12 +173,8 @@ fn moved(scenario: &Scenario) -> String {
     match scenario.force {
         Force::WhiteNoise { std: 0.0 } | Force::None => {
             let motion = scenario.plant.initial;
-            if motion.displacement == 0.0 && motion.velocity == 0.0 {
-                "is at rest, and nothing moves it"
-            } else {
-                "is pulled aside and let go"
-            }
-            .to_owned()
+            let is_at_rest = motion.displacement == 0.0 && motion.velocity == 0.0;
+            if is_at_rest { "is at rest, and nothing moves it" } else { "is pulled aside and let go" }.to_owned()
         }
         Force::WhiteNoise { .. } if by_ground => "is shaken by its ground".to_owned(),
         Force::WhiteNoise { .. } => "is shaken by white noise".to_owned(),

@@ -247,10 +247,10 @@ impl<'a> FilterOutcome<'a> {
             Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it (overconfident)",
             Some(VerdictKind::Overconfident) => ", but its band is too narrow (overconfident)",
             Some(VerdictKind::PatternLeft) => ", and leaves a pattern in its innovations (pattern left)",
-            Some(kind) if kind.is_good() && self.long_steps.is_some() => &format!(
-                ", but its band may be too narrow: the motion turns by more than {}° in a step (add “substeps per sample”)",
-                self.long_steps.unwrap_or_default()
-            ),
+            Some(kind) if let Some(angle) = self.long_steps.filter(|_| kind.is_good()) => {
+                let turns = format!("the motion turns by more than {angle}° in a step (add “substeps per sample”)");
+                &format!(", but its band may be too narrow: {turns}")
+            }
             Some(VerdictKind::Underconfident) if self.is_behind_a_band => {
                 ", and its innovations are small, because the import filters them (underconfident)"
             }

@@ -5,7 +5,7 @@ use kalmanscope_filters::lists::places;
 
 use super::header::unit;
 use super::times::Timing;
-use super::{ImportError, MappedColumn, Mapping, MappingError, Table};
+use super::{MappedColumn, Mapping, MappingError, Result, Table};
 use crate::resample::{self, Steps, band_pass};
 
 #[derive(Clone, Copy)]
@@ -91,8 +91,7 @@ impl MappedColumn {
         self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
     }
 
-    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
-    /// that is far from all others, is missing.
+    /// The column of a table with a name, in the unit of its header, without the numbers that loggers write for a missing reading.
     pub fn of(table: &Table, column: impl Into<String>) -> Self {
         let mut mapped = Self::new(column);
         if let Some(place) = table.place(&mapped.column) {
@@ -103,7 +102,7 @@ impl MappedColumn {
     }
 }
 
-pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
+pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>> {
     let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
     if low >= nyquist {
         let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
@@ -136,13 +135,13 @@ pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
 pub(super) fn shift(values: &mut [f64], delay: i32) {
     let n = values.len();
     let by = (delay.unsigned_abs() as usize).min(n);
+    let gap = if delay > 0 { n - by..n } else { 0..by };
     if delay > 0 {
-        values.rotate_left(by);
-        values[n - by..].fill(f64::NAN);
-    } else if delay < 0 {
-        values.rotate_right(by);
-        values[..by].fill(f64::NAN);
+        values.rotate_left(by)
+    } else {
+        values.rotate_right(by)
     }
+    values[gap].fill(f64::NAN);
 }
 
 /// A number that seems to mark missing readings: it occurs several times, far from all others.
@@ -188,8 +187,7 @@ impl Table {
         of(low, high).or_else(|| of(high, low))
     }
 
-    /// The table with empty cells in place of numbers that are no readings, and a remark on each column that had some: of `missing`,
-    /// or without it of the numbers that loggers write for a missing reading.
+    /// The table without the number `missing`, or those that loggers write for a missing reading, and a remark on each column with some.
     #[must_use]
     pub fn with_gaps(&self, missing: Option<f64>) -> Self {
         let mut with_gaps = self.clone();
@@ -233,9 +231,9 @@ pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &Mappe
     let name = &column.name;
     let word = column.word.as_ref().map(|word| {
         let (count, line) = (column.words, word.line);
+        let text = &word.text;
         format!(
-            "{count} cell(s) of `{name}` have a word such as `{}`, the first in line {line}: they count as missing",
-            word.text
+            "{count} cell(s) of `{name}` have a word such as `{text}`, the first in line {line}: they count as missing"
         )
     });
     let number = match mapped.missing {
@@ -261,62 +259,4 @@ pub(super) fn is_still(readings: &[f64]) -> bool {
     let mut there = readings.iter().filter(|reading| !reading.is_nan());
     let first = there.next();
     there.all(|reading| Some(reading) == first)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::builder::tests::{TEXT, import};
-    use super::*;
-
-    #[test]
-    fn a_part_is_cut_and_keeps_its_times() {
-        let record = import(TEXT, |mapping| (mapping.from, mapping.to) = (Some(0.1), Some(0.3))).unwrap().record;
-        assert_eq!((record.len(), record.time(0)), (3, 0.1));
-        assert_eq!(record.input(), [2.0, 3.0, 4.0]);
-    }
-
-    #[test]
-    fn interpolation_leaves_measurements_where_they_were() {
-        let record = import(TEXT, |mapping| mapping.interpolate = 2).unwrap().record;
-        assert_eq!((record.len(), record.dt()), (9, 0.05));
-        assert!(record.measured(0)[1].is_nan());
-        assert_eq!(record.measured(0)[2], 3.0);
-        assert_eq!((record.input()[0], record.input()[2]), (1.0, 2.0));
-    }
-
-    #[test]
-    fn decimation_keeps_missing_samples_missing() {
-        let mut text = "t,force,displacement\n".to_owned();
-        for k in 0..100 {
-            let x = if (40..44).contains(&k) { String::new() } else { "1".to_owned() };
-            text.push_str(&format!("{},0.5,{x}\n", f64::from(k) * 0.01));
-        }
-        let record = import(&text, |mapping| mapping.every = 4).unwrap().record;
-        assert_eq!((record.len(), record.dt()), (25, 0.04));
-        assert!(record.measured(0)[10].is_nan() && !record.measured(0)[11].is_nan());
-        assert!((record.measured(0)[20] - 1.0).abs() < 1e-9 && (record.input()[12] - 0.5).abs() < 1e-9);
-    }
-
-    #[test]
-    fn bands_above_the_nyquist_frequency_are_told() {
-        let band = |low, high| import(TEXT, |mapping| mapping.band = Some([low, high]));
-        let remarks = band(1.0, 90.0).unwrap().remarks;
-        assert!(remarks[0].contains("90 Hz, is not below the Nyquist frequency, 5 Hz"), "{remarks:?}");
-        assert!(band(6.0, 90.0).unwrap_err().to_string().contains("below the Nyquist frequency, 5 Hz"));
-    }
-
-    #[test]
-    fn gaps_are_filled_and_shifted() {
-        let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
-        assert_eq!(fill(&mut ends), Some((0, 4)));
-        assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
-        assert!(fill(&mut ends).is_none());
-        for (delay, expected) in
-            [(1, "[2.0, 3.0, NaN]"), (-2, "[NaN, NaN, 1.0]"), (0, "[1.0, 2.0, 3.0]"), (7, "[NaN, NaN, NaN]")]
-        {
-            let mut values = [1.0, 2.0, 3.0];
-            shift(&mut values, delay);
-            assert_eq!(format!("{values:?}"), expected);
-        }
-    }
 }

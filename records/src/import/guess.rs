@@ -132,12 +132,10 @@ impl Mapping {
         (mapping, kind)
     }
 
-    /// A guess from names, units and shapes, with the kind of input and a reason for each column. Names come first;
-    /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
-    /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
-    /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
-    /// column is the input; several others are not. An acceleration on the ground is the one that the
-    /// scenario's `sensors` measure.
+    /// A guess from names, units and shapes, with the kind of input and a reason for each column. Names come first; then the first column
+    /// of evenly rising numbers is the time, and of two columns without a meaning the first is the input and the second the displacement.
+    /// If a sensor's column has a name, a single other column is the input; several others are not. An acceleration on the ground is the
+    /// one that the scenario's `sensors` measure.
     pub fn guess_for(table: &Table, sensors: &[Quantity]) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);

@@ -229,35 +229,3 @@ fn number_before_rate(line: &str) -> Option<(f64, String)> {
     let rate = line[..place].split_whitespace().next_back()?.parse().ok().filter(|rate| *rate > 0.0)?;
     Some((rate, String::new()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spellings_are_known_and_stand_behind_names() {
-        for (text, expected) in [
-            ("ms", Some((Dimension::Time, 1e-3))),
-            ("g", Some((Dimension::Acceleration, 9.80665))),
-            ("M/S^2", Some((Dimension::Acceleration, 1.0))),
-            ("mV", Some((Dimension::Voltage, 1e-3))),
-            // A siemens is no second.
-            ("S", None),
-            ("Angle", None),
-        ] {
-            assert_eq!(unit(text), expected, "{text}");
-        }
-        for (header, name, unit) in [
-            ("acc (g)", "acc", Some("g")),
-            ("Angle, Ch 1+2 (rad) Run #13", "Angle, Ch 1+2 Run #13", Some("rad")),
-            ("Weg [mm]", "Weg", Some("mm")),
-            ("t in ms", "t", Some("ms")),
-            ("force_N", "force", Some("N")),
-            ("ground_acceleration", "ground_acceleration", None),
-            ("V1", "V1", None),
-            ("(s)", "s", Some("s")),
-        ] {
-            assert_eq!(name_and_unit(header), (name.to_owned(), unit.map(str::to_owned)), "{header}");
-        }
-    }
-}

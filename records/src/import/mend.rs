@@ -30,9 +30,8 @@ pub(super) fn mend(mut table: Table) -> Table {
     if !named.is_empty() && named.iter().all(falls) {
         let name = table.columns[named[0]].name.clone();
         table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
-        table
-            .remarks
-            .push(format!("the times in `{name}` fall, the newest first: the rows are read from last to first"));
+        let said = format!("the times in `{name}` fall, the newest first: the rows are read from last to first");
+        table.remarks.push(said);
     }
     for &place in &named {
         let column = &mut table.columns[place];
@@ -79,9 +78,8 @@ fn with_fractions(table: &mut Table) {
     let fractions = table.columns.remove(place + 1);
     let time = &mut table.columns[place];
     time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
-    table
-        .remarks
-        .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
+    let said = format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name);
+    table.remarks.push(said);
 }
 
 /// Wristbands write the time of the start there, and the samples a second.
@@ -126,7 +124,7 @@ fn with_turns(times: &mut [f64], turn: impl Fn(f64, f64) -> Option<f64>) -> Opti
     for (row, time) in times.iter_mut().enumerate() {
         if let Some(range) = turn(before, *time) {
             added += range;
-            first = first.or(Some((row, range)));
+            first.get_or_insert((row, range));
         }
         before = if time.is_nan() { before } else { *time };
         *time += added;
@@ -148,39 +146,30 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
         rows.drain(..first);
     }
     let step = median_step(&rows.iter().map(|&row| times[row]).collect::<Vec<f64>>());
-    let back =
-        |rows: &[usize]| -> Vec<usize> { (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect() };
-    let backward = back(&rows);
+    let backward: Vec<usize> = (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect();
     if !backward.is_empty() && step > 0.0 {
         let line = |k: usize| table.line(rows[k]);
         let begins = |&k: &usize| (times[rows[k]] - times[rows[0]]).abs() <= 3.0 * step;
         if let Some(sorted) = in_order(&times, &rows, step) {
-            said.push(format!(
-                "the rows from line {} on are not in the order of their times: they are sorted",
-                line(backward[0] - 1)
-            ));
+            let first = line(backward[0] - 1);
+            said.push(format!("the rows from line {first} on are not in the order of their times: they are sorted"));
             rows = sorted;
         } else if backward.iter().all(begins) {
             let ends = [&[0], &backward[..], &[rows.len()]].concat();
             let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
             let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
+            let (begin, first, last, parts) =
+                (line(backward[0]), line(longest.start), line(longest.end - 1), ends.len() - 1);
             said.push(format!(
-                "the times in `{name}` begin again in line {}: of {} parts the longest is read, lines {} to {}; to read another, save it \
-                 as a file",
-                line(backward[0]),
-                ends.len() - 1,
-                line(longest.start),
-                line(longest.end - 1)
+                "the times in `{name}` begin again in line {begin}: of {parts} parts the longest is read, lines {first} to {last}; to \
+                 read another, save it as a file"
             ));
             rows = rows[longest].to_vec();
         } else if backward.len() <= SET_BACK {
             for &k in &backward {
                 let shift = times[rows[k - 1]] + step - times[rows[k]];
-                said.push(format!(
-                    "the clock `{name}` is set back by {:.3} of its unit in line {}: the times continue by a usual step",
-                    shift,
-                    line(k)
-                ));
+                let back = format!("set back by {shift:.3} of its unit in line {}", line(k));
+                said.push(format!("the clock `{name}` is {back}: the times continue by a usual step"));
                 rows[k..].iter().for_each(|&row| times[row] += shift);
             }
         }
@@ -188,11 +177,9 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
     let groups = of_one_time(&table, place, &times, &rows).unwrap_or_else(|| mapped(&rows, &|row| vec![*row]));
     if groups.len() < rows.len() {
         let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
-        said.push(format!(
-            "{} rows have the time of the row before them, the first is line {}: their last reading counts",
-            rows.len() - groups.len(),
-            table.line(first)
-        ));
+        let (more, line) = (rows.len() - groups.len(), table.line(first));
+        let before = format!("{more} rows have the time of the row before them, the first is line {line}");
+        said.push(before + ": their last reading counts");
     }
     if said.is_empty() {
         return table;
@@ -241,76 +228,4 @@ fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Op
     let unlike = groups.iter().filter(|group| group.windows(2).any(is_unlike)).count();
     let is_short = groups.iter().all(|group| group.len() <= EVENTS.1);
     (unlike == 0 || (is_short && unlike as f64 <= EVENTS.0 * groups.len() as f64)).then_some(groups)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::read;
-
-    fn mended(text: &str) -> (Vec<f64>, Vec<f64>, Vec<String>) {
-        let table = read(text.as_bytes(), None).unwrap();
-        let [time, .., last] = table.columns.as_slice() else { panic!("two columns") };
-        (time.values.clone(), last.values.clone(), table.remarks)
-    }
-
-    fn file(times: impl IntoIterator<Item = f64>) -> String {
-        let rows = times.into_iter().enumerate().map(|(row, time)| format!("{time},{row}\n"));
-        "time,x\n".to_owned() + &rows.collect::<String>()
-    }
-
-    fn steps(times: &[f64]) -> Vec<f64> {
-        times.windows(2).map(|pair| ((pair[1] - pair[0]) * 1e6).round() * 1e-6).collect()
-    }
-
-    #[test]
-    fn counters_go_on_where_they_turn_over() {
-        for (range, from, step) in [
-            (4_294_967_296.0, 4_294_960_000.0, 20_000.0),
-            (4_294_967.296, 4_294_967.0, 0.5),
-            (65_536.0, 65_500.0, 10.0),
-            (65.536, 65.0, 0.01),
-        ] {
-            let times = (0..200).map(|k| (from + f64::from(k) * step) % range);
-            let (times, _, remarks) = mended(&file(times));
-            assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-6 * range.max(1.0)), "{range}");
-            assert!(remarks.len() == 1 && remarks[0].contains("turns over"), "{remarks:?}");
-        }
-        let signed = (0..50).map(|k| f64::from(32_700_i16.wrapping_add(10 * k)));
-        assert_eq!(steps(&mended(&file(signed)).0), [10.0; 49]);
-    }
-
-    #[test]
-    fn each_fault_with_one_cure_is_cured_and_said() {
-        let even = |count: u32| (0..count).map(|k| 0.02 * f64::from(k));
-        let epoch = std::iter::once(0.0).chain(even(50).map(|time| 1.7e9 + time));
-        let mut swapped: Vec<f64> = even(60).collect();
-        swapped.swap(10, 11);
-        let back = even(60).map(|time| if time > 0.5 { 7200.0 + time - 3600.0 } else { 7200.0 + time });
-        let again = even(30).chain(even(40)).chain(even(20));
-        let twice = even(40).flat_map(|time| [time, time]);
-        let cases: [(&str, String, usize, usize, &str); 4] = [
-            ("epoch", file(epoch), 50, 1, "far from all others"),
-            ("swapped", file(swapped), 60, 0, "not in the order"),
-            ("back", file(back), 60, 0, "is set back by 3600.000"),
-            ("again", file(again), 40, 30, "of 3 parts the longest is read, lines 32 to 71"),
-        ];
-        for (name, text, rows, first, words) in cases {
-            let (times, readings, remarks) = mended(&text);
-            assert_eq!((times.len(), readings[0]), (rows, first as f64), "{name}");
-            assert!(steps(&times).iter().all(|step| (step - 0.02).abs() < 1e-6), "{name}: {times:?}");
-            assert!(remarks.len() == 1 && remarks[0].contains(words), "{name}: {remarks:?}");
-        }
-        let same: String = even(40).map(|time| format!("{time},{time}\n").repeat(2)).collect();
-        let parts: String = even(40).map(|time| format!("{time},1,\n{time},,{time}\n")).collect();
-        let event: String = even(40)
-            .map(|time| if time == 0.4 { format!("{time},9\n{time},{time}\n") } else { format!("{time},{time}\n") })
-            .collect();
-        for text in [format!("t,x\n{same}"), format!("t,f,x\n{parts}"), format!("t,x\n{event}")] {
-            let (times, readings, remarks) = mended(&text);
-            assert_eq!((times.len(), &times), (40, &readings), "{remarks:?}");
-            assert!(remarks.iter().any(|remark| remark.contains("have the time of the row before")), "{remarks:?}");
-        }
-        let (times, _, remarks) = mended(&file(twice));
-        assert_eq!((times.len(), remarks), (80, vec![]), "rounded times stay: their rows are not one");
-    }
 }

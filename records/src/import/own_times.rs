@@ -8,7 +8,7 @@ use kalmanscope_filters::lists::{self, numbers, sort_items};
 use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
 use super::times::{Clock, Timing};
-use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Table};
+use super::{FEWEST, ImportError, MappedColumn, Mapping, Offset, Result, Table};
 use crate::record::{Clocks, Timed};
 use crate::resample::{Steps, mean, side_of};
 
@@ -117,11 +117,7 @@ pub(super) struct OneClock {
 }
 
 /// `None` where a mapping's columns have one clock.
-pub(super) fn on_one_clock(
-    table: &Table,
-    mapping: &Mapping,
-    remarks: &mut Vec<String>,
-) -> Result<Option<OneClock>, ImportError> {
+pub(super) fn on_one_clock(table: &Table, mapping: &Mapping, remarks: &mut Vec<String>) -> Result<Option<OneClock>> {
     let clocks = clocks(table);
     let stated = mapping.time.column.as_deref().and_then(|name| table.place(name));
     let is_clock = |place: &usize| clocks.iter().any(|(_, clock)| clock == place);
@@ -200,7 +196,7 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
 }
 
-fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>, ImportError> {
+fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>> {
     let time = Mapping::guess(table).0.time;
     let place = time.column.and_then(|name| table.place(&name)).ok_or_else(|| no_time(table))?;
     Clock::of(table, place, &time.unit, remarks)
@@ -227,7 +223,7 @@ fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
 ///
 /// # Errors
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.
-pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportError> {
+pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table> {
     let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
     let clocks = [(clock_of(first, &mut remarks)?, 0.0), (clock_of(second, &mut remarks)?, offset)];
     let Some((steps, _)) = common(&clocks) else {
@@ -256,33 +252,4 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportE
     let seconds = steps.seconds();
     remarks.push(format!("the first file and the second file have {seconds:.3} s in common; each keeps its times"));
     Ok(Table::of_columns("two files with clocks of their own", columns, remarks))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Imported;
-    use super::super::builder::tests::import;
-
-    #[test]
-    fn one_clock_that_stands_twice_changes_nothing() {
-        let once = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,1,4\n0.3,0,5\n0.4,1,3\n";
-        let twice = "t,force,time,displacement\n0,1,0,2\n0.1,2,0.1,3\n0.2,1,0.2,4\n0.3,0,0.3,5\n0.4,1,0.4,3\n";
-        let in_ms = "t [s],force,time [ms],displacement\n0,1,0,2\n0.1,2,100,3\n0.2,1,200,4\n0.3,0,300,5\n0.4,1,400,3\n";
-        let of = |text: &str| {
-            let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
-            assert_eq!(remarks, Vec::<String>::new());
-            (record.dt(), record.input().to_vec(), record.measured(0).to_vec())
-        };
-        assert_eq!(of(once), of(twice));
-        assert_eq!(of(once), of(in_ms));
-    }
-
-    #[test]
-    fn clocks_without_a_common_time_are_read_row_by_row_which_is_said() {
-        let text =
-            "t,force,stamp,displacement\n0,1,1000,2\n0.1,2,1000.11,3\n0.2,1,1000.2,4\n0.3,0,1000.3,5\n0.4,1,1000.4,3\n";
-        let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
-        assert_eq!((record.dt(), record.measured(0)), (0.1, &[2.0, 3.0, 4.0, 5.0, 3.0][..]));
-        assert!(remarks[0].contains("the clocks `t` and `stamp` have no time in common"), "{remarks:?}");
-    }
 }

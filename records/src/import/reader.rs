@@ -3,7 +3,7 @@
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
 use super::table::RowsReader;
-use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Table};
+use super::{Dialect, Encoding, Hash, ImportError, LONGEST_LINE, Result, Table};
 use crate::task::{Progress, Work, pause};
 
 const HEAD: usize = 65_536;
@@ -16,7 +16,7 @@ enum Body {
 }
 
 /// The columns of a file, some lines after the others.
-pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Progress) -> Result<Table, ImportError> {
+pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Progress) -> Result<Table> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(ImportError::Empty);
     }
@@ -65,7 +65,7 @@ pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Prog
     }
 }
 
-fn begin(bytes: &[u8], dialect: Option<Dialect>) -> Result<(Dialect, Body), ImportError> {
+fn begin(bytes: &[u8], dialect: Option<Dialect>) -> Result<(Dialect, Body)> {
     let head = &bytes[..bytes.len().min(HEAD)];
     let encoding = match dialect {
         Some(dialect) => dialect.encoding,
@@ -123,7 +123,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
-pub fn load(bytes: Vec<u8>) -> Work<Result<Loaded, ImportError>> {
+pub fn load(bytes: Vec<u8>) -> Work<Result<Loaded>> {
     Work::new(async move |progress: Progress| {
         let table = mend(read(&bytes, None, &progress).await?);
         let mut hash = Hash::default();
@@ -133,74 +133,4 @@ pub fn load(bytes: Vec<u8>) -> Work<Result<Loaded, ImportError>> {
         }
         Ok(Loaded { hash: hash.text(), table })
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Task as _;
-    use crate::document;
-    use crate::import::hash;
-
-    fn read(bytes: &[u8]) -> Result<Table, ImportError> {
-        super::super::read(bytes, None)
-    }
-
-    #[test]
-    fn what_is_no_table_is_said() {
-        let message = |bytes: &[u8]| {
-            let said = read(bytes).unwrap_err().to_string();
-            assert_eq!(load(bytes.to_vec()).run().unwrap_err().to_string(), said);
-            said
-        };
-        assert_eq!(message(b""), "the file is empty");
-        assert_eq!(message(b"\n \n"), "the file is empty");
-        assert!(message(b"\x7FELF\x00\x01\x02\x03\x00\x00").contains("not text"));
-        assert!(message(b"PK\x03\x04....").contains("ZIP"));
-        assert!(message(b"a,b\nc,d\n").contains("no column of numbers"));
-        let wide: String = vec!["1"; 1_000_000].join(",");
-        assert_eq!(message(wide.as_bytes()), "line 1 is longer than 1 MB");
-        let wide: String = (vec!["1"; 2000].join(",") + "\n").repeat(2);
-        assert_eq!(message(wide.as_bytes()), "line 1 has 2000 cells, but at most 1000 columns can be read");
-    }
-
-    #[test]
-    fn the_memory_of_the_columns_is_that_of_their_numbers() {
-        let mut text = "t,x\n".to_owned();
-        (0..10_000).for_each(|k| text.push_str(&format!("{:.4},{:.6}\n", f64::from(k) * 0.01, f64::from(k).sin())));
-        let (_, Body::Rows(rows)) = begin(text.as_bytes(), None).unwrap() else { panic!("a table") };
-        let reserved: usize = rows.columns.iter().map(|column| column.values.capacity() * 8).sum();
-        assert!(reserved < 2 * text.len(), "{reserved} for {}", text.len());
-    }
-
-    fn text() -> Vec<u8> {
-        let row = |k: u32| format!("{},{:.6}\n{}", f64::from(k) * 0.01, f64::from(k).sin(), ["", "\n"][k as usize % 2]);
-        let rows: String = (0..60_000).map(row).collect();
-        format!("t [s],x [mm]\n{rows}600,oops,7\n").into_bytes()
-    }
-
-    #[test]
-    fn a_file_in_slices_is_the_file_in_one_go() {
-        let (mut loading, mut shares) = (load(text()), vec![0.0]);
-        while !loading.advance(&mut || false) {
-            shares.push(loading.progress());
-        }
-        assert!(shares.len() > 100 && shares.is_sorted() && shares[shares.len() - 1] < 1.0);
-        let Loaded { hash: sum, table } = loading.finish().unwrap();
-        assert_eq!(sum, hash(&text()));
-        // NaN is not equal to itself.
-        assert_eq!(format!("{table:?}"), format!("{:?}", read(&text()).unwrap()));
-        assert_eq!(load(text()).finish().unwrap().hash, hash(&text()), "in one go");
-    }
-
-    #[test]
-    fn a_table_can_be_sent_apart_from_its_numbers() {
-        let table = read(&text()).unwrap();
-        let mut sent: Table = document::read(&document::of(&table).unwrap()).unwrap();
-        assert_eq!((sent.columns.len(), sent.rows(), sent.line(50_000)), (2, 0, table.line(50_000)));
-        for (sent, column) in sent.columns.iter_mut().zip(&table.columns) {
-            sent.values.clone_from(&column.values);
-        }
-        assert_eq!(format!("{sent:?}"), format!("{table:?}"));
-    }
 }

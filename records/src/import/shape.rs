@@ -113,11 +113,8 @@ pub(super) fn unwrapped(table: &Table, mapping: &Mapping, remarks: &mut Vec<Stri
         rows.iter().zip(whole).for_each(|(row, value)| new.columns[place].values[*row] = value);
         let (name, line) = (&mapped.column, table.line(rows[jumps[0]]));
         let range = if range.fract() == 0.0 { range.to_string() } else { format!("{range:.4}") };
-        remarks.push(format!(
-            "`{name}` jumps by {range} {} time(s), the first in line {line}, and moves on evenly otherwise: an angle that wraps; it is \
-             unwrapped",
-            jumps.len()
-        ));
+        let jumps = format!("`{name}` jumps by {range} {} time(s), the first in line {line}", jumps.len());
+        remarks.push(jumps + ", and moves on evenly otherwise: an angle that wraps; it is unwrapped");
     }
     changed
 }

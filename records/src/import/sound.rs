@@ -4,11 +4,11 @@ use std::io::Cursor;
 
 use kalmanscope_filters::lists::numbers;
 
-use super::{Column, ImportError, MOST, Table};
+use super::{Column, ImportError, MOST, Result, Table};
 
 const FORM: &str = "sound";
 
-pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn table(bytes: &[u8]) -> Result<Table> {
     let bad = |error: hound::Error| ImportError::Sound(error.to_string());
     let mut reader = hound::WavReader::new(bytes).map_err(bad)?;
     let hound::WavSpec { channels, sample_rate, bits_per_sample, sample_format } = reader.spec();
@@ -48,7 +48,7 @@ pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
 ///
 /// # Errors
 /// [`ImportError::Sound`] for one too long for such a file.
-pub fn wav(rate: u32, samples: &[f32]) -> Result<Vec<u8>, ImportError> {
+pub fn wav(rate: u32, samples: &[f32]) -> Result<Vec<u8>> {
     let sample_format = hound::SampleFormat::Float;
     let spec = hound::WavSpec { channels: 1, sample_rate: rate, bits_per_sample: 32, sample_format };
     let mut bytes = Cursor::new(Vec::new());

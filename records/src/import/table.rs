@@ -1,7 +1,6 @@
 //! Columns of numbers, as a file has them, and the reading of their rows.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use kalmanscope_filters::lists::{mapped, numbers};
 use serde::{Deserialize, Serialize};
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Content;
 use super::dialect::REMARKS;
 use super::header::{Facts, name_and_unit};
-use super::{Decimal, Dialect, ImportError, MOST_COLUMNS};
+use super::{Decimal, Dialect, ImportError, MOST_COLUMNS, Result};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +71,7 @@ impl Column {
         Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }
     }
 
-    pub(super) fn without_text(&self) -> Result<&Self, ImportError> {
+    pub(super) fn without_text(&self) -> Result<&Self> {
         self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
     }
 
@@ -137,15 +136,9 @@ impl Table {
         };
         let mut text = mapped(&self.columns, &name).join(",") + "\n";
         for row in 0..self.rows() {
-            for (place, column) in self.columns.iter().enumerate() {
-                let comma = if place > 0 { "," } else { "" };
-                // Writing to a text cannot fail.
-                let _ = match column.values[row] {
-                    value if value.is_finite() => write!(text, "{comma}{value}"),
-                    _ => write!(text, "{comma}"),
-                };
-            }
-            text.push('\n');
+            let cell = |column: &Column| Some(column.values[row]).filter(|value| value.is_finite());
+            let cells = mapped(&self.columns, &|column| cell(column).map_or(String::new(), |value| value.to_string()));
+            text += &(cells.join(",") + "\n");
         }
         text
     }
@@ -262,12 +255,7 @@ fn remark(odd: &Odd, what: &str) -> Option<String> {
 const SUMMED: usize = 20;
 
 impl RowsReader {
-    pub(super) fn new(
-        format: Option<&'static str>,
-        mut rows: Rows,
-        lines: &[&str],
-        length: usize,
-    ) -> Result<Self, ImportError> {
+    pub(super) fn new(format: Option<&'static str>, mut rows: Rows, lines: &[&str], length: usize) -> Result<Self> {
         let (dialect, cells) = (rows.dialect, std::mem::take(&mut rows.cells));
         let (belongs, header) = if cells.is_empty() {
             let width = width(&dialect, lines)?;
@@ -349,7 +337,7 @@ impl RowsReader {
         }
     }
 
-    pub(super) fn finish(self, line: usize) -> Result<Table, ImportError> {
+    pub(super) fn finish(self, line: usize) -> Result<Table> {
         let Self { format, rows, mut columns, end, lines, odd, .. } = self;
         let Rows { dialect, even, scale, count, remarks: mut said, rate, .. } = rows;
         let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
@@ -405,7 +393,7 @@ fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<S
     ))
 }
 
-fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
+fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize> {
     let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
     let mut width = dialect.delimiter.cells(first).count();
     // A delimiter that ends each line begins no column.
@@ -419,48 +407,4 @@ fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
         return Err(ImportError::TooManyColumns(dialect.data, width));
     }
     Ok(width)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::read;
-    use super::*;
-
-    #[test]
-    fn lines_are_known_for_each_row() {
-        let mut lines = Lines::default();
-        for (row, line) in [2, 3, 4, 7, 8, 20].into_iter().enumerate() {
-            lines.push(row, line);
-        }
-        assert_eq!(lines.blocks.len(), 3);
-        assert_eq!((0..6).map(|row| lines.of(row)).collect::<Vec<_>>(), [2, 3, 4, 7, 8, 20]);
-        assert_eq!(lines.of(100), 20 + 95);
-        lines.end(6);
-        assert_eq!((lines.of(5), lines.of(100)), (20, 20));
-    }
-
-    #[test]
-    fn names_are_numbered_and_a_trailing_delimiter_begins_no_column() {
-        for (text, names) in [
-            ("x,x,t,x\n1,2,3,4\n5,6,7,8\n", &["x", "x (2)", "t", "x (3)"][..]),
-            ("\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n", &["V1", "V2"]),
-            ("a,b,c\n0.1,0.2,\n0.3,0.4,\n", &["a", "b", "c"]),
-        ] {
-            let table = read(text, None).unwrap();
-            assert!(table.columns.iter().map(|column| &column.name).eq(names), "{:?}", table.columns);
-        }
-    }
-
-    #[test]
-    fn ragged_rows_and_text_are_noted_with_their_lines() {
-        let table = read(&b"t,x\n0,1\n1\n\n# note\n2,3,4\n3,oops\n4,5\n"[..], None).unwrap();
-        assert_eq!(table.rows(), 5);
-        assert_eq!(table.remarks.len(), 2);
-        assert!(table.remarks[0].starts_with("line 3 has fewer cells"), "{:?}", table.remarks);
-        assert!(table.remarks[1].starts_with("line 6 has more cells"), "{:?}", table.remarks);
-        let text = table.columns[1].text.clone().unwrap();
-        assert_eq!((text.line, text.text.as_str()), (7, "oops"));
-        assert_eq!(table.line(4), 8);
-        assert!(table.columns[1].values[1].is_nan());
-    }
 }

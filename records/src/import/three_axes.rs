@@ -20,8 +20,7 @@ const ACCELERATIONS: [&str; 9] =
     ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
 
 impl ThreeAxes {
-    /// The time and three axes among the columns of a file, by their names; without names, the only four columns, of which one
-    /// rises and three have the size of gravity together.
+    /// Time and axes by the names of columns; without names, of four columns of which one rises and three have the size of gravity.
     pub fn of(table: &Table) -> Option<Self> {
         let columns = &table.columns;
         let axes = named(columns).or_else(|| unnamed(columns))?;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use kalmanscope_filters::lists::{mapped, median, sort_items};
 
 use super::header::{Dimension, unit};
-use super::{Column, FEWEST, ImportError, MOST, Table};
+use super::{Column, FEWEST, ImportError, MOST, Result, Table};
 use crate::resample::Steps;
 
 pub(super) const DAY: f64 = 86_400.0;
@@ -41,12 +41,7 @@ pub(super) struct Clock<'a> {
 }
 
 impl<'a> Clock<'a> {
-    pub(super) fn of(
-        table: &'a Table,
-        place: usize,
-        unit: &str,
-        remarks: &mut Vec<String>,
-    ) -> Result<Self, ImportError> {
+    pub(super) fn of(table: &'a Table, place: usize, unit: &str, remarks: &mut Vec<String>) -> Result<Self> {
         let column = table.columns[place].without_text()?;
         let times = of(table, column, unit, remarks);
         let timing = Timing::of_times(&times, &column.name, |row| table.line(row))?;
@@ -121,13 +116,12 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
         return (1.0, None);
     }
     if step < SLOW[1] {
-        let question = format!(
-            "the times in `{}` have no unit; in seconds they are {} samples a second: are they ms? They count as seconds until their unit \
-             is stated",
-            column.name,
-            rate(1.0)
+        let said = "are they ms? They count as seconds until their unit is stated";
+        let (name, rate) = (&column.name, rate(1.0));
+        return (
+            1.0,
+            Some(format!("the times in `{name}` have no unit; in seconds they are {rate} samples a second: {said}")),
         );
-        return (1.0, Some(question));
     }
     // Of several plausible units the one whose rate is nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
@@ -137,14 +131,11 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     match plausible.as_slice() {
         [] => (1.0, said("seconds", "steps", &format!(", of which a sample has {step}: state their unit"))),
         [(unit, size), others @ ..] => {
-            let (samples, seconds) = (rate(*size), rate(1.0));
+            let (samples, seconds) = (rate(*size), 1.0 / rate(1.0));
             let or = others.first().map(|(other, size)| format!(" (in {other} {} a second)", rate(*size)));
-            let or = or.unwrap_or_default();
-            let question = format!(
-                ", {samples} samples a second{or}; in seconds one in {:.0} s: state their unit if it is another",
-                1.0 / seconds
-            );
-            (*size, said(unit, "steps", &question))
+            let question =
+                format!(", {samples} samples a second{}; in seconds one in {seconds:.0} s", or.unwrap_or_default());
+            (*size, said(unit, "steps", &(question + ": state their unit if it is another")))
         }
     }
 }
@@ -176,19 +167,12 @@ pub(super) enum Places {
 }
 
 impl Timing {
-    pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
-        if rows < FEWEST {
-            return Err(ImportError::TooShort(rows));
-        }
-        Ok(Self::of_steps(Steps { start: 0.0, dt: 1.0 / rate, count: rows }))
-    }
-
     pub(super) fn of_steps(Steps { start, dt, count: samples }: Steps) -> Self {
         let (places, remark, gaps) = (Places::Rows, None, None);
         Self { start, dt, samples, places, worst: 0.0, is_rounded: true, remark, gaps }
     }
 
-    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self, ImportError> {
+    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self> {
         if times.len() < FEWEST {
             return Err(ImportError::TooShort(times.len()));
         }
@@ -214,11 +198,8 @@ impl Timing {
         let is_rounded = |worst: f64, dt: f64| worst * dt <= ROUNDED * resolution;
         let off_by = |worst: f64, dt: f64| {
             let why = if is_rounded(worst, dt) { ", as rounded ones are" } else { "" };
-            let percent = 100.0 * worst;
-            format!(
-                "the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used",
-                rounded(dt)
-            )
+            let (percent, dt) = (100.0 * worst, rounded(dt));
+            format!("the times are off by up to {percent:.0} % of a step{why}; even steps of {dt} s are used")
         };
         let (samples, places, (remark, gaps)) = (times.len(), Places::Rows, Default::default());
         let even = Self { start, dt, samples, places, worst, is_rounded: is_rounded(worst, dt), remark, gaps };
@@ -253,29 +234,20 @@ impl Timing {
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
-    pub(super) fn is_exact(&self) -> bool {
-        matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
-    }
-
-    pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
+    pub(super) fn at_steps(self, dt: f64) -> Result<Self> {
         let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
         Ok(Self { dt, samples, ..self })
     }
 
     pub(super) fn is_even(&self) -> bool {
-        self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
+        !matches!(self.places, Places::Times(_)) && (self.worst <= EXACT || self.is_rounded)
     }
 
     pub(super) fn kept(&self) -> String {
-        let dt = rounded(self.dt);
+        let (dt, percent, own) = (rounded(self.dt), 100.0 * self.worst, "the filters use each reading at its own time");
         match self.places {
-            Places::Times(_) => format!(
-                "the times are irregular: the filters use each reading at its own time, and report at steps of {dt} s"
-            ),
-            _ => format!(
-                "the times are off by up to {:.0} % of a step of {dt} s: the filters use each reading at its own time",
-                100.0 * self.worst
-            ),
+            Places::Times(_) => format!("the times are irregular: {own}, and report at steps of {dt} s"),
+            _ => format!("the times are off by up to {percent:.0} % of a step of {dt} s: {own}"),
         }
     }
 
@@ -331,7 +303,7 @@ fn cure(times: &[f64]) -> String {
     )
 }
 
-fn count(samples: f64) -> Result<usize, ImportError> {
+fn count(samples: f64) -> Result<usize> {
     let found = samples.min(1e15) as usize;
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
 }
@@ -359,82 +331,4 @@ fn rounded(dt: f64) -> f64 {
 
 pub(super) fn median_step(times: &[f64]) -> f64 {
     median(times.windows(2).map(|pair| pair[1] - pair[0]).collect()).unwrap_or(f64::NAN)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn timing(times: &[f64]) -> Result<Timing, ImportError> {
-        Timing::of_times(times, "t", |row| row + 2)
-    }
-
-    #[test]
-    fn even_times_are_taken_as_they_are() {
-        let times: Vec<f64> = (0..100).map(|k| 0.5 + f64::from(k) * 0.01).collect();
-        let found = timing(&times).unwrap();
-        assert_eq!((found.start, found.dt, found.samples), (0.5, 0.01, 100));
-        assert_eq!((found.places, found.remark), (Places::Rows, None));
-    }
-
-    #[test]
-    fn rounded_times_are_even_within_half_a_step() {
-        let times: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 1.6384).round() * 1e-3).collect();
-        let found = timing(&times).unwrap();
-        assert!((found.dt / 1.6384e-3 - 1.0).abs() < 1e-3, "{}", found.dt);
-        assert_eq!(found.places, Places::Rows);
-        assert!(found.is_even() && !found.is_exact());
-        assert!(found.remark.unwrap().contains("rounded"));
-    }
-
-    #[test]
-    fn jitter_that_is_finer_than_rounding_is_one() {
-        let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01 + 2e-3 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
-        let times: Vec<f64> = times.iter().map(|time| (time * 1e6).round() * 1e-6).collect();
-        let found = timing(&times).unwrap();
-        assert!(!found.is_even(), "{found:?}");
-        assert!(found.kept().contains(" % of a step of 0.01"), "{}", found.kept());
-    }
-
-    #[test]
-    fn gaps_are_missing_samples_and_the_right_line_is_named() {
-        let found = timing(&[0.0, 0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1]).unwrap();
-        assert_eq!(found.samples, 12);
-        assert!((found.dt - 0.1).abs() < 1e-12);
-        let values = found.spread(&[0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
-        assert!(values[4].is_nan() && values[5].is_nan());
-        assert_eq!(values[6], 6.0);
-        let remark = found.gaps.unwrap();
-        assert_eq!(remark, "2 samples are missing; the longest gap has 2 and ends in line 6");
-    }
-
-    #[test]
-    fn irregular_times_are_resampled() {
-        let times = [0.0, 0.13, 0.2, 0.36, 0.38, 0.55, 0.61, 0.68, 0.81, 0.95, 1.02, 1.38, 1.44, 1.6, 1.69];
-        let found = timing(&times).unwrap();
-        let values = found.spread(&times.map(|t| 3.0 * t));
-        assert!(found.remark.unwrap().contains("irregular"));
-        for (k, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
-            assert!((value - 3.0 * k as f64 * found.dt).abs() < 1e-12, "{k}");
-        }
-        assert!(values.iter().filter(|value| value.is_nan()).count() < 6);
-    }
-
-    #[test]
-    fn times_that_do_not_rise_are_refused_with_their_line() {
-        assert_eq!(
-            timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(),
-            "line 4: the time in `t` stands still from 0.1 s to 0.1 s: about 2 rows have the same time, as rounded ones: state the sample \
-             rate, and the rows count as even"
-        );
-        assert_eq!(
-            timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(),
-            "line 4: the time in `t` goes back from 0.1 s to 0.05 s: choose a part by its times, or state the sample rate to count the rows \
-             as even"
-        );
-        assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
-        assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));
-        let endless = timing(&[0.0, 1e-9, 2e-9, 1e9]).unwrap_err().to_string();
-        assert!(endless.contains("at most 2000000"), "{endless}");
-    }
 }

@@ -52,16 +52,6 @@ impl Timed {
         (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
     }
 
-    /// Clocks have few decimals: a time next to a step is the step's.
-    fn snap(&mut self) {
-        for time in &mut self.times {
-            let whole = libm::round(*time);
-            if (*time - whole).abs() <= SAME {
-                *time = whole;
-            }
-        }
-    }
-
     /// Outside of its values the nearest one.
     pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
@@ -79,6 +69,12 @@ impl Timed {
 
 /// Limits the difference of times that are the same, in steps; also of delays, which users write in decimals, and whole steps.
 const SAME: f64 = 1e-6;
+
+/// Clocks have few decimals: a time next to a step is the step's.
+pub(super) fn snapped(steps: f64) -> f64 {
+    let whole = libm::round(steps);
+    if (steps - whole).abs() <= SAME { whole } else { steps }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
@@ -213,7 +209,7 @@ impl Clocks {
         }
         for timed in input.iter_mut().chain(readings) {
             timed.check()?;
-            timed.snap();
+            timed.times.iter_mut().for_each(|time| *time = snapped(*time));
         }
         Ok(self)
     }
@@ -291,7 +287,6 @@ impl Delays {
 
     /// In steps, of which none are beyond [`Self::MOST`].
     pub fn new(input: i32, sensors: impl Iterator<Item = f64>) -> Self {
-        let snapped = |steps: f64| if (steps - libm::round(steps)).abs() <= SAME { libm::round(steps) } else { steps };
         let mut sensors: Vec<f64> = sensors.map(|steps| snapped(steps.clamp(-Self::MOST, Self::MOST))).collect();
         if sensors.iter().all(|steps| *steps == 0.0) {
             sensors.clear();
@@ -311,28 +306,17 @@ impl Delays {
 
     /// The number of later samples that it needs.
     pub fn lookahead(&self) -> usize {
-        let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(*steps));
-        (self.input.min(0).unsigned_abs() as usize).max(libm::ceil(of_sensors) as usize)
+        self.most(-1.0)
     }
 
     /// The number of earlier samples that it needs.
     pub fn reach(&self) -> usize {
-        let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(-*steps));
-        (self.input.max(0) as usize).max(libm::ceil(of_sensors) as usize)
+        self.most(1.0)
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_filter_reads_ahead_for_what_is_late_and_back_for_what_is_early() {
-        let of = |input, sensors: &[f64]| Delays::new(input, sensors.iter().copied());
-        assert_eq!(of(2, &[0.0, 0.0]), Delays { input: 2, sensors: Vec::new() });
-        assert_eq!((of(0, &[]).lookahead(), of(0, &[]).reach()), (0, 0));
-        assert_eq!((of(-3, &[1.5, 0.0]).lookahead(), of(-3, &[1.5, 0.0]).reach()), (3, 0));
-        assert_eq!((of(1, &[4.2, -2.5]).lookahead(), of(1, &[4.2, -2.5]).reach()), (5, 3));
-        assert_eq!(of(0, &[2.000_000_1, 0.25]).sensors, [2.0, 0.25]);
+    /// A sensor that is late needs later samples, an input that is late earlier ones.
+    fn most(&self, sign: f64) -> usize {
+        let sensors = self.sensors.iter().map(|steps| -sign * steps);
+        libm::ceil(sensors.fold((sign * f64::from(self.input)).max(0.0), f64::max)) as usize
     }
 }

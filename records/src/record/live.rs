@@ -8,6 +8,7 @@ use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::{Hold, InputKind, Quantity};
 use thiserror::Error;
 
+use super::clocks::snapped;
 use super::{Clocks, Record, Timed};
 use crate::resample::change;
 
@@ -96,9 +97,8 @@ impl LiveRecord {
         Self { wait: seconds.max(0.0), ..self }
     }
 
-    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later:
-    /// then nothing more comes as long as each gives its readings in order. The first that comes too late is refused; from then
-    /// on samples wait.
+    /// The same, where a sample does not wait once every sensor, and the input if any was given, has a reading at its time or later.
+    /// The first reading out of order is refused if it comes too late; from then on samples wait.
     #[must_use]
     pub fn prompt(self) -> Self {
         Self { prompt: true, ..self }
@@ -186,38 +186,28 @@ impl LiveRecord {
                 *latest = latest.max(time);
             }
         }
+        let hold = self.record.hold;
         self.complete_until(|newest, live, sample| {
             let late = (newest - sample) * live.record.dt;
             let wait = if live.has_all_readings(sample) { 0.0 } else { live.wait };
-            newest <= sample || late < wait || (late < PATIENCE && live.waits_for_input(sample))
+            let waits_for_input = || hold == Hold::First && live.input.times.back().is_some_and(|time| *time < sample);
+            newest <= sample || late < wait || (late < PATIENCE && waits_for_input())
         });
         Ok(())
     }
 
     fn has_all_readings(&self, sample: f64) -> bool {
-        let (input, sensors) =
-            self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
-        let has_input = input > f64::NEG_INFINITY;
-        self.prompt
-            && self.side == 0
-            && sensors.iter().all(|latest| *latest >= sample)
-            && (input >= sample || !has_input)
-    }
-
-    fn waits_for_input(&self, sample: f64) -> bool {
-        self.record.hold == Hold::First && self.input.times.back().is_some_and(|time| *time < sample)
+        let Some((input, sensors)) = self.latest.split_last() else { return false };
+        let is_there = sensors.iter().all(|latest| *latest >= sample);
+        self.prompt && self.side == 0 && is_there && (*input >= sample || *input == f64::NEG_INFINITY)
     }
 
     /// `waits` takes the newest time and the sample's, in steps.
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
         let Some(begin) = self.begin else { return };
         let newest = steps(self.newest - begin, self.record.dt);
-        while self.record.len() < Self::MOST {
-            let sample = self.record.len() as f64;
-            if waits(newest, self, sample) {
-                break;
-            }
-            self.complete(sample);
+        while self.record.len() < Self::MOST && !waits(newest, self, self.record.len() as f64) {
+            self.complete(self.record.len() as f64);
         }
     }
 
@@ -290,14 +280,9 @@ pub enum LiveError {
     Full,
 }
 
-/// `time` \[s\]. A time next to a sample's is that.
 fn steps(time: f64, dt: f64) -> f64 {
-    let steps = time / dt;
-    let whole = libm::round(steps);
-    if (steps - whole).abs() <= ROUNDED { whole } else { steps }
+    snapped(time / dt)
 }
-
-const ROUNDED: f64 = 1e-6;
 
 /// Values that wait for their samples, and the last ones that samples have taken.
 #[derive(Clone, Debug, Default)]

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::super::guess::is_named_time;
 use super::super::header::{RATES, STEPS};
 use super::super::table::free_name;
-use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Table};
+use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Result, Table};
 use super::unpack::{NumberForm, Room, entries, list, whole};
 
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl Arrays {
     }
 
     /// Of the arrays with equally many rows it has those with times, else those with the most numbers.
-    pub(super) fn table(mut self, form: &str) -> Result<Table, ImportError> {
+    pub(super) fn table(mut self, form: &str) -> Result<Table> {
         let all = std::mem::take(&mut self.all);
         let (single, all): (Vec<_>, Vec<_>) = all.into_iter().partition(|columns| columns[0].values.len() == 1);
         let lengths = all.iter().map(|columns| columns[0].values.len());
@@ -146,14 +146,14 @@ pub(super) fn product(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1_usize, |all, length| all.checked_mul(*length))
 }
 
-pub(super) fn npy(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn npy(bytes: &[u8]) -> Result<Table> {
     let mut arrays = Arrays::default();
     let read = arrays.add_npy("", bytes, &mut Room::of(bytes));
     read.map_err(|reason| ImportError::OtherKind(format!("this is a NumPy file; {reason}")))?;
     arrays.table("a NumPy array")
 }
 
-pub(super) fn npz(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn npz(bytes: &[u8]) -> Result<Table> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     for entry in entries(bytes).unwrap_or_default() {
         let name = entry.name.strip_suffix(".npy").unwrap_or(&entry.name);
@@ -191,7 +191,7 @@ impl<'a> Iterator for ArrayParts<'a> {
 }
 
 /// Source: MathWorks, MAT-file format, level 5.
-pub(super) fn mat(bytes: &[u8]) -> Result<Table, ImportError> {
+pub(super) fn mat(bytes: &[u8]) -> Result<Table> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     let is_big = bytes.get(126) == Some(&b'M');
     let mut parts = ArrayParts { rest: bytes.get(HEADER..).unwrap_or_default(), is_big };
@@ -249,105 +249,4 @@ fn add_variable(arrays: &mut Arrays, mut parts: ArrayParts<'_>, room: &mut Room)
     let is_whole = |values: &Vec<f64>| product(&shape) == Some(values.len());
     let values = values.and_then(|values| if is_whole(&values) { Ok(values) } else { Err("cut short".to_owned()) });
     arrays.add(&name, &shape, true, values);
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use std::io::Write as _;
-
-    use flate2::Compression;
-    use flate2::write::ZlibEncoder;
-
-    use super::*;
-
-    pub(in super::super) fn file(descr: &str, shape: &str, is_fortran: bool, data: &[u8]) -> Vec<u8> {
-        let order = if is_fortran { "True" } else { "False" };
-        let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
-        let length = u16::try_from(header.len()).unwrap().to_le_bytes();
-        [b"\x93NUMPY\x01\0", &length[..], header.as_bytes(), data].concat()
-    }
-
-    fn columns(bytes: &[u8]) -> Vec<(String, Vec<f64>)> {
-        npy(bytes).unwrap().columns.into_iter().map(|column| (column.name, column.values)).collect()
-    }
-
-    #[test]
-    fn an_array_has_a_column_for_each_channel_in_either_order() {
-        let data: Vec<u8> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].into_iter().flat_map(f64::to_be_bytes).collect();
-        let by_rows = [("column 1".to_owned(), vec![0.0, 2.0, 4.0]), ("column 2".to_owned(), vec![1.0, 3.0, 5.0])];
-        assert_eq!(columns(&file("'>f8'", "(3, 2)", false, &data)), by_rows);
-        assert_eq!(columns(&file("'>f8'", "(2, 3)", true, &data)), by_rows, "of two rows the longer side is time");
-        let by_columns = [("column 1".to_owned(), vec![0.0, 1.0, 2.0]), ("column 2".to_owned(), vec![3.0, 4.0, 5.0])];
-        assert_eq!(columns(&file("'>f8'", "(3, 2)", true, &data)), by_columns);
-        assert_eq!(columns(&file("'<i2'", "(2,)", false, &[1, 0, 0xFE, 0xFF]))[0].1, [1.0, -2.0]);
-        assert_eq!(columns(&file("'|u1'", "(2, 1)", false, &[1, 0xFE]))[0].1, [1.0, 254.0]);
-    }
-
-    #[test]
-    fn arrays_that_are_not_read_are_named() {
-        let message = |descr| npy(&file(descr, "(2,)", false, &[0; 32])).unwrap_err().to_string();
-        assert!(message("[('t', '<f8'), ('x', '<f8')]").contains("its rows have names"));
-        assert!(message("'<U1'").contains("type U1"), "{}", message("'<U1'"));
-        assert!(message("'<M8[ns]'").contains("type M1"), "{}", message("'<M8[ns]'"));
-    }
-
-    #[test]
-    fn the_longest_arrays_are_the_columns_and_a_number_is_the_rate() {
-        let mut arrays = Arrays::default();
-        let mut add = |name: &str, values: Vec<f64>| arrays.add(name, &[values.len()], false, Ok(values));
-        add("force", vec![1.0; 40]);
-        add("Fs_Hz", vec![50.0]);
-        add("x", (0..40).map(|k| f64::from(k % 7)).collect());
-        add("event_time", vec![0.5, 0.7]);
-        let table = arrays.table("a test").unwrap();
-        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-        assert_eq!((names, table.columns[0].values[3]), (vec!["time", "force", "x"], 0.06));
-        assert_eq!(table.remarks, ["not read: `event_time` (2 rows)", "`Fs_Hz` is 50, so the rows are 0.02 s apart"]);
-        assert_eq!(step_of("dt", f64::from(0.01_f32)), Some(0.01));
-        assert_eq!([step_of("mass", 3.0), step_of("fs", 0.0)], [None; 2]);
-    }
-
-    #[test]
-    fn arrays_that_are_none_are_said() {
-        let message = |bytes: &[u8]| npy(bytes).unwrap_err().to_string();
-        assert!(message(&file("'<f8'", "(3,)", false, &[0; 23])).ends_with("it is shorter than its header says"));
-        assert!(message(&file("'<c16'", "(1,)", false, &[0; 16])).ends_with("not read: type c16"));
-        assert!(message(&file("'<f8'", "(9999999999, 9999999999)", false, &[0; 16])).contains("shorter"));
-        assert!(message(&file("'|V0'", "(9999999999,)", false, &[])).contains("shorter"));
-    }
-
-    fn part(kind: u32, data: &[u8]) -> Vec<u8> {
-        let size = u32::try_from(data.len()).unwrap().to_le_bytes();
-        let gap = if kind == 15 { 0 } else { data.len().next_multiple_of(8) - data.len() };
-        [&kind.to_le_bytes()[..], &size, data, &vec![0; gap]].concat()
-    }
-
-    fn variable(name: &str, class: u8, [rows, columns]: [u8; 2], kind: u32, data: &[u8]) -> Vec<u8> {
-        let short = [&[1, 0, name.len() as u8, 0], name.as_bytes(), &vec![0; 4 - name.len()]].concat();
-        let lengths = part(5, &[rows, 0, 0, 0, columns, 0, 0, 0]);
-        part(14, &[part(6, &[class, 0, 0, 0, 0, 0, 0, 0]), lengths, short, part(kind, data)].concat())
-    }
-
-    pub(in super::super) fn matlab_file() -> Vec<u8> {
-        let times: Vec<u8> = (0..6_u16).flat_map(u16::to_le_bytes).collect();
-        let data: Vec<u8> = (0..12).flat_map(|k| (f64::from(k) / 2.0).to_le_bytes()).collect();
-        let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
-        packed.write_all(&variable("acc", 6, [6, 2], 9, &data)).unwrap();
-        let packed = part(15, &packed.finish().unwrap());
-        let (rate, rest) = (variable("fs", 6, [1, 1], 2, &[100]), variable("s", 2, [1, 1], 5, &[0; 4]));
-        let header = [&b"MATLAB 5.0 MAT-file"[..], &[b' '; 105], b"\x00\x01IM"].concat();
-        [header, variable("t", 6, [6, 1], 4, &times), packed, rate, rest].concat()
-    }
-
-    #[test]
-    fn matrices_are_columns_and_what_is_not_read_is_said() {
-        let table = mat(&matlab_file()).unwrap();
-        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-        assert_eq!(names, ["t", "acc[0]", "acc[1]"]);
-        assert_eq!(table.columns[0].values, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
-        assert_eq!(table.columns[2].values, [3.0, 3.5, 4.0, 4.5, 5.0, 5.5]);
-        assert_eq!(table.remarks, ["not read: `s` (struct)", "`fs` is 100, which is not used"]);
-        let cut = mat(&matlab_file()[..matlab_file().len() - 20]).unwrap();
-        assert!(cut.remarks[0].contains("cut short"), "{:?}", cut.remarks);
-    }
 }

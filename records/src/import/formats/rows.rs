@@ -3,7 +3,6 @@
 use kalmanscope_filters::Quantity;
 use kalmanscope_filters::lists::{mapped, numbers};
 
-use super::Layout;
 use crate::import::guess::channel_code;
 use crate::import::header::{Dimension, Facts, name_and_unit, unit};
 use crate::import::table::Rows;
@@ -16,7 +15,7 @@ fn rows_from(data: usize) -> Rows {
 }
 
 /// Keys may be missing or wrong. Source: National Instruments (2010), Specification for the LabVIEW measurement file (.lvm).
-pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
+pub(super) fn lvm(lines: &[&str]) -> Option<Rows> {
     if !lines.first()?.starts_with("LabVIEW Measurement") {
         return None;
     }
@@ -84,11 +83,11 @@ pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
         name => Some((name.to_owned(), segment("Y_Unit_Label", place))),
     };
     rows.cells = names.iter().enumerate().map(cell).collect();
-    Some(Layout::Rows(rows))
+    Some(rows)
 }
 
 /// Source: Rigol, DS1000Z and MSO5000 user's guides, "To store a waveform: CSV".
-pub(super) fn rigol(lines: &[&str]) -> Option<Layout> {
+pub(super) fn rigol(lines: &[&str]) -> Option<Rows> {
     let [names, second, ..] = lines else { return None };
     let names: Vec<&str> = names.trim().split(',').map(str::trim).collect();
     let is_first = ["X", "Time(s)"].contains(names.first()?);
@@ -109,11 +108,11 @@ pub(super) fn rigol(lines: &[&str]) -> Option<Layout> {
         name.to_ascii_uppercase().starts_with("CH").then(|| (name, own.or(unit)))
     };
     rows.cells = names.iter().enumerate().map(cell).collect();
-    is_first.then_some(Layout::Rows(rows))
+    is_first.then_some(rows)
 }
 
 /// Of the series TDS. Source: Tektronix, TDS2MEM storage memory module user manual, "Spreadsheet file formats".
-pub(super) fn tektronix(lines: &[&str]) -> Option<Layout> {
+pub(super) fn tektronix(lines: &[&str]) -> Option<Rows> {
     let cells = |line: &&str| line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect::<Vec<_>>();
     let head: Vec<Vec<String>> = lines.iter().take(30).map(cells).collect();
     let begins = |place: usize, word: &str| head.get(place).is_some_and(|cells| cells[0] == word && cells.len() >= 5);
@@ -128,16 +127,16 @@ pub(super) fn tektronix(lines: &[&str]) -> Option<Layout> {
     let (time, value) =
         (("time".to_owned(), setting("Horizontal Units")), setting("Source").unwrap_or("CH1".to_owned()));
     rows.cells = vec![None, None, None, Some(time), Some((value, setting("Vertical Units")))];
-    Some(Layout::Rows(rows))
+    Some(rows)
 }
 
 /// Source: Campbell Scientific (2019), LoggerNet instruction manual, appendix B.1.4, "TOA5 ASCII file format".
-pub(super) fn toa5(lines: &[&str]) -> Option<Layout> {
+pub(super) fn toa5(lines: &[&str]) -> Option<Rows> {
     let is_toa5 =
         lines.first()?.trim_start_matches('\u{FEFF}').trim_matches('"').starts_with("TOA5") && lines.len() > 4;
     let mut rows = rows_from(5);
     (rows.dialect.names, rows.dialect.units) = (2, 3);
-    is_toa5.then_some(Layout::Rows(rows))
+    is_toa5.then_some(rows)
 }
 
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {

@@ -1,14 +1,12 @@
 //! Formats with series of numbers: ground motions, seismograms, and universal files of modal analysis.
 
-use super::{Layout, Series, SeriesReader, field_width, number_after, numbers, text_after};
+use super::{Series, field_width, number_after, numbers, text_after};
 use crate::import::cell::clock;
-use crate::import::{Dialect, ImportError, Table};
 
 /// Sources: Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, OSMS 85-03; COSMOS (2001), Strong motion
 /// data format, version 1.20: the step is the real-header value 34.
-pub(super) fn strong_motion(lines: &[&str]) -> Option<Layout> {
-    lines.iter().find(|line| csmip(line).is_some() || cosmos(line).is_some())?;
-    Some(Layout::Series(next_strong_motion))
+pub(super) fn is_strong_motion(lines: &[&str]) -> bool {
+    lines.iter().any(|line| csmip(line).is_some() || cosmos(line).is_some())
 }
 
 /// `10100 points of accel data equally spaced at 0.010 sec, in cm/sec2. (8f10.5)`
@@ -27,7 +25,7 @@ fn cosmos(line: &str) -> Option<(usize, String)> {
     Some((words.next()?.parse().ok()?, words.next()?.to_owned()))
 }
 
-fn next_strong_motion(header: &[String]) -> Option<Series> {
+pub(super) fn strong_motion(header: &[String]) -> Option<Series> {
     let line = header.last()?;
     let (count, kind, dt, unit) = match csmip(line) {
         Some((count, kind, dt)) => (count, kind, dt, text_after(line, ", in ", &['.', '('])),
@@ -61,14 +59,8 @@ fn step(header: &[String]) -> Option<f64> {
     values.flatten().nth(33).filter(|step| *step > 0.0)
 }
 
-/// Source: PEER (2013), NGA-West2 ground motion database, files of the kinds AT2, VT2 and DT2.
-pub(super) fn peer(lines: &[&str]) -> Option<Layout> {
-    lines.iter().take(6).find(|line| size(line).is_some())?;
-    Some(Layout::Series(next_peer))
-}
-
 /// `NPTS=  7807, DT=   .0050 SEC`, or in older files `7807    0.0050    NPTS, DT`
-fn size(line: &str) -> Option<(usize, f64)> {
+pub(super) fn size(line: &str) -> Option<(usize, f64)> {
     let upper = line.to_ascii_uppercase();
     let (_, behind) = upper.split_once("NPTS")?;
     let (count, dt) = match number_after(&upper, "NPTS=").or_else(|| number_after(&upper, "NPTS =")) {
@@ -82,7 +74,8 @@ fn size(line: &str) -> Option<(usize, f64)> {
     ((1.0..1e9).contains(&count) && dt > 0.0).then_some((count as usize, dt))
 }
 
-fn next_peer(header: &[String]) -> Option<Series> {
+/// Source: PEER (2013), NGA-West2 ground motion database, files of the kinds AT2, VT2 and DT2.
+pub(super) fn peer(header: &[String]) -> Option<Series> {
     let (count, dt) = size(header.last()?)?;
     let kind = header.iter().rev().find(|line| line.to_ascii_uppercase().contains("UNITS OF"));
     let unit = kind.and_then(|line| text_after(line, "units of", &[',', ';', ':', ')']));
@@ -92,14 +85,9 @@ fn next_peer(header: &[String]) -> Option<Series> {
     Some(Series { name: name.to_owned(), unit, dt, count: Some(count), ..Series::default() })
 }
 
-/// Also as ObsPy writes them. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST).
-pub(super) fn slist(lines: &[&str]) -> Option<Layout> {
-    let first = lines.first()?;
-    (first.starts_with("TIMESERIES ") && first.contains(", SLIST,")).then_some(Layout::Series(next_slist))
-}
-
+/// Also as ObsPy writes them. Source: EarthScope Consortium, `timeseries` web service, format `ascii` (SLIST):
 /// `TIMESERIES NL_HGN_02_BHZ_R, 11947 samples, 40 sps, 2003-05-29T02:13:22.043400, SLIST, FLOAT, Counts`.
-fn next_slist(header: &[String]) -> Option<Series> {
+pub(super) fn slist(header: &[String]) -> Option<Series> {
     let mut parts = header.last()?.strip_prefix("TIMESERIES ")?.split(',').map(str::trim);
     let name = parts.next()?.to_owned();
     let count = parts.next()?.strip_suffix("samples")?.trim().parse().ok()?;
@@ -113,12 +101,11 @@ fn next_slist(header: &[String]) -> Option<Series> {
 const HEADER: usize = 12;
 
 /// Functions of time, as text. Source: University of Cincinnati, Universal file formats for modal analysis testing, data set 58.
-pub(super) fn uff58(lines: &[&str]) -> Option<Layout> {
-    let begins = |pair: &[&str]| pair[0].trim() == "-1" && pair[1].trim() == "58";
-    (lines.first()?.trim() == "-1" && lines.windows(2).any(begins)).then_some(Layout::Series(next_uff58))
+pub(super) fn is_uff58(lines: &[&str]) -> bool {
+    lines[0].trim() == "-1" && lines.windows(2).any(|pair| pair[0].trim() == "-1" && pair[1].trim() == "58")
 }
 
-fn next_uff58(header: &[String]) -> Option<Series> {
+pub(super) fn uff58(header: &[String]) -> Option<Series> {
     let begins = |pair: &[String]| pair[0].trim() == "-1" && pair[1].trim() == "58";
     let place = header.windows(2).rposition(begins)? + 1;
     if header.len() != place + HEADER {
@@ -132,7 +119,6 @@ fn next_uff58(header: &[String]) -> Option<Series> {
     let (entity, node, direction) = (field(31, 41), field(41, 51), field(51, 55));
     let mut sizes = words(7).map(str::parse::<f64>).map_while(Result::ok);
     let [kind, count, is_even, start, dt] = [sizes.next()?, sizes.next()?, sizes.next()?, sizes.next()?, sizes.next()?];
-    let is_even = is_even == 1.0;
     let quantity = match words(9).next()? {
         "8" => "displacement",
         "11" => "velocity",
@@ -150,56 +136,17 @@ fn next_uff58(header: &[String]) -> Option<Series> {
     // Function type 1 is one of time; complex numbers are none.
     let is_complex = kind > 4.0;
     let is_time = function == "1" && !is_complex;
-    let width = match (kind, is_even) {
-        (2.0, _) => Some(13),
-        (4.0, true) => Some(20),
-        _ => None,
-    };
-    let numbers = if is_complex { 2 } else { 1 } + if is_even { 0 } else { 1 };
+    let width = if kind == 2.0 { Some(13) } else { (kind == 4.0).then_some(20) };
+    let numbers = if is_complex { 2 } else { 1 };
     let no_record = match function {
-        _ if is_time => None,
+        _ if is_time && is_even == 1.0 => None,
+        _ if is_time => Some("has uneven times, which are not read"),
         "4" => Some("is a frequency response, not a function of time"),
         "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, not a function of time"),
         _ => Some("is not a function of time"),
     };
     let (unit, count) = (unit.map(str::to_owned), Some((count as usize).saturating_mul(numbers)));
-    Some(Series { name, unit, start, dt, count, width, has_times: !is_even, no_record })
-}
-
-pub(super) fn has_58b(bytes: &[u8]) -> bool {
-    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    let mut is_set = lines.next() == Some(b"-1");
-    is_set && lines.any(|line| std::mem::replace(&mut is_set, line == b"-1") && line.starts_with(b"58b"))
-}
-
-pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
-    let mut reader = SeriesReader::new("universal file, data set 58b", Dialect::default(), next_uff58);
-    let (mut rest, mut line, mut is_set) = (bytes, 0, false);
-    let mut binary: Option<(usize, [usize; 4])> = None;
-    while !rest.is_empty() {
-        let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
-        let text = String::from_utf8_lossy(&rest[..end]);
-        (rest, line) = (&rest[end..], line + 1);
-        match text.trim_start().strip_prefix("58b").filter(|_| is_set) {
-            Some(sizes) => {
-                let mut sizes = sizes.split_whitespace().map_while(|word| word.parse().ok());
-                let sizes = [(); 4].map(|()| sizes.next().unwrap_or(0));
-                binary = Some((line + HEADER - 1, sizes));
-                reader.line("58", line)?;
-            }
-            None => reader.line(&text, line)?,
-        }
-        is_set = text.trim() == "-1";
-        if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
-            // pyuff does not count the times of uneven functions.
-            let ends = |size: &usize| rest.get(*size..).is_some_and(|rest| rest.trim_ascii_start().starts_with(b"-1"));
-            let size = [size, size.saturating_mul(2)].into_iter().find(ends).unwrap_or(size);
-            let part = &rest[..size.min(rest.len())];
-            reader.bytes(part, size, order == 2, form);
-            (rest, binary) = (&rest[part.len()..], None);
-        }
-    }
-    reader.finish(line)
+    Some(Series { name, unit, start, dt, count, width, no_record })
 }
 
 fn axis(direction: &str) -> &'static str {
@@ -211,12 +158,11 @@ fn axis(direction: &str) -> &'static str {
 const SAC: usize = 30;
 
 /// Source: Lawrence Livermore National Laboratory, SAC users manual, "SAC data file format", alphanumeric.
-pub(super) fn sac(lines: &[&str]) -> Option<Layout> {
-    let header: Vec<String> = lines.get(..SAC)?.iter().map(ToString::to_string).collect();
-    next_sac(&header).map(|_| Layout::Series(next_sac))
+pub(super) fn is_sac(lines: &[&str]) -> bool {
+    sac(&lines.iter().take(SAC).map(ToString::to_string).collect::<Vec<_>>()).is_some()
 }
 
-fn next_sac(header: &[String]) -> Option<Series> {
+pub(super) fn sac(header: &[String]) -> Option<Series> {
     let row = |line: usize| numbers(header.get(line)?, None).filter(|row| row.len() == 5);
     let all: Option<Vec<Vec<f64>>> = (0..22).map(row).collect();
     let all = all.filter(|all| header.len() == SAC && (6.0..=7.0).contains(&all[15][1]))?;
@@ -233,36 +179,4 @@ fn next_sac(header: &[String]) -> Option<Series> {
     let known = words.into_iter().filter(|word| !word.is_empty() && *word != "-12345").collect::<Vec<_>>().join(" ");
     let start = if start == -12_345.0 { 0.0 } else { start };
     Some(Series { name: known, start, dt, count: Some(count as usize), ..Series::default() })
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    fn set(order: usize, kind: usize, spacing: usize, count: usize, data: &[u8]) -> Vec<u8> {
-        let size = data.len();
-        let begin = format!("    -1\n    58b{order:6}     2          11{size:12}\nx\n\n\n\n\n    1 0 0 0 NONE 1 3\n");
-        let sizes = format!("{kind} {count} {spacing} 0.0 0.5 0.0\n17\n12 0 0 0 NONE m/s2\n0\n0\n");
-        [begin.as_bytes(), sizes.as_bytes(), data, b"    -1\n"].concat()
-    }
-
-    pub(in super::super) fn file_58b() -> Vec<u8> {
-        let big: Vec<u8> = [1.5_f64, -2.0, 3.0].into_iter().flat_map(f64::to_be_bytes).collect();
-        let little: Vec<u8> = [4.0_f32, 5.0, 10.0].into_iter().flat_map(f32::to_le_bytes).collect();
-        let other = b"    -1\n   151\na model\n    -1\n";
-        [&other[..], &set(2, 4, 1, 3, &big), &set(1, 5, 1, 1, &[10; 8]), &set(1, 2, 1, 3, &little)].concat()
-    }
-
-    #[test]
-    fn binary_universal_files_are_read_in_both_orders_and_spacings() {
-        let table = uff58b(&file_58b()).unwrap();
-        let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
-        assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
-        assert!(table.remarks[0].contains("not a function of time"), "{:?}", table.remarks);
-        let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
-        let table = uff58b(&set(2, 4, 0, 2, &uneven)).unwrap();
-        assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.25; 2], [7.0; 2]]);
-        let wrong = uff58b(&set(1, 4, 1, 3, &[0; 20])).unwrap_err().to_string();
-        assert!(wrong.contains("another number of bytes"), "{wrong}");
-    }
 }

@@ -6,18 +6,18 @@ use flate2::Crc;
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use kalmanscope_filters::lists::mapped;
 
-use super::super::{Dialect, ImportError, Mapping, Table, reader};
+use super::super::{Dialect, ImportError, Mapping, Result, Table, reader};
 use crate::task::{Progress, at_once};
 
 /// A packed file may contain itself: it is not unpacked twice.
-fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+fn table(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     if is_zip(bytes) || bytes.starts_with(b"\x1F\x8B") {
         return Err(ImportError::OtherKind("it is packed twice: unpack it once".to_owned()));
     }
     at_once(reader::read(bytes, dialect, &Progress::default()))
 }
 
-pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
     table(&file, dialect)
@@ -75,7 +75,7 @@ impl Entry<'_> {
 }
 
 /// Apps for phones add small tables of names in a folder `meta`.
-pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table> {
     const FEWEST: usize = 30;
     let bad = |reason: &str| ImportError::OtherKind(format!("this is a ZIP; {reason}"));
     let mut entries = entries(bytes).ok_or_else(|| bad("it is damaged or cut short"))?;
@@ -157,7 +157,7 @@ pub(super) struct NumberForm {
 }
 
 impl NumberForm {
-    pub(super) fn number(self, bytes: &[u8]) -> f64 {
+    fn number(self, bytes: &[u8]) -> f64 {
         let bits = bits(bytes, self.is_big);
         let above = 64 - 8 * self.size;
         match (self.kind, self.size) {
@@ -175,72 +175,5 @@ impl NumberForm {
         }
         room.take(bytes.len() / self.size, 8)?;
         Ok(bytes.chunks_exact(self.size).map(|bytes| self.number(bytes)).collect())
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use std::io::Write as _;
-
-    use flate2::Compression;
-    use flate2::write::{DeflateEncoder, GzEncoder};
-
-    use super::*;
-
-    pub(in super::super) fn gzip_of(bytes: &[u8]) -> Vec<u8> {
-        let mut packed = GzEncoder::new(Vec::new(), Compression::default());
-        packed.write_all(bytes).unwrap();
-        packed.finish().unwrap()
-    }
-
-    pub(in super::super) fn zip_of(files: &[(&str, &[u8])]) -> Vec<u8> {
-        let (mut all, mut directory) = (Vec::new(), Vec::new());
-        for (name, bytes) in files {
-            let mut packed = DeflateEncoder::new(Vec::new(), Compression::default());
-            packed.write_all(bytes).unwrap();
-            let (packed, mut sum, place) = (packed.finish().unwrap(), Crc::new(), all.len());
-            sum.update(bytes);
-            let word = |number: usize| u32::try_from(number).unwrap().to_le_bytes();
-            let sizes = [sum.sum().to_le_bytes(), word(packed.len()), word(bytes.len()), word(name.len())].concat();
-            let common = [&[20, 0, 0, 0, 8, 0, 0, 0, 0, 0], &sizes[..]].concat();
-            all.extend([b"PK\x03\x04", &common[..], name.as_bytes(), &packed].concat());
-            let head = [b"PK\x01\x02\x14\0", &common[..], &[0; 10], &word(place), name.as_bytes()].concat();
-            directory.extend(head);
-        }
-        let count = [files.len() as u8, 0];
-        let place = u32::try_from(all.len()).unwrap().to_le_bytes();
-        [&all[..], &directory, b"PK\x05\x06\0\0\0\0", &count, &count, &[0; 4], &place, &[0; 2]].concat()
-    }
-
-    fn record() -> Vec<u8> {
-        let rows = (0..40).map(|k| format!("{},{}\n", 0.1 * f64::from(k), k % 7));
-        format!("time,x\n{}", rows.collect::<String>()).into_bytes()
-    }
-
-    #[test]
-    fn a_packed_table_is_the_table() {
-        let plain = super::table(&record(), None).unwrap();
-        assert_eq!(gzip(&gzip_of(&record()), None).unwrap(), plain);
-        let parts = [gzip_of(&record()[..60]), gzip_of(&record()[60..])].concat();
-        assert_eq!(gzip(&parts, None).unwrap(), plain);
-        let names = b"property,value\nversion,1.1\n".repeat(40);
-        let files = [("meta/device.csv", &names[..]), ("Raw Data.csv", &record()), ("__MACOSX/._Raw Data.csv", b"\0")];
-        let table = zip(&zip_of(&files), None).unwrap();
-        assert_eq!((&table.columns, table.remarks.len()), (&plain.columns, 1));
-        assert!(table.remarks[0].ends_with("left out: `meta/device.csv`"), "{:?}", table.remarks);
-    }
-
-    #[test]
-    fn what_cannot_be_unpacked_is_said() {
-        let message = |files: &[(&str, &[u8])]| zip(&zip_of(files), None).unwrap_err().to_string();
-        let two = message(&[("a.csv", &record()), ("b.csv", &record())]);
-        assert_eq!(two, "this is a ZIP; it has several tables: `a.csv`, `b.csv`; unpack it and open one");
-        assert!(message(&[("a.pdf", b"%PDF-1")]).contains("no table in it: `a.pdf`: this is a PDF document"));
-        assert!(message(&[("b.gz", &gzip_of(&record()))]).contains("packed twice"));
-        let mut damaged = zip_of(&[("a.csv", &record())]);
-        damaged[60] ^= 1;
-        assert!(zip(&damaged, None).unwrap_err().to_string().contains("damaged"));
-        let bomb = gzip_of(&vec![b'1'; 65 << 20]);
-        assert!(gzip(&bomb, None).unwrap_err().to_string().contains("too large"), "{} bytes", bomb.len());
     }
 }

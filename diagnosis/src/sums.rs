@@ -1,12 +1,102 @@
-//! The innovations of each sensor: sums by part of the record, from which the tests take their statistics.
+//! Sums by part of a record, from which the tests take their statistics: of the innovations of each sensor, and of the errors of each
+//! channel with a known truth.
 
 use std::ops::Range;
 
 use kalmanscope_core::internals::{mapped, places};
-use kalmanscope_core::{Estimates, Quantity, Record};
+use kalmanscope_core::{Channel, Estimates, Quantity, Record};
 
-use super::parts::{self, CROSS_LAGS, Chosen, FIRST_CROSS_LAG, LAGS, PARTS};
 use super::periodogram::Periodogram;
+
+/// The number of parts that a record is judged in, so that one sudden change does not decide for the whole.
+pub(crate) const PARTS: usize = 10;
+
+pub(crate) fn range_of(part: usize, samples: &Range<usize>) -> Range<usize> {
+    let end = |part: usize| samples.start + part * samples.len() / PARTS;
+    end(part)..end(part + 1)
+}
+
+pub(crate) type Chosen = [bool; PARTS];
+
+pub(crate) const ALL: Chosen = [true; PARTS];
+
+pub(crate) fn sum_over(chosen: &Chosen, of: impl Fn(usize) -> f64) -> f64 {
+    (0..PARTS).filter(|&part| chosen[part]).map(of).sum()
+}
+
+pub(crate) const LAGS: usize = 21;
+
+/// The lags of a cross-correlation with the input: from 4 samples before it to 15 after it.
+pub(crate) const CROSS_LAGS: usize = 20;
+
+pub(crate) const FIRST_CROSS_LAG: i32 = -4;
+
+#[derive(Clone, Debug)]
+pub(crate) struct ChannelErrors {
+    pub(crate) channel: Channel,
+    pub(crate) by_part: [ChannelErrorSums; PARTS],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ChannelErrorSums {
+    pub(crate) count: f64,
+    pub(crate) square: f64,
+    pub(crate) product: f64,
+    pub(crate) inside: f64,
+}
+
+impl ChannelErrors {
+    /// Of the channels with a known truth in these samples.
+    pub(super) fn of_all(samples: &Range<usize>, estimates: &Estimates, record: &Record) -> Vec<Self> {
+        let of = |(place, &channel): (usize, &Channel)| {
+            let truth = record.truth(channel)?;
+            let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
+            // The first error of a part follows the last one of the part before.
+            let mut last = 0.0;
+            let by_part = std::array::from_fn(|part| {
+                let mut sums = ChannelErrorSums::default();
+                let uncertain = range_of(part, samples).filter(|&k| variances[k] != 0.0);
+                let errors = uncertain.map(|k| (means[k] - truth[k]) / variances[k].sqrt());
+                for error in errors.filter(|error| !error.is_nan()) {
+                    sums.count += 1.0;
+                    sums.square += error * error;
+                    sums.product += error * last;
+                    sums.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
+                    last = error;
+                }
+                sums
+            });
+            by_part.iter().any(|sums| sums.count > 0.0).then_some(Self { channel, by_part })
+        };
+        estimates.channels().iter().enumerate().filter_map(of).collect()
+    }
+
+    /// The mean of (e/σ)² over some parts; NaN where the truth is not known there.
+    pub(crate) fn level(&self, chosen: &Chosen) -> f64 {
+        sum_over(chosen, |part| self.by_part[part].square) / self.count(chosen)
+    }
+
+    pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
+        sum_over(chosen, |part| self.by_part[part].count)
+    }
+
+    pub(crate) fn coverage(&self, chosen: &Chosen) -> f64 {
+        sum_over(chosen, |part| self.by_part[part].inside) / self.count(chosen)
+    }
+
+    /// The number of independent errors, by their correlation ρ from one sample to the next:
+    /// ```text
+    /// n (1 - ρ²) / (1 + ρ²)
+    /// ```
+    /// Source: Bartlett (1946), On the theoretical specification and sampling properties of autocorrelated time-series.
+    pub(crate) fn independent(&self, chosen: &Chosen) -> f64 {
+        let square = sum_over(chosen, |part| self.by_part[part].square);
+        let product = sum_over(chosen, |part| self.by_part[part].product);
+        let correlation = if square > 0.0 { (product / square).clamp(0.0, 0.999_999) } else { 0.0 };
+        let squared = correlation * correlation;
+        (self.count(chosen) * (1.0 - squared) / (1.0 + squared)).max(1.0)
+    }
+}
 
 /// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.
 pub(crate) const LARGEST: f64 = 5.0;
@@ -42,7 +132,7 @@ impl SensorInnovations {
             let limited = mapped(&values, &|value| if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) });
             let before = around(BEFORE, limited.clone(), 0);
             let by_part = std::array::from_fn(|part| {
-                let range = parts::range(part, &(0..values.len()));
+                let range = range_of(part, &(0..values.len()));
                 let input_square = sum_of(&input[INPUT_BEFORE..][range.clone()], |f| f * f);
                 let mut sums = InnovationSums { input_square, ..InnovationSums::default() };
                 for Range { start, end } in granules(range, first) {
@@ -63,21 +153,21 @@ impl SensorInnovations {
     }
 
     pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
-        parts::sum(chosen, |part| self.by_part[part].count)
+        sum_over(chosen, |part| self.by_part[part].count)
     }
 
     /// The mean of ν² over some parts; NaN without a measurement.
     pub(crate) fn level(&self, chosen: &Chosen) -> f64 {
-        parts::sum(chosen, |part| self.by_part[part].square) / self.count(chosen)
+        sum_over(chosen, |part| self.by_part[part].square) / self.count(chosen)
     }
 
     pub(crate) fn mean(&self, chosen: &Chosen) -> f64 {
-        parts::sum(chosen, |part| self.by_part[part].sum) / self.count(chosen)
+        sum_over(chosen, |part| self.by_part[part].sum) / self.count(chosen)
     }
 
     /// r at the lags 1 to 20 over some parts; zeros where there is nothing but zeros.
     pub(crate) fn autocorrelation(&self, chosen: &Chosen) -> [f64; LAGS - 1] {
-        let product = |lag: usize| parts::sum(chosen, |part| self.by_part[part].products[lag]);
+        let product = |lag: usize| sum_over(chosen, |part| self.by_part[part].products[lag]);
         let square = product(0);
         // The samples before a part may be larger than all in it.
         std::array::from_fn(|i| if square > 0.0 { (product(i + 1) / square).clamp(-1.0, 1.0) } else { 0.0 })
@@ -89,11 +179,11 @@ impl SensorInnovations {
     }
 
     pub(crate) fn cross_correlation(&self, chosen: &Chosen) -> [f64; CROSS_LAGS] {
-        let square = parts::sum(chosen, |part| self.by_part[part].products[0]);
-        let input = parts::sum(chosen, |part| self.by_part[part].input_square);
+        let square = sum_over(chosen, |part| self.by_part[part].products[0]);
+        let input = sum_over(chosen, |part| self.by_part[part].input_square);
         let scale = (square * input).sqrt();
         std::array::from_fn(|lag| {
-            let product = || parts::sum(chosen, |part| self.by_part[part].cross[lag]);
+            let product = || sum_over(chosen, |part| self.by_part[part].cross[lag]);
             if scale > 0.0 { (product() / scale).clamp(-1.0, 1.0) } else { 0.0 }
         })
     }
