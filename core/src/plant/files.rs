@@ -69,27 +69,3 @@ impl<'de> Deserialize<'de> for PlantKind {
         deserializer.deserialize_any(KindVisitor)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn many_equations_are_read_and_each_is_freed_with_its_last_plant() {
-        let read = |guess: f64| {
-            let mut settings = EquationSettings::new("x'' + k x = f");
-            settings.parameter_mut("k").guess = Some(guess);
-            PlantKind::of_equation(&settings).expect("it is an equation")
-        };
-        for guess in (0..10_000).map(f64::from) {
-            let (kind, same) = (read(guess), read(guess));
-            let typed = Arc::downgrade(&kind.own_equation().expect("it has one").typed);
-            let other = kind.clone();
-            drop(kind);
-            assert_eq!((typed.strong_count(), other.channels()[2].usual().mean), (1, guess));
-            assert!(other == same && std::ptr::eq(other.channels()[2].info(), same.channels()[2].info()));
-            drop(other);
-            assert!(typed.upgrade().is_none());
-        }
-    }
-}

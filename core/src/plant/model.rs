@@ -117,13 +117,8 @@ impl Model {
         self.plant.info().is_linear
     }
 
-    /// Whether the state is in the channels' units: nothing of it is a logarithm.
-    pub fn in_units(&self) -> bool {
-        self.state.logarithms.is_empty()
-    }
-
     fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
-        let mut plain = vec![0.0; if self.in_units() { 0 } else { self.size() }];
+        let mut plain = vec![0.0; if self.state.logarithms.is_empty() { 0 } else { self.size() }];
         take(self.state.plain(state, &mut plain))
     }
 
@@ -192,15 +187,6 @@ impl Model {
             unit[i] = 1.0 / values[i];
         }
         (state, unit)
-    }
-
-    /// The values in the channels' units in place of a state, and in `unit` the size of each component's unit in its channel's unit.
-    pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
-        unit.fill(1.0);
-        for &place in &self.state.logarithms {
-            state[place] = libm::exp(state[place]);
-            unit[place] = state[place];
-        }
     }
 
     /// The reading of a sensor for `quantity`, if the plant has it.

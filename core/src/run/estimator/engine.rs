@@ -328,7 +328,11 @@ fn condition(
 }
 
 #[inline(always)]
-fn push(sample: Sample<'_>, in_units: Option<&mut InUnits<f64>>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+pub(super) fn push(
+    sample: Sample<'_>,
+    in_units: Option<&mut InUnits<f64>>,
+    sink: &mut dyn Sink,
+) -> Result<(), FilterError> {
     match in_units {
         Some(in_units) => sink.push(&in_units.convert_finite(sample).ok_or(FilterError::NotFinite)?),
         None => sink.push(&sample),
