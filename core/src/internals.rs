@@ -12,8 +12,7 @@ pub use kalmanscope_filters::Reading;
 pub use kalmanscope_filters::catalogue::KnownChannels;
 pub use kalmanscope_filters::fourier::Transform;
 pub use kalmanscope_filters::gaussian_likelihood::{LogSum, ln_determinant, log_likelihood};
-pub use kalmanscope_filters::lists::sort_numbers;
-pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sorted_places};
+pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sort_numbers, sorted_places};
 pub use kalmanscope_records::hash::short_hash;
 
 /// The engine, its filters of scenarios and its runs over records.

@@ -220,16 +220,12 @@ impl EventFilter {
         let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
         let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
-        if let (Some(time), Some(oldest)) = (felt, oldest)
-            && time < oldest
-        {
-            return Err(EventError::TooLate { time, oldest });
-        }
         let (readings, others) = self.by_time(time, readings);
+        let mut times = felt.into_iter().chain(others.iter().map(|(time, _)| *time));
         if let Some(oldest) = oldest
-            && let Some(&(time, _)) = others.iter().find(|(time, _)| *time < oldest)
+            && let Some(time) = times.find(|time| *time < oldest)
         {
-            return Err(EventError::TooLate { time, oldest });
+            return Err(EventError::TooLate(time, oldest));
         }
         (self.again, self.now) = (0, self.now.max(time));
         let nothing = vec![f64::NAN; readings.len()];
@@ -258,7 +254,7 @@ impl EventFilter {
             return Err(EventError::Stopped { time, reason });
         }
         if readings.len() != self.sensors.len() {
-            return Err(EventError::Readings { found: readings.len(), expected: self.sensors.len() });
+            return Err(EventError::Readings(readings.len(), self.sensors.len()));
         }
         if !time.is_finite() {
             return Err(EventError::Time(time));
@@ -271,7 +267,7 @@ impl EventFilter {
         }
         let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
         if time < oldest {
-            return Err(EventError::TooLate { time, oldest });
+            return Err(EventError::TooLate(time, oldest));
         }
         let before = self.time().unwrap_or(oldest);
         let steps = libm::round((time - before) / self.scenario.dt);
@@ -358,14 +354,9 @@ pub enum EventError {
         /// The reason.
         reason: FilterError,
     },
-    /// The number of readings is not that of the sensors.
-    #[error("there are {found} readings, but the scenario has {expected} sensors: a missing reading is NaN")]
-    Readings {
-        /// The number of readings.
-        found: usize,
-        /// The number of sensors.
-        expected: usize,
-    },
+    /// The number of readings is not that of the sensors: both numbers.
+    #[error("there are {0} readings, but the scenario has {1} sensors: a missing reading is NaN")]
+    Readings(usize, usize),
     /// A reading is infinite.
     #[error("the reading of {} is infinite, but must be a number or NaN", .0.key())]
     InfiniteReading(Quantity),
@@ -375,14 +366,9 @@ pub enum EventError {
     /// The time is not finite.
     #[error("the time is {0}, but must be a finite number of seconds")]
     Time(f64),
-    /// It comes later than the filter keeps its beliefs.
-    #[error("the time is {time} s, which is too late: nothing before {oldest} s is kept")]
-    TooLate {
-        /// The time \[s\].
-        time: f64,
-        /// The time of the oldest belief \[s\].
-        oldest: f64,
-    },
+    /// It comes later than the filter keeps its beliefs: the time, and that of the oldest belief \[s\].
+    #[error("the time is {0} s, which is too late: nothing before {1} s is kept")]
+    TooLate(f64, f64),
     /// The time since what came before is too long to be bridged.
     #[error(
         "the time is {} s, {} steps after {before} s, but at most {} are bridged: begin a new filter",

@@ -9,18 +9,6 @@ impl Scenario {
     /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
     /// allowed values are those of a file.
     ///
-    /// ```
-    /// use kalmanscope_core::Scenario;
-    /// use kalmanscope_core::document::{from_json, json};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let text = from_json(r#"{"duration": 20, "plant": {"natural_frequency": 6}, "filters": [{"kind": "ckf"}]}"#)?;
-    /// let by_hand = json!({ "duration": 20, "plant": { "natural_frequency": 6.0 }, "filters": [{ "kind": "ckf" }] });
-    /// let scenario = Scenario::from_document(&text)?;
-    /// assert_eq!(scenario, Scenario::from_document(&by_hand)?);
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
     /// # Errors
     /// [`ScenarioError::Syntax`] where the document has an unknown key or a value of the wrong type, with the path of the key;
     /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.

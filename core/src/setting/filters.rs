@@ -17,11 +17,6 @@ const BY_NAME: &str = "filters.";
 
 impl FilterSettings {
     /// The address of one of its settings, by its id.
-    ///
-    /// ```
-    /// let scenario = kalmanscope_core::Scenario::default();
-    /// assert_eq!(scenario.filters[1].address("fading"), "filters#2.fading");
-    /// ```
     pub fn address(&self, key: &str) -> String {
         address(self.id, key)
     }

@@ -42,7 +42,7 @@ pub struct FreeRun {
 impl Identified {
     /// The model as a filter knows it at sample `k` of those that are kept.
     pub fn at(scenario: &Scenario, settings: &FilterSettings, estimates: &Estimates, k: usize) -> Self {
-        Self::new(scenario, settings, estimates.mean(k).to_vec())
+        Self::over(scenario, settings, estimates, k..k + 1)
     }
 
     /// The model with the mean of a filter's estimates over some samples, which are not empty.
@@ -52,10 +52,6 @@ impl Identified {
         for k in samples {
             values.iter_mut().zip(estimates.mean(k)).for_each(|(sum, value)| *sum += share * value);
         }
-        Self::new(scenario, settings, values)
-    }
-
-    fn new(scenario: &Scenario, settings: &FilterSettings, mut values: Vec<f64>) -> Self {
         let model = settings.model(&scenario.plant.kind, scenario.input).decaying(0.0);
         for place in [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(|force| model.place(force)) {
             values[place] = 0.0;

@@ -266,19 +266,6 @@ impl ScoredPass {
 impl Outcome {
     /// Runs the filter at `place` of a scenario over the whole of a record, with the scores at each of these samples, which are in order.
     ///
-    /// ```
-    /// use kalmanscope_core::score::Outcome;
-    /// use kalmanscope_core::{Run, Scenario};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
-    /// let mut run = Run::new(&scenario)?;
-    /// run.finish();
-    /// let outcome = Outcome::at(&scenario, 0, run.record(), &[])?;
-    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
