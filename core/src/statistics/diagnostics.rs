@@ -20,16 +20,6 @@ pub use accuracy::ErrorSums;
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
-/// The depth of the diagnostics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Depth {
-    /// NIS, NEES and likelihood, with less memory: no tallies of errors, no whiteness and no diagnosis.
-    Consistency,
-    /// Everything.
-    #[default]
-    All,
-}
-
 /// The accuracy and consistency of one filter, from running sums that are updated sample by sample.
 ///
 /// Errors are those of the canonical form ([`Estimates::canonical_mean`]). The numbers are bit-identical however the
@@ -39,8 +29,6 @@ pub enum Depth {
 /// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
-    /// The depth of these diagnostics.
-    pub depth: Depth,
     scores: Scores,
     samples: usize,
     forgotten: usize,
@@ -52,18 +40,13 @@ pub struct Diagnostics {
     nis: Totals,
     /// The 95 % quantile of χ² for one and more degrees of freedom.
     limits: Vec<f64>,
-    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
+    /// The whiteness of the innovations, sensor by sensor.
     pub whiteness: Vec<Whiteness>,
     /// Where and why the filter stopped, if it did.
     pub stop: Option<Stop>,
 }
 
 impl Diagnostics {
-    /// Empty diagnostics, for [`Self::restart`].
-    pub fn empty(depth: Depth) -> Self {
-        Self { depth, ..Self::default() }
-    }
-
     /// The diagnostics of all estimates of a filter so far, against the record that it uses.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let mut diagnostics = Self::default();
@@ -71,7 +54,7 @@ impl Diagnostics {
         diagnostics
     }
 
-    /// Begins again with other estimates, at the same depth, and reuses the memory.
+    /// Begins again with other estimates, and reuses the memory.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
         self.clear(estimates, record);
         self.follow_to(estimates.len(), estimates, record);
@@ -79,12 +62,11 @@ impl Diagnostics {
 
     /// Removes what was taken in, and keeps the memory.
     pub fn clear(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { depth, scores, samples, forgotten, errors, nees, nees_totals, inside, nis, limits, .. } = self;
-        let Self { whiteness, stop, .. } = self;
+        let Self { scores, samples, forgotten, errors, nees, nees_totals, inside, nis, limits, whiteness, stop } = self;
         *scores = Scores::new(estimates, record);
         (*samples, *forgotten, *inside, *stop) = (0, estimates.forgotten(), 0, None);
         let known = scores.sums.tracked.len();
-        errors.resize_with(if *depth == Depth::All { known } else { 0 }, RangeSums::default);
+        errors.resize_with(known, RangeSums::default);
         errors.iter_mut().for_each(RangeSums::clear);
         nees.clear();
         nees_totals.clear();
@@ -93,9 +75,7 @@ impl Diagnostics {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
         whiteness.clear();
-        if *depth == Depth::All {
-            whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
-        }
+        whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
     }
 
     /// Takes in the new samples up to one, each in constant time. `estimates` and `record` must be those that the diagnostics
@@ -155,8 +135,7 @@ impl Diagnostics {
     }
 
     fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
-        let Some(errors) = self.errors.get(at) else { return ErrorSums::default() };
-        let (squares, (known, inside)) = errors.within(range, self.scores.sums.tracked[at].total(0).squares);
+        let (squares, (known, inside)) = self.errors[at].within(range, self.scores.sums.tracked[at].total(0).squares);
         ErrorSums { squares, known, inside }
     }
 
@@ -180,8 +159,7 @@ impl Diagnostics {
         Some(self.scores.sums.tracked[self.place(channel)?].error).filter(|error| !error.is_nan())
     }
 
-    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
-    /// [`Depth::Consistency`].
+    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known.
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<ErrorSums> {
         let tally = self.within(self.place(channel)?, range);
         (tally.known > 0).then_some(tally)
@@ -207,12 +185,11 @@ impl Diagnostics {
     }
 
     /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
-    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, the truth is not known, or the depth is
-    /// [`Depth::Consistency`].
+    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, or the truth is not known.
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         let Tracked { settled, known, .. } = self.scores.sums.tracked[self.place(channel)?];
         let (settled, end) = (settled as usize, self.forgotten + self.samples);
-        (self.depth == Depth::All && known > 0.0 && settled < end).then_some(settled)
+        (known > 0.0 && settled < end).then_some(settled)
     }
 
     /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
