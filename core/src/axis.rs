@@ -130,8 +130,7 @@ impl Axis {
         }
     }
 
-    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN if a
-    /// logarithmic axis cannot have the value.
+    /// The share of the axis at which a value lies, 0 at its beginning and 1 at its end; NaN if a logarithmic axis cannot have it.
     pub fn share_of(&self, value: f64) -> f64 {
         let (from, to) = (self.from, self.to);
         if from == to {
@@ -150,8 +149,7 @@ impl Axis {
         (place >= 0.0 && place <= last).then_some(place as usize)
     }
 
-    /// A usual axis for a setting around its present value: two decades each way for a standard deviation or a factor, 0 to
-    /// three times the value for a guess, the next `count` numbers for a seed.
+    /// A usual axis around the present value: two decades each way for a std or a factor, 0 to three times the value for a guess.
     pub fn usual(setting: &Address, scenario: &Scenario, count: usize) -> Self {
         let key = setting.to_string();
         let now = setting.get(scenario);

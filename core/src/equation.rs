@@ -31,8 +31,7 @@ pub use typeset::{TextLevel, TextRun, typeset};
 pub struct EquationError {
     /// The fault, and what is allowed.
     pub what: String,
-    /// The place of the faulty character, counted from 0, and the equation. `None` if the fault is in the whole
-    /// equation.
+    /// The place of the faulty character, from 0 on, and the equation. `None` if the fault is in all of it.
     pub place: Option<(usize, String)>,
 }
 

@@ -1,5 +1,4 @@
-//! Parts that the crates and benchmarks of this workspace take from inside: for runs side by side, for programs of graphics
-//! processors, and for small pages. They are not the library: any of them may change or go at any time.
+//! Parts that the crates and benchmarks of this workspace take from inside; any of them may change or go at any time.
 
 pub use crate::run::Bank;
 pub use crate::run::estimator::FilterContext;

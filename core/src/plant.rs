@@ -48,8 +48,7 @@ pub enum Spring {
     Slipping(Channel),
 }
 
-/// A plant with the state `y = [motion, parameters]` of N components. The first M move. Its parameters are constant or
-/// decay at a rate η; the model of the plant adds that, not the plant's equation.
+/// A plant with the state `y = [motion, parameters]` of N components, of which the first M move.
 ///
 /// ```text
 /// ẏ = g(y, f),  A = ∂g/∂y
@@ -60,8 +59,7 @@ pub trait Plant: Any + Send + Sync {
     /// Names, keys and the components of the state.
     fn info(&self) -> PlantInfo<'_>;
 
-    /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
-    /// mass \[m/s²\].
+    /// The first M components of `g(y, f)`, each in its unit per second, from all N and the force over mass \[m/s²\].
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]);
 
     /// The first M rows of A, row by row: `∂gᵢ/∂yⱼ` at `i N + j`. `jacobian` has M N numbers, which are zero.
@@ -111,8 +109,7 @@ impl PlantKind {
     /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
     /// ```
     ///
-    /// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
-    /// little with exponent 1. After yielding the stiffness is α times the initial one.
+    /// z follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`; the stiffness is then α times the initial one.
     ///
     /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
     /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
@@ -122,8 +119,7 @@ impl PlantKind {
     pub const BOUC_WEN_1: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN_1));
     /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
     ///
-    /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
-    /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+    /// Equal masses on a shaken base, with the state `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
     ///
     /// ```text
     /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
@@ -168,8 +164,7 @@ impl PlantKind {
         Self::SHEAR_10,
     ];
 
-    /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
-    /// the key of one of these is refused.
+    /// A user's own plant. Files name plants of the registry only; a plant with the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
         Self(Source::Own(Own(plant)))
     }
@@ -296,8 +291,7 @@ impl PlantKind {
         rate(1.0) != rate(0.0)
     }
 
-    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall: whether the displacement
-    /// of one accelerates the other.
+    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall.
     pub fn is_held(&self, mass: usize) -> bool {
         let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
         self.motion_jacobian(&self.anywhere(), &mut jacobian);

@@ -7,8 +7,7 @@ use kalmanscope_filters::random::Normal;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-/// A value over time. In a scenario file a bare number is a constant; other shapes are tables with the shape's name: `{
-/// step = { from = 6.0, to = 4.8, at = 30.0 } }`.
+/// A value over time. In a file a number, or a table as `{ step = { from = 6.0, to = 4.8, at = 30.0 } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Signal {

@@ -15,8 +15,7 @@ use growth::History;
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept,
-/// as in the [`Record`](kalmanscope_records::Record). [`Stop`] and [`Remark`] count samples from the run's beginning.
+/// Where a run has forgotten samples, `k` counts from the first one that is kept; [`Stop`] and [`Remark`] count from the run's beginning.
 ///
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
@@ -43,8 +42,7 @@ pub struct Estimates {
     /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
     canonical: Vec<Vec<f64>>,
     variance: Vec<Vec<f64>>,
-    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more; and those with a
-    /// ln det S of their own.
+    /// The samples with several readings of a sensor, and how many more; and those with a ln det S of their own.
     earlier: Vec<(usize, u32, f64)>,
     considered: Vec<Channel>,
     /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
@@ -167,14 +165,12 @@ impl Estimates {
         self.stop
     }
 
-    /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
-    /// samples are dropped.
+    /// Remarks on problems that the filter survived, in the order in which they were noticed.
     pub fn remarks(&self) -> &[Remark] {
         &self.monitor.remarks
     }
 
-    /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
-    /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
+    /// The samples, counted from the run's beginning, at which the filter widened P ([`FilterSettings::jump`]).
     pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
         self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
     }
@@ -200,9 +196,7 @@ impl Estimates {
         &self.canonical[channel]
     }
 
-    /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
-    /// where the estimated natural frequency is negative, else 1. A covariance is multiplied by the signs of both its
-    /// channels.
+    /// The sign that takes one channel at sample `k` to its canonical form; a covariance is multiplied by those of both channels.
     #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
         let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
@@ -233,8 +227,7 @@ impl Estimates {
         chunk(&self.history.innovation, k, self.sensors.len())
     }
 
-    /// The number of readings in the update at sample `k`: more than there are innovations where a sensor was read more than once
-    /// since the sample before.
+    /// The number of readings in the update at sample `k`, of which a sensor may have several.
     #[inline]
     pub fn readings(&self, k: usize) -> u32 {
         self.sample(k).readings()
@@ -308,8 +301,7 @@ impl Estimates {
         hash.value()
     }
 
-    /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
-    /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
+    /// The std of a sensor's noise that the filter has learnt by sample `k`, and its own: `√R` and `√var R / (2 √R)`, in its unit.
     pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
         let m = self.sensors.len();
         let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
@@ -317,15 +309,13 @@ impl Estimates {
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
     }
 
-    /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
-    /// with one scale of Q.
+    /// Mean and std of ln s at sample `k`, s the factor on the settings' √Q. `None` for a filter with one scale of Q.
     pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
         let &[mean, std] = self.history.process_scale.get(2 * k..2 * (k + 1))? else { return None };
         Some([mean, std])
     }
 
-    /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a
-    /// filter that weighs none.
+    /// The weight of each sensor's reading at sample `k`, from 0 to about 1, NaN for none; empty for a filter that weighs none.
     pub fn weights(&self, k: usize) -> &[f64] {
         let m = self.sensors.len();
         self.history.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
@@ -342,8 +332,7 @@ impl Estimates {
         Self { monitor: self.monitor.with_clocks(apart, trouble), ..self }
     }
 
-    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
-    /// sample has its own, to the nearest sample. `None` where the record has no such sensor.
+    /// The readings of a sensor by its place: where the filter takes it to be late, each sample has its own, to the nearest.
     pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
         let quantity = self.sensors.get(place)?;
         let column = quantity.place_in(record.sensors())?;

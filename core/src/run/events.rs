@@ -24,16 +24,10 @@ use timeline::{TimedEvent, Timeline};
 ///     y⁻ = the prediction over h / n,  P⁻ = λ^(h / n dt) Φ P Φᵀ + Q h / (n dt)
 /// ```
 ///
-/// Q and λ of the scenario are those of a step of dt; a shorter one has its share. So a clock with steps of dt gives the
-/// estimates of a [`Pass`] to rounding, and on a linear plant with Q = 0 the times of others matter in no digit. dt is the
-/// longest step of a prediction.
+/// Q and λ are those of a step of dt, the longest one; a shorter one has its share.
 ///
-/// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
-/// again over what came after it. With [`Hold::First`](kalmanscope_filters::Hold::First) the input is linear from one known value to the
-/// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
-///
-/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also reports its estimates in hindsight
-/// ([`Self::hindsight`]).
+/// What comes late is taken in at its time, and the filter goes again over what came after it, from a belief that is kept
+/// ([`Self::keeping`]). With a smoother and a look-ahead it also reports its estimates in hindsight ([`Self::hindsight`]).
 ///
 /// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
 /// What is refused leaves the filter as it was.
@@ -109,8 +103,7 @@ impl EventFilter {
     /// The filter at `place` of a scenario, before its first event.
     ///
     /// # Errors
-    /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
-    /// members, several guesses, scales of Q, learning of noise, jumps, a bank, a white force.
+    /// [`EventSetupError`] where the scenario is impossible, or the filter has a setting that counts in samples.
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
         scenario.validate().map_err(RunError::from)?;
         let mut scenario = scenario.clone();
@@ -189,10 +182,7 @@ impl EventFilter {
         self.look_ahead.is_some()
     }
 
-    /// The time of the last event that is at least the look-ahead before the newest one \[s\], and the estimate there in the light of
-    /// all that came since, without innovations. `None` where there is no such event, or no look-ahead.
-    ///
-    /// A smoother with a fixed lag, over the passages that are kept: the cost is that of the events of the look-ahead.
+    /// The last event at least the look-ahead before the newest one, and the estimate there in the light of all since, if there is one.
     pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
         let newest = self.timeline.last_at(self.now);
         let then = self.now - self.look_ahead? * (1.0 - SAME);
@@ -207,9 +197,7 @@ impl EventFilter {
         Some((self.timeline.events[place].time, self.in_hindsight.sample()))
     }
 
-    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not known,
-    /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
-    /// event; innovations and NIS are NaN if that has no readings.
+    /// Takes in the input from a time \[s\] on \[m/s²\] and the sensors' readings, NaN where there is none. Returns the newest estimate.
     ///
     /// # Errors
     /// [`EventError`]. Only where the filter fails does it stop; all else leaves it as it was.

@@ -19,8 +19,7 @@ use crate::run::sink::Sink;
 use crate::run::tape::Tape;
 use crate::{Estimates, FilterSettings, Scenario, ScenarioError};
 
-/// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
-/// thousands of runs are loops over this.
+/// A filter that runs over a record sample by sample and reports to a [`Sink`]: whole records, live mode and maps are loops over it.
 pub struct Pass {
     filter: Built,
     truncation: Truncation,
@@ -40,8 +39,7 @@ impl Pass {
     /// The filter at `place` of a scenario before the first sample of a record.
     ///
     /// # Errors
-    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
-    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
+    /// [`RunError`] where the scenario is impossible or has no such filter, or where the record does not fit it.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         let sensors = Self::columns(scenario, place, record)?;
         let mut scenario = scenario.clone();
@@ -94,8 +92,7 @@ impl Pass {
         Ok(Estimates::new(filter, scenario, scenario.measured()))
     }
 
-    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the
-    /// filter does not follow them, and a sensor that measures seldom is not taken for a silent one.
+    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks know of them.
     ///
     /// # Errors
     /// Those of [`Self::history`].
@@ -143,8 +140,7 @@ impl Pass {
         }
     }
 
-    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
-    /// filter that fails reports the reason to the sink and computes no further samples.
+    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end, or until the filter stops.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
         let Self { filter, truncation, sensors, delays, parts, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, delays.input);
@@ -198,9 +194,7 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
 
 /// A [`Pass`] over a record that grows: a sample comes in, an estimate goes out, with the bits of a pass over the whole record.
 ///
-/// Samples follow each other after dt; of one that is lost, the readings are NaN. Clocks with gaps, and sensors with clocks of their
-/// own, are for [`EventFilter`](crate::EventFilter). Where the input or a sensor is late by d samples, the estimate of a sample comes
-/// with the d-th after it.
+/// Samples follow each other after dt; readings of one that is lost are NaN. With a delay of d samples, estimates come d later.
 pub struct OnlineFilter {
     /// The pass, which has the number of samples that are done, and where and why the filter has stopped.
     pub pass: Pass,
@@ -225,8 +219,7 @@ impl OnlineFilter {
         Ok(Self { pass, record, reach: [delays.lookahead(), delays.reach()] })
     }
 
-    /// Takes in the input \[m/s²\] in the scenario's meaning, and a reading for each of its sensors in the unit of its quantity, NaN
-    /// where one is missing.
+    /// Takes in the input \[m/s²\], and a reading of each sensor in the unit of its quantity, NaN where one is missing.
     ///
     /// # Panics
     /// Panics where there is not one reading for each sensor.

@@ -12,8 +12,7 @@ use crate::{FilterSettings, PlantKind, Values};
 /// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Trouble {
-    /// A standard deviation exceeds a thousand times the larger of its initial and its usual value. The usual value of
-    /// a motion is scaled with the noise of the best sensor.
+    /// A standard deviation exceeds a thousand times its initial and its usual value, scaled by the noise of the best sensor.
     #[error(
         "the covariance winds up: the filter forgets the {} faster than it learns it",
         .0.name()

@@ -44,8 +44,7 @@ pub struct TruthStop {
 
 /// Simulates a record sample by sample, without an end.
 ///
-/// Disturbance and parameters are held over each step, the input by the scenario's hold. The response of a linear plant
-/// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
+/// Disturbance and parameters are held over each step. A linear plant's response is exact, others' to 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
     inputs: Inputs,
@@ -110,17 +109,14 @@ impl Simulator {
         self.stop
     }
 
-    /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
-    /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
+    /// Appends the next sample to `record`. Returns whether there was one; else [`Self::stop`] has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {
         let before = place_of_next(record);
         while !self.advance(record, u64::MAX) {}
         place_of_next(record) > before
     }
 
-    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
-    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth lasts until
-    /// then.
+    /// Appends samples until `record` has `samples`, for about a millisecond. Returns whether the truth lasts until then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
         let end = self.response.halved + HALVED;
         while place_of_next(record) < samples && self.response.halved < end {
@@ -341,8 +337,7 @@ impl Recording {
         place_of_next(&self.record)
     }
 
-    /// Up to sample `samples`, counted from the beginning, of `all`, which are fewer where the truth diverges. Returns false early if
-    /// `while_time` does, which is called about every millisecond, even within a sample, if the plant is hard to simulate.
+    /// Up to sample `samples` of `all`, which are fewer where the truth diverges. Returns false early if `while_time` does.
     pub(crate) fn advance(&mut self, samples: usize, all: &mut usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.len() < samples.min(*all) {
             let next = (self.len() + CHUNK).min(samples).min(*all);

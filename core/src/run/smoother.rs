@@ -37,8 +37,7 @@ use crate::{Estimates, FilterSettings, Pass};
 
 /// A smoother in progress. If its filter stops, it ends with the last sample before.
 pub trait Smoother: Piecewise {
-    /// Continues for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
-    /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
+    /// Continues for at most `steps` steps over the first `samples` samples, all if it `is_whole`. Returns whether all is done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
     /// The share of its work that is done, from 0 to 1.

@@ -149,8 +149,7 @@ impl Address {
         matches!(self.place, Place::Filters(_, Member::Factor(..)))
     }
 
-    /// Whether two addresses share a number: they are the same, or a number and the factor on its table, of filters that are the
-    /// same or among all.
+    /// Whether two addresses share a number: they are the same, or a number and the factor on its table.
     pub fn overlaps(&self, other: &Self) -> bool {
         match (&self.place, &other.place) {
             (Place::Filters(one, a), Place::Filters(two, b)) => {
@@ -160,8 +159,7 @@ impl Address {
         }
     }
 
-    /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the first
-    /// value. NaN where the scenario has no such number.
+    /// The value in a scenario, that of the first filter where there are several; NaN where it has no such number.
     pub fn get(&self, scenario: &Scenario) -> f64 {
         let sensor = |quantity: &Quantity| scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
         let number = match &self.place {

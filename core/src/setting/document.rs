@@ -6,12 +6,10 @@ use kalmanscope_filters::Quantity;
 use crate::scenario::{Scenario, ScenarioError, Sensor, Values};
 
 impl Scenario {
-    /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
-    /// allowed values are those of a file.
+    /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format.
     ///
     /// # Errors
-    /// [`ScenarioError::Syntax`] where the document has an unknown key or a value of the wrong type, with the path of the key;
-    /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
+    /// Those of [`Self::from_toml`], without the line.
     pub fn from_document(document: &Document) -> Result<Self, ScenarioError> {
         Self::read(document, |error| error).map(|(scenario, _)| scenario)
     }
@@ -69,8 +67,7 @@ impl Scenario {
         Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
     }
 
-    /// The same, with a sentence for each filter that has another name than in the file, where two had the same, and one for
-    /// names of an equation that are taken for parameters.
+    /// The same, with a sentence for each filter that gets another name, and one for assumed parameters.
     ///
     /// # Errors
     /// Those of [`Self::from_toml`].

@@ -9,9 +9,7 @@ use super::{Address, DT, DURATION, SEED};
 use crate::scenario::{Law, Scenario, ScenarioError, short};
 
 impl Scenario {
-    /// The member of the population with a seed: its noise is that of the seed, its drawn numbers are set, and nothing of it is
-    /// drawn any more. Each number has its own stream by its address, so that one more changes no other. A member may be
-    /// impossible, as with a damping ratio below 0.
+    /// The member of the population with a seed, with its drawn numbers, each of a stream of its own; it may be impossible.
     #[must_use]
     pub fn member(&self, seed: u64) -> Self {
         let mut member = Self { seed, draw: BTreeMap::new(), ..self.clone() };
@@ -34,8 +32,7 @@ impl Scenario {
         self.draw.iter().filter_map(one).collect()
     }
 
-    /// Leaves out draws of numbers that the scenario does not have any more, and writes the keys of the others by the ids of
-    /// filters. The filters must have ids.
+    /// Leaves out draws of numbers that the scenario lacks, and writes the keys of the others by the ids of filters.
     pub fn keep_draws(&mut self) {
         for (key, law) in std::mem::take(&mut self.draw) {
             if let Ok(address) = Address::parse(self, &key) {

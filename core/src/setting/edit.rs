@@ -23,9 +23,7 @@ use crate::scenario::{Scenario, ScenarioError};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
-    /// The setting's address, by the filter's id as in `filters#1.process_std.velocity` where the program writes it. In what people
-    /// write, the filter's name may stand in place of the id and `*` for all filters: `filters.EKF.fading`. Any key of a scenario
-    /// file is one, such as `hold` or `record.input.offset`; a sensor is meant by its quantity.
+    /// The address, by the filter's id where the program writes it, else also by its name; any key of a scenario file is one.
     pub key: String,
     /// Its new value.
     pub value: Value,

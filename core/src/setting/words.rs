@@ -14,8 +14,7 @@ use crate::PlantKind;
 const LEFT_OUT: f64 = 500.0;
 
 impl Edit {
-    /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
-    /// An edit without words is the line of a file.
+    /// The edit in words and symbols, without the name of a filter; one without words is the line of a file.
     ///
     /// ```
     /// use kalmanscope_core::{Scenario, setting::Edit};

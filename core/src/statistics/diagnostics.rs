@@ -22,11 +22,9 @@ pub use whiteness::{LAGS, LjungBox, Whiteness};
 
 /// The accuracy and consistency of one filter, from running sums that are updated sample by sample.
 ///
-/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). The numbers are bit-identical however the
-/// samples are divided into portions.
+/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). Portions change no bit.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), the diagnostics cover the samples that are
-/// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
+/// Indices count from the first sample that is kept. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     scores: Scores,
@@ -78,8 +76,7 @@ impl Diagnostics {
         whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
     }
 
-    /// Takes in the new samples up to one, each in constant time. `estimates` and `record` must be those that the diagnostics
-    /// began with, grown longer. Where samples have been forgotten since, begins again with those that are kept.
+    /// Takes in the new samples up to one, each in constant time. Where samples have been forgotten, begins again with the rest.
     pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
@@ -165,8 +162,7 @@ impl Diagnostics {
         (tally.known > 0).then_some(tally)
     }
 
-    /// Each with its root mean square error over the last fifth in standard deviations and in its unit: more than `limit`
-    /// standard deviations, larger than the truth ever was and than the initial belief allows.
+    /// Channels whose root mean square error over the last fifth exceeds `limit` std, truth and initial belief: it in std, and itself.
     pub fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
@@ -184,16 +180,14 @@ impl Diagnostics {
         (2 * self.samples).div_ceil(3)..self.samples
     }
 
-    /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
-    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, or the truth is not known.
+    /// The sample, from the run's beginning, since which a channel's estimate stays within 5 % of the truth, if it does.
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         let Tracked { settled, known, .. } = self.scores.sums.tracked[self.place(channel)?];
         let (settled, end) = (settled as usize, self.forgotten + self.samples);
         (known > 0.0 && settled < end).then_some(settled)
     }
 
-    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
-    /// factor.
+    /// The normalised estimation error squared of every sample; NaN without a truth or a factor of the covariance.
     ///
     /// ```text
     /// NEES = eᵀ P⁻¹ e
@@ -211,17 +205,14 @@ impl Diagnostics {
         self.nees_totals.within(range)
     }
 
-    /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
-    /// is none.
+    /// For each sample of a range, the NEES of the `window` samples up to it over its expectation; NaN where there is none.
     pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         self.nees_totals.moving_means(window, range)
     }
 
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
     ///
-    /// Errors of one run are strongly correlated from sample to sample, and the number of independent samples is
-    /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
-    /// errors the mean lies inside with a probability above 95 %.
+    /// Errors of one run are correlated from sample to sample, so the interval is that of a single one, which is wide.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
         MeanSquare::new(self.nees_totals.whole, 1)
     }
@@ -237,8 +228,7 @@ impl Diagnostics {
         self.nis.within(range)
     }
 
-    /// For each sample of a range that exists, the NIS of the `window` samples up to it over its expectation; NaN where there
-    /// is none.
+    /// For each sample of a range, the NIS of the `window` samples up to it over its expectation; NaN where there is none.
     pub fn moving_nis(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         self.nis.moving_means(window, range)
     }

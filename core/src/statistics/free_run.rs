@@ -68,8 +68,7 @@ impl Identified {
         record.late_reading(sensor, k, late)
     }
 
-    /// Runs over the samples of `part`. The motion at the beginning, and where a filter takes it to begin again
-    /// ([`FilterSettings::plucks`]), is fitted to the next fifty readings by least squares; from then on the measurements are not used.
+    /// Runs over the samples of `part`; its beginning, and that after a pluck, is fitted to the next fifty readings.
     ///
     /// Source of the fit: Nocedal and Wright (2006), *Numerical Optimization*, section 10.3 (Gauss and Newton).
     pub fn run(&self, record: &Record, part: Range<usize>) -> FreeRun {
@@ -130,8 +129,7 @@ pub fn fit(measured: &[f64], predicted: &[f64]) -> Option<Fit> {
     Some(Fit { rms: libm::sqrt(error / readings as f64), percent, readings })
 }
 
-/// The errors of a filter's predictions one step ahead over a part: its innovations against the measurements. `None` if
-/// there is nothing to compare, for example because the filter has stopped before the part.
+/// The errors of a filter's predictions one step ahead over a part, if there is something to compare.
 pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Range<usize>) -> Option<Fit> {
     let quantity = *record.sensors().get(sensor)?;
     let place = quantity.place_in(estimates.sensors())?;

@@ -4,9 +4,7 @@
 //! H(iω) = C (iω I - A)⁻¹ B
 //! ```
 //!
-//! is the transfer function from the force over mass \[m/s²\] to the displacement \[m\] of the first mass, so that |H|
-//! is in s². A and B are those of the plant at rest, so that for a Duffing or Bouc-Wen oscillator the response holds
-//! for small motion. It does not depend on the cubic stiffness or the shape of the hysteresis.
+//! is that from the force over mass \[m/s²\] to the displacement \[m\] of the first mass at rest, for small motion.
 
 use std::f64::consts::TAU;
 
@@ -45,10 +43,7 @@ pub fn true_transfer_function(plant: &PlantKind, record: &Record, k: usize) -> O
 
 /// The estimate of |H| and its band at sample `k`, at frequencies \[rad/s\] that must be positive.
 ///
-/// The band comes from draws from the normal distribution of the parameters in canonical form
-/// ([`Estimates::canonical_mean`]). The draws are the same at every sample, so that the band moves as smoothly as the
-/// belief. A filter of logarithms reports its belief in the parameters' own units to first order, and its band has the
-/// same accuracy.
+/// The band comes from draws from the normal distribution of the parameters in canonical form, the same at every sample.
 pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believed {
     let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
@@ -134,8 +129,7 @@ fn quantiles(values: &mut [f64]) -> [f64; 2] {
 /// H(s) = C (s I - A)⁻¹ B = b(s) / a(s),  a(s) = det(s I - A)
 /// ```
 ///
-/// The polynomials are those of `s / unit`. The unit is a frequency near those of the plant, so that the coefficients
-/// of a high degree neither overflow nor underflow.
+/// The polynomials are those of `s / unit`, so that coefficients of a high degree neither overflow nor underflow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     /// Coefficients of b, that of s⁰ first, padded with a zero to an even number; in s².
@@ -175,8 +169,7 @@ impl TransferFunction {
         Self { numerator, denominator, degree, unit }
     }
 
-    /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
-    /// \[s²\].
+    /// |H(iω)| at positive frequencies \[rad/s\]; infinite at a resonance without damping \[s²\].
     pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
@@ -185,8 +178,7 @@ impl TransferFunction {
         mapped(frequencies, &|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) })
     }
 
-    /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
-    /// \[rad/s\]; `None` without a natural frequency.
+    /// Two frequencies that enclose all natural frequencies, close to the ends where damping is small, if there are some \[rad/s\].
     ///
     /// ```text
     /// a(s) = Π (s² + 2ζᵢωᵢ s + ωᵢ²),  a₂ ≥ Σ ωᵢ²,  a₂' ≥ Σ 1/ωᵢ²

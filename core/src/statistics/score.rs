@@ -13,8 +13,7 @@ use crate::statistics::diagnostics::{ErrorSums, Total};
 use crate::{Estimates, Pass, RunError, Scenario};
 use lane_sums::ScoreSums;
 
-/// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
-/// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
+/// Running sums over the samples of one filter, in constant memory, with the bits of [`Diagnostics`](crate::Diagnostics).
 ///
 /// ```
 /// use kalmanscope_core::{Pass, Run, Scenario, Scores};
@@ -135,8 +134,7 @@ pub struct Outcome {
     pub log_likelihood: f64,
     /// Where and why the filter stopped, if it did.
     pub stop: Option<Stop>,
-    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
-    /// the largest truth and the initial uncertainty.
+    /// Whether it has stopped or lost the truth: in the last fifth an error exceeds 10σ, the truth and the initial σ.
     pub diverged: bool,
     /// The accuracy of each channel with a known truth, in the filter's order.
     pub channels: Vec<(Channel, ChannelScore)>,
@@ -201,8 +199,7 @@ pub struct SampleScore {
     pub nees: f64,
     /// NIS; NaN without a measurement.
     pub nis: f64,
-    /// Error, mean minus truth, and standard deviation of every channel, in its unit and in the filter's order; NaN where the
-    /// truth is not known.
+    /// Error and standard deviation of every channel in its unit, in the filter's order; NaN without a known truth.
     pub channels: Vec<[f64; 2]>,
 }
 
@@ -216,8 +213,7 @@ pub struct ScoredPass {
 }
 
 impl ScoredPass {
-    /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
-    /// order. It keeps all estimates if its scores need the history.
+    /// The filter at `place` before the first sample, to be scored after these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`].
@@ -240,8 +236,7 @@ impl ScoredPass {
         self.pass.done()
     }
 
-    /// Continues until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
-    /// same in all calls. Returns whether the end is reached.
+    /// Continues until `samples` samples, counted from the record's beginning, are done. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, scores, samples: asked, sample_scores, history } = self;
         let mut sink = Scoring { scores, record, history: history.as_mut() };

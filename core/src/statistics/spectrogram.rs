@@ -25,8 +25,7 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor, before its first window. `None` if there are too few. A missing
-    /// measurement repeats the one before it.
+    /// The spectrogram of a sensor's first `samples` measurements, before its first window. `None` if there are too few.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
@@ -50,9 +49,7 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Windows of the first `samples` measurements of a sensor, none computed yet. They are short enough for `count` of
-    /// them side by side; they overlap, so that there are more. `None` if there are too few samples. A missing
-    /// measurement repeats the one before it.
+    /// Windows of a sensor's first `samples` measurements, short enough for `count` side by side. One that is missing repeats the last.
     pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
         let mut last = 0.0;
         let measured = record.measured(sensor).iter().take(samples);
@@ -80,8 +77,7 @@ impl Windows {
         })
     }
 
-    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
-    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
+    /// The mean density of the windows: frequency \[Hz\], and density \[squared unit of the sensor per Hz\].
     ///
     /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
     /// Audio and Electroacoustics* 15(2).

@@ -18,15 +18,9 @@ const LANES: usize = 8;
 /// S(ω) = Δt/(πn) · Σ |Σₖ wₖ fₖ exp(-iωkΔt)|²,  ∫ S dω = mean of fₖ²
 /// ```
 ///
-/// over half-sine windows that overlap by half, the outer sum over windows; in the series' unit squared per rad/s. The
-/// squares of the two weights of each of the n samples add up to one, so that an impulse has the same power at any
-/// time. White noise of standard deviation s has `S = s² Δt / π` up to the Nyquist frequency `π / Δt`. This is the
-/// density of the samples; a force held between them has `(sin(ωΔt/2) / (ωΔt/2))²` times that density.
+/// over half-sine windows that overlap by half; in the series' unit squared per rad/s. White noise has `S = s² Δt / π`.
 ///
-/// A window is eight cycles long, so that a spectral line has the same width everywhere on a logarithmic axis, but at
-/// most `longest`. The first window peaks at the first sample, and incomplete windows count, so that there is a density
-/// from the first sample on. The numbers are bit-identical however the samples are divided into portions, and the
-/// memory is constant.
+/// A window is eight cycles long, but at most `longest`; the first one peaks at the first sample. Portions change no bit.
 ///
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Harris (1978), On the use of
 /// windows for harmonic analysis with the discrete Fourier transform, section V.C; Brown (1991), Calculation of a constant Q
@@ -41,8 +35,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// An empty spectrum at `frequencies` \[rad/s\] in ascending order, with `dt` \[s\] between samples and windows of
-    /// at most `longest` \[s\].
+    /// An empty spectrum at ascending `frequencies` \[rad/s\], with `dt` \[s\] between samples, windows of at most `longest` \[s\].
     pub fn new(frequencies: Vec<f64>, dt: f64, longest: f64) -> Self {
         let groups = frequencies.chunks(LANES).map(|chunk| Group::new(chunk, dt, longest)).collect();
         Self { frequencies, dt, samples: 0, groups }

@@ -63,10 +63,7 @@ impl Estimates {
         }
     }
 
-    /// Drops the covariances and gains of all samples so far but the last, which is more than half of the memory. Diagnostics must
-    /// have followed before; a diagnosis, its causes and a free run need only the rest: means, variances, innovations
-    /// and their covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on;
-    /// [`Self::checksum`] leaves them out.
+    /// Drops the covariances and gains of all samples but the last, after their diagnostics; [`Self::checksum`] leaves them out.
     pub fn drop_matrices(&mut self) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         self.history.cov.drain(..self.history.cov.len().saturating_sub(n * n));
@@ -196,8 +193,7 @@ impl Estimates {
         (0..self.len()).map(move |k| self.innovation_cov(k)[diagonal].sqrt())
     }
 
-    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation. NaN where matrices have
-    /// been dropped ([`Self::drop_matrices`]).
+    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation; NaN where it has been dropped.
     pub fn gains(
         &self,
         channel: usize,

@@ -57,9 +57,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
-    /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers.
+    /// The filter at `place` over a record, if lanes serve it: a KF, EKF, UKF or CKF of up to [`MOST`] components that is alone.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -67,8 +65,7 @@ impl Setup {
         Self::unless(scenario, place, record, |settings, _| !settings.is_single())
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times, and
-    /// whose Q is diagonal.
+    /// The same for filters with a textbook's update and a diagonal Q, without logarithms, over readings at the samples' times.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

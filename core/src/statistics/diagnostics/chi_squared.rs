@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-/// The two-sided 95 % interval of the mean of `samples` independent sums of squares with `degrees` degrees of freedom
-/// in total; `None` if either is zero.
+/// The 95 % interval of the mean of `samples` sums of squares with `degrees` degrees of freedom in total; `None` without either.
 ///
 /// ```text
 /// [χ²(0.025; degrees), χ²(0.975; degrees)] / samples

@@ -77,8 +77,7 @@ impl Whiteness {
         NORMAL_95 / f64::from(self.samples).sqrt()
     }
 
-    /// The test of Ljung and Box over all lags, if there are more measurements than lags. The degrees of freedom are
-    /// the number of lags, because the filter's settings were not fitted to the innovations.
+    /// The test of Ljung and Box over all lags, if there are more measurements than lags.
     ///
     /// Source: Ljung and Box (1978), On a measure of lack of fit in time series models, *Biometrika* 65.
     pub fn ljung_box(&self) -> Option<LjungBox> {

@@ -41,8 +41,7 @@ impl Decay {
     /// y = Σ exp(-σₖt) (aₖ cos ωₖt + bₖ sin ωₖt) + c,  fₖ = √(ωₖ² + σₖ²) / 2π,  ζₖ = σₖ / √(ωₖ² + σₖ²)
     /// ```
     ///
-    /// Readings at the beginning that a force still moves are left out. The standard deviations are those of white noise of the size of
-    /// what is left. Empty if modes leave more than noise.
+    /// Forced readings at the beginning are left out. Standard deviations are those of white noise. Empty if more than noise is left.
     ///
     /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
     /// Testing*, section 4.4 (time domain).
@@ -73,8 +72,7 @@ impl Decay {
         None
     }
 
-    /// The modes of the longest of some decays of one oscillator, as means over all of them by their standard deviations, which are larger
-    /// where the decays differ by more.
+    /// The modes of the longest of some decays of one oscillator, as means over all by their standard deviations.
     pub fn modes_of(decays: &[Self]) -> Vec<Mode> {
         let all: Vec<Vec<Mode>> = decays.iter().map(Self::modes).filter(|modes| !modes.is_empty()).collect();
         let surest = all.iter().min_by(|a, b| a[0].std[0].total_cmp(&b[0].std[0])).cloned().unwrap_or_default();

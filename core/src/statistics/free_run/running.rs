@@ -39,8 +39,7 @@ impl Running {
         Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
 
-    /// Continues until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
-    /// all samples are done.
+    /// Continues until `while_time`, called after each piece of about a millisecond, is false. Returns whether all is done.
     pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.done < self.part.len() {
             match &self.course {

@@ -1,5 +1,4 @@
-//! Records without an input: a white force moves the plant, and its size is one more thing to be found. An oscillator under such a force
-//! is fitted to the spectrum of one sensor.
+//! Records without an input: an oscillator under a white force is fitted to the spectrum of one sensor.
 
 use kalmanscope_filters::least_squares::{NormalEquations, descend};
 use kalmanscope_filters::lists::{numbers, sort_numbers};

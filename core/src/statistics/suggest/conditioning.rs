@@ -1,5 +1,4 @@
-//! What a record needs before its spectra and trials: without means, with its lost readings filled, of several plucks the longest part,
-//! and its input between samples linear, held or band-limited, the likeliest of them.
+//! A record for trials: without means, lost readings filled, of several plucks the longest part, its input's course the likeliest.
 
 use kalmanscope_filters::lists::{mapped, places, sort_items};
 use kalmanscope_filters::{Channel, Hold};

@@ -1,5 +1,4 @@
-//! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
-//! all over their ranges, and continues from the end of the likeliest run.
+//! The belief that filters begin with, the gain of the input, and the search for parameters of an equation.
 
 use crate::equation::Equation;
 use kalmanscope_filters::channel::{Role, Sign};

@@ -28,14 +28,11 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 
 /// Begins to suggest settings for a scenario's filters on a measured record.
 ///
-/// R comes from the high frequencies that the input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the
-/// spectrum), the initial belief from these, and Q from the likelihood of the innovations. So do the course of an input between its
-/// samples, linear as it was taken, held or band-limited, and the exponent of a Bouc-Wen spring. R takes the size of the innovations
-/// where that is likelier. Without an input, a white force that moves the plant ([`kalmanscope_filters::filter::White`]) is tried too.
-/// Where the scenario has a mapping, means are removed and a large gain goes into the mapping; the record is then to be read again.
+/// R comes from high frequencies, ωₙ, ζ and gain from the response to the input or the peak of the spectrum, the initial belief from
+/// these, and Q from the likelihood of innovations; so do an input's course between samples and the exponent of a Bouc-Wen spring.
+/// With a mapping, means and a large gain go there: read the record again then.
 ///
-/// Of an equation that a user typed, the parameters that spectra do not give are searched where there is an input: a filter begins
-/// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
+/// Other parameters of a typed equation are searched if there is an input. Other plants without a natural frequency get R and Q.
 pub fn begin(scenario: &Scenario, record: Record) -> Work<Suggestion> {
     let (longest, plucked) = Plucked::of(&record).unzip();
     let (suggestion, record) = (Suggestion::new(scenario.clone()), longest.unwrap_or(record));
