@@ -209,7 +209,7 @@ impl PlantKind {
     /// Names, keys and the components of the state.
     pub fn info(&self) -> PlantInfo<'_> {
         match &self.0 {
-            Source::BuiltIn(built_in) => *built_in.info,
+            Source::BuiltIn(built_in) => built_in.info,
             Source::Own(plant) => plant.0.info(),
             Source::Typed(equation) => PlantInfo {
                 key: &equation.settings().equation,

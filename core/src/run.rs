@@ -24,7 +24,6 @@ use crate::run::estimator::{FilterContext, counts_in_samples};
 use crate::run::pass::{apart, sensor_places};
 use crate::run::simulate::{Recording, TruthStop, lookahead};
 use crate::run::smoother::{FixedInterval, FixedLag, Forward, Smoother};
-use crate::run::tape::Tape;
 use crate::run::waste::Spare;
 use crate::scenario::clash;
 use crate::{Estimates, FilterSettings, Pass, RunError, Scenario, Source};
@@ -282,11 +281,6 @@ impl Bank {
         self.estimates.push(estimates);
     }
 
-    /// Takes in the next of all `samples` samples of the filter at a place. Returns false if they are not its own.
-    pub(crate) fn take(&mut self, place: usize, tape: &Tape, samples: usize) -> bool {
-        self.passes[place].take(tape, samples, &mut self.estimates[place])
-    }
-
     pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
         let mut estimates = self.empty(&self.scenario.filters[place]);
         std::mem::swap(&mut estimates, &mut self.estimates[place]);
@@ -320,7 +314,6 @@ impl Bank {
         }
     }
 
-    /// Returns early if `while_time`, called after each filter, is false.
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.passes.iter_mut().all(|pass| {
             let is_there = pass.is_prepared();

@@ -162,11 +162,6 @@ impl Model {
         self.rate_under(state, 1.0) - self.rate_under(state, 0.0)
     }
 
-    /// `∂g/∂f`, n numbers: [`Self::by_force`] times the input gain.
-    pub fn by_recorded_force(&self, state: &[f64]) -> Vector {
-        self.by_force(state) * self.state.gain.map_or(1.0, |place| state[place])
-    }
-
     /// A state where all is zero but the gains of sensors, which `gain` gives by quantity.
     pub fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
         let mut state = vec![0.0; self.size()];

@@ -22,12 +22,10 @@ use growth::History;
 /// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
 #[derive(Clone, Debug)]
 pub struct Estimates {
-    id: u32,
+    settings: FilterSettings,
     smoothed: bool,
-    name: String,
     /// The filter's kind.
     pub kind: FilterKind,
-    color: Option<FilterColor>,
     /// The kind of plant that the filter takes the truth for.
     pub plant: PlantKind,
     channels: Vec<Channel>,
@@ -44,9 +42,6 @@ pub struct Estimates {
     variance: Vec<Vec<f64>>,
     /// The samples with several readings of a sensor, and how many more; and those with a ln det S of their own.
     earlier: Vec<(usize, u32, f64)>,
-    considered: Vec<Channel>,
-    /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
-    sensor_delay: Vec<f64>,
     /// Whether the filter weighs its readings.
     pub weighs: bool,
     /// Whether the filter learns R.
@@ -65,11 +60,9 @@ impl Estimates {
         let model = settings.model(&scenario.plant.kind, scenario.input);
         let (plant, channels) = (model.plant(), model.channels());
         Self {
-            id: settings.id,
+            settings: settings.clone(),
             smoothed: false,
-            name: settings.name.clone(),
             kind: settings.kind,
-            color: settings.color,
             plant: plant.clone(),
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
@@ -83,8 +76,6 @@ impl Estimates {
             canonical: vec![Vec::new(); channels.len()],
             variance: vec![Vec::new(); channels.len()],
             earlier: Vec::new(),
-            considered: settings.consider.clone(),
-            sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on(),
             learns_sensor_noise: settings.adaptation.sensor_noise,
             has_process_scale: settings.process_scales > 1,
@@ -94,30 +85,30 @@ impl Estimates {
     }
 
     /// The same, as a smoother's.
-    pub fn of_smoother(self) -> Self {
-        let of_filter = Self { weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self };
-        Self { name: of_filter.name + SMOOTHED, smoothed: true, ..of_filter }
+    pub fn of_smoother(mut self) -> Self {
+        self.settings.name += SMOOTHED;
+        Self { smoothed: true, weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self }
     }
 
     /// The filter's id.
     pub fn id(&self) -> u32 {
-        self.id
+        self.settings.id
     }
 
     /// Takes the name and the colour of these settings.
     pub fn call(&mut self, settings: &FilterSettings) {
-        self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
-        self.color = settings.color;
+        self.settings.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
+        self.settings.color = settings.color;
     }
 
     /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.settings.name
     }
 
     /// The colour of the filter.
     pub fn color(&self) -> FilterColor {
-        self.color.unwrap_or(FilterColor::of(self.id))
+        self.settings.color.unwrap_or(FilterColor::of(self.id()))
     }
 
     /// The channels, in the order of every mean and covariance.
@@ -291,7 +282,7 @@ impl Estimates {
 
     /// Whether the filter only counts the uncertainty of a channel, and does not estimate it.
     pub fn considers(&self, channel: Channel) -> bool {
-        self.considered.contains(&channel)
+        self.settings.consider.contains(&channel)
     }
 
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
@@ -341,7 +332,7 @@ impl Estimates {
     }
 
     fn delays(&self, dt: f64) -> Delays {
-        Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
+        Delays::new(0, self.settings.sensor_delay.iter().map(|late| late / dt))
     }
 }
 

@@ -16,7 +16,7 @@ use crate::run::sink::{Sample, Sink};
 use crate::{FilterSettings, Model, PlantKind, Scenario};
 
 pub(crate) trait Estimator: Send {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
@@ -65,7 +65,7 @@ pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static st
 pub(crate) struct Failed(pub(crate) FilterError);
 
 impl Estimator for Failed {
-    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+    fn begin(&mut self, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(self.0)
     }
 

@@ -150,16 +150,12 @@ impl Monitor {
             let size = settings.initial_std[channel].max(usual);
             RATIO_LIMIT * size * size
         };
-        let mut known = [true; MAX_SENSORS];
-        for (known, sensor) in known.iter_mut().zip(sensors) {
-            *known = plant.has(*sensor);
-        }
         let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
         let limits: Vec<f64> = mapped(channels, &limit);
         Self {
             channels: channels.to_vec(),
             sensors: sensors.to_vec(),
-            known,
+            known: std::array::from_fn(|place| sensors.get(place).is_none_or(|sensor| plant.has(*sensor))),
             suspicious: mapped(&limits, &|limit| limit.min(PRODUCT_LIMIT)),
             limits,
             lasting: vec![LASTING; sensors.len()],

@@ -210,11 +210,7 @@ impl Simulator {
 pub fn simulate(scenario: &Scenario) -> Record {
     let mut simulator = Simulator::new(scenario);
     let mut record = simulator.empty_record();
-    for _ in 0..scenario.samples() {
-        if !simulator.step(&mut record) {
-            break;
-        }
-    }
+    while record.len() < scenario.samples() && simulator.step(&mut record) {}
     record
 }
 
@@ -354,7 +350,6 @@ impl Recording {
         true
     }
 
-    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.
     pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
         let continues = self.is_live && longer.goes_on_from(&self.record);
         if continues {
@@ -363,7 +358,6 @@ impl Recording {
         continues
     }
 
-    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
     pub(crate) fn forget(&mut self, samples: usize) -> bool {
         let is_simulated = self.simulator.is_some();
         if is_simulated {

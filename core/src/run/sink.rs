@@ -170,7 +170,6 @@ pub(crate) fn scalars(sample: &Sample<'_>) -> [f64; SCALARS] {
     [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, mean, std]
 }
 
-/// The sample with these [`parts`] and [`scalars`].
 pub(crate) fn sample_of<'a>(parts: [&'a [f64]; 11], scalars: [f64; SCALARS], has_noise: bool) -> Sample<'a> {
     let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = parts;
     let [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, process_scale @ ..] =

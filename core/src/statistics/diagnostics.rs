@@ -30,7 +30,6 @@ pub struct Diagnostics {
     scores: Scores,
     samples: usize,
     forgotten: usize,
-    /// The squares of the errors of each channel of known truth.
     errors: Vec<RangeSums>,
     nees: Vec<f64>,
     nees_totals: Totals,

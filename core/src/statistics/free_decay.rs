@@ -291,7 +291,6 @@ impl Pace {
     }
 }
 
-/// The end of the free decay from a place on, and whether nothing swings there.
 fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
     let mut before = (begin, 0.0);

@@ -61,7 +61,6 @@ impl Identified {
         Self { model, values, input_delay: settings.input_delay, late, plucks: settings.plucks.clone() }
     }
 
-    /// The reading by a sensor of sample `k`, or of the nearest sample where the sensor is late.
     fn measured(&self, record: &Record, sensor: usize, k: usize) -> f64 {
         let quantity = record.sensors()[sensor];
         let late = self.late.iter().find(|(own, _)| *own == quantity).map_or(0.0, |(_, late)| late / record.dt());

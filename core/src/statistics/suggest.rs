@@ -135,7 +135,6 @@ impl Suggestion {
         self.replaceable[place] = format!("R of the {}: {noise} {unit}, {why}", measures.name());
     }
 
-    /// R of each sensor, so that innovations of these sizes over their expected ones are as large as expected.
     fn resize_noise(&mut self, sizes: &[f64]) {
         let why = "the size of the innovations, likelier than the noise at the highest frequencies";
         for (place, size) in sizes.iter().enumerate().take(self.scenario.sensors.len()) {

@@ -36,13 +36,13 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
 }
 
 impl Estimator for FollowedBelief {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction, in_units } = self;
         // An update checks that a belief is finite; nothing has checked the initial one.
         if !filter.noise.is_finite() {
             return Err(FilterError::TooLarge);
         }
-        let (belief, mut in_units) = (filter.belief.gaussian(), in_units.clone());
+        let belief = filter.belief.gaussian();
         let prior = sink.wants_prior().then_some(&*belief);
         report(filter, correction, prior, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }

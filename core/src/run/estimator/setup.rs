@@ -17,7 +17,6 @@ use crate::run::estimator::FilterContext;
 use crate::run::pass::sensor_places;
 use crate::{FilterSettings, Model, RunError, Scenario, Values};
 
-/// A filter of the engine over a plant, in its options.
 pub(crate) type PlantFilter<T> = Wrapped<T, EnginePlant>;
 
 /// Limits the components of filters side by side: beyond ten masses, eight lanes of a matrix leave the caches.
@@ -136,9 +135,7 @@ impl Setup {
             of_batch: settings.of_batch(),
         })
     }
-}
 
-impl Setup {
     fn in_options<T: Number>(&self, mut filter: GaussianFilter<T, EnginePlant>) -> PlantFilter<T> {
         let Self { settings, channels, start, .. } = self;
         let mut plucks = mapped(&settings.plucks, &|time| time - start);
@@ -219,7 +216,6 @@ fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
     Vector::from_iterator(model.size(), model.channels().iter().map(of))
 }
 
-/// The white force of a filter with this model, whose standard deviation is `std` \[m/s²\], and these sensors, if it has one.
 fn white_force(model: &Model, std: f64, hold: Hold, sensors: &[Quantity]) -> Option<White> {
     let place = model.place(Channel::WHITE_FORCE)?;
     let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());

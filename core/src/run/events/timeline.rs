@@ -82,7 +82,6 @@ impl Timeline {
         }
     }
 
-    /// The force over mass while the event at a place is read \[m/s²\].
     pub(super) fn force_at(&self, place: usize) -> f64 {
         self.events[place].force.unwrap_or_else(|| self.forces_to(place)[1])
     }

@@ -95,7 +95,7 @@ impl Response {
         model.motion_rate_under_into(state.as_slice(), acting, rate.as_mut_slice());
         integrals.constant.mul_to(rate, change);
         if begin != end {
-            let by_force = model.by_recorded_force(state.as_slice());
+            let by_force = model.by_force(state.as_slice()) * model.state.gain.map_or(1.0, |place| state[place]);
             *change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
         }
         for i in 0..motion {

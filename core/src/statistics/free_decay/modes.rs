@@ -180,7 +180,6 @@ impl<const N: usize> ModeFit<N> {
         (cost, equations)
     }
 
-    /// The least squares from a start on.
     pub(crate) fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
         let step = |at: &[f64; N], by: [f64; N]| {
             let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);

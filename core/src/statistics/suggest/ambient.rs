@@ -30,7 +30,6 @@ pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// Filters that take a white force for the cause of the motion.
 pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
     sizes: Sizes,
@@ -52,7 +51,6 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    /// The likeliest sizes of force and noises, and their log likelihood.
     pub(super) async fn best(&self, record: &Record, samples: usize, progress: impl Fn(f64)) -> Option<(Sizes, f64)> {
         let mut trials = 0..MOST;
         let trial = |factors: Vec<f64>| {

@@ -97,7 +97,6 @@ impl LostReadings {
         }
     }
 
-    /// Replaces lost readings by predictions of the first filter. `None` if that filter does not follow the motion.
     pub(super) fn filled(&self, run: &Run, raw: &Record) -> Option<Record> {
         let (scenario, record) = (run.scenario(), run.record());
         let (settings, estimates) = (scenario.filters.first()?, run.estimates().first()?);
@@ -258,7 +257,6 @@ pub(super) fn has_open_course(record: &Record, given: &Scenario) -> bool {
         && !has_no_input(record)
 }
 
-/// The likeliest course of the input between samples, and a sentence about it.
 pub(super) async fn likeliest_course(
     suggestion: &Suggestion,
     record: &Record,

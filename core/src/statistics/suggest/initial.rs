@@ -247,7 +247,6 @@ impl Search {
         Some(Self { kind: kind.clone(), channels, ranges, points, ends: Likeliest::new() })
     }
 
-    /// Runs a filter from all points, and again from the end of the likeliest run.
     pub(super) async fn run(&mut self, of: &Scenario, record: &Record, samples: usize, progress: impl Fn(f64)) {
         while self.ends.trials < self.points + if self.ends.best.is_some() { AGAIN } else { 0 } {
             progress(self.ends.trials as f64 / (self.points + AGAIN) as f64);

@@ -160,7 +160,6 @@ impl Maker {
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// The likeliest share of the motion for its process noise, its log likelihood, and the sizes of the innovations.
     async fn likeliest_share(&self) -> Option<(f64, f64, Vec<f64>)> {
         let mut all = Vec::new();
         for (place, share) in SHARES.into_iter().enumerate() {
