@@ -71,12 +71,11 @@ impl Axis {
         let syntax = || AxisError::Syntax(text.to_owned());
         let (key, range) = text.rsplit_once('=').ok_or_else(syntax)?;
         let parts: Vec<&str> = range.split(':').map(str::trim).collect();
-        let (numbers, spacing) = match parts[..] {
+        let ([from, to, count], spacing) = match parts[..] {
             [from, to, count] => ([from, to, count], Spacing::Linear),
             [from, to, count, "log"] => ([from, to, count], Spacing::Logarithmic),
             _ => return Err(syntax()),
         };
-        let [from, to, count] = numbers;
         let number = |text: &str| text.parse::<f64>().map_err(|_| syntax());
         let count = count.parse().map_err(|_| syntax())?;
         let axis = Self { key: key.trim().to_owned(), from: number(from)?, to: number(to)?, count, spacing };

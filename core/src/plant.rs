@@ -84,19 +84,11 @@ impl PlantKind {
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
     ///
-    /// ```text
-    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x, …]
-    /// ```
-    ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
     pub const SDOF: Self = Self(Source::BuiltIn(&built_in::SDOF));
     /// An oscillator with a cubic part in its spring.
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
-    ///
-    /// ```text
-    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x - μx³, …]
-    /// ```
     ///
     /// The spring hardens with μ > 0 and softens with μ < 0.
     ///

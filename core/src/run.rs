@@ -355,18 +355,6 @@ impl Bank {
 
 /// The smoothed estimates of the filter at `place` over a whole record, up to where it stops: those of [`Run::smoothed`].
 ///
-/// ```
-/// use kalmanscope_core::{Run, Scenario, smoothed};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
-/// let mut run = Run::new(&scenario)?;
-/// run.finish();
-/// let (filter, smoother) = (&run.estimates()[0], smoothed(&scenario, 0, run.record())?);
-/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record informs the first sample");
-/// # Ok(())
-/// # }
-/// ```
-///
 /// # Errors
 /// [`RunError`] where there is no such filter or it has no smoother, or where the record does not fit or lacks its first samples.
 ///

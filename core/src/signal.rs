@@ -264,10 +264,4 @@ mod tests {
         let crossings = (190_000..199_999).filter(|&k| chirp[k] < 0.0 && chirp[k + 1] >= 0.0).count();
         assert!((crossings as f64 - 20.0 / TAU).abs() < 1.0);
     }
-
-    #[test]
-    fn a_step_waits_and_none_is_nothing() {
-        assert_eq!(samples(Force::Step { amplitude: 3.0, at: 0.02 }, 4, 0.01), [0.0, 0.0, 3.0, 3.0]);
-        assert_eq!(samples(Force::None, 3, 0.01), [0.0; 3]);
-    }
 }

@@ -1,20 +1,19 @@
 //! One filter of a scenario over readings that come at their own times.
 
-mod timeline;
+use std::collections::VecDeque;
 
 use kalmanscope_filters::filter::FilterError;
-use kalmanscope_filters::{Channel, Quantity, Stop};
+use kalmanscope_filters::{Channel, Hold, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
-use crate::run::estimator::{Estimator, FilterContext, Truncation, counts_in_samples};
+use crate::run::estimator::{Estimator, FilterContext, State, Truncation, counts_in_samples};
 use crate::run::pass;
-use crate::run::passage::{Adjoint, Passages};
+use crate::run::passage::{Adjoint, Passage, Passages};
 use crate::run::sink::{LastSample, Sample, Sink};
 use crate::run::smoother::Hindsight;
 use crate::{FilterSettings, Pass, RunError, Scenario};
-use timeline::{TimedEvent, Timeline};
 
 /// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
 /// late ones too.
@@ -184,7 +183,7 @@ impl EventFilter {
 
     /// The last event at least the look-ahead before the newest one, and the estimate there in the light of all since, if there is one.
     pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
-        let newest = self.timeline.last_at(self.now);
+        let newest = self.timeline.place_until(self.now).unwrap_or(0);
         let then = self.now - self.look_ahead? * (1.0 - SAME);
         let place = self.timeline.place_until(then)?;
         let mut belief = self.timeline.events[place].state.as_ref()?.belief.clone();
@@ -283,7 +282,7 @@ impl EventFilter {
                 return Err(self.stop(self.timeline.events[first].time, reason));
             }
         }
-        let newest = self.timeline.last_at(self.now);
+        let newest = self.timeline.place_until(self.now).unwrap_or(0);
         while self.at < newest {
             let place = self.at + 1;
             if let Err(reason) = self.follow(place) {
@@ -302,7 +301,8 @@ impl EventFilter {
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let Self { estimator, timeline, latest, .. } = self;
         let times = [place - 1, place].map(|place| timeline.events[place].time);
-        let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
+        let forces = timeline.forces_to(place);
+        let force = timeline.events[place].force.unwrap_or(forces[1]);
         let steps = (times[1] - times[0]) / self.scenario.dt;
         let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
         latest.passages = Passages::default();
@@ -327,6 +327,88 @@ impl EventFilter {
             }
         }
         (own, others)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct TimedEvent {
+    /// \[s\]
+    time: f64,
+    /// The force over mass from now on \[m/s²\], if it was known.
+    force: Option<f64>,
+    /// A reading for each sensor, NaN where there is none.
+    readings: Vec<f64>,
+    state: Option<State>,
+    passages: Vec<Passage>,
+}
+
+impl TimedEvent {
+    fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
+        Self { time, force, readings, state: None, passages: Vec::new() }
+    }
+}
+
+/// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
+#[derive(Debug)]
+struct Timeline {
+    events: VecDeque<TimedEvent>,
+    hold: Hold,
+    /// \[s\]
+    kept: f64,
+    before: Option<(f64, f64)>,
+}
+
+const MOST: usize = 1 << 16;
+
+impl Timeline {
+    fn new(hold: Hold, kept: f64) -> Self {
+        Self { events: VecDeque::new(), hold, kept, before: None }
+    }
+
+    fn place_until(&self, time: f64) -> Option<usize> {
+        self.events.partition_point(|event| event.time <= time).checked_sub(1)
+    }
+
+    /// Puts an event at its place. Returns the first place after which beliefs are no longer right.
+    fn insert(&mut self, event: TimedEvent) -> usize {
+        let place = self.events.partition_point(|other| other.time <= event.time);
+        let has_force = event.force.is_some();
+        self.events.insert(place, event);
+        // On a line between inputs, an input changes the force back to the one before it.
+        match (self.hold, has_force) {
+            (Hold::First, true) => {
+                let before = self.events.range(..place).rposition(|event| event.force.is_some());
+                before.map_or(place, |before| before + 1).min(place)
+            }
+            _ => place,
+        }
+    }
+
+    /// The force over mass from the event before a place to that at the place, at the beginning and at the end \[m/s²\].
+    fn forces_to(&self, place: usize) -> [f64; 2] {
+        let known = |event: &TimedEvent| event.force.map(|force| (event.time, force));
+        let last = self.events.range(..place).rev().find_map(known).or(self.before);
+        let Some((from, begin)) = last else { return [0.0; 2] };
+        let next = || self.events.range(place..).find_map(known);
+        match (self.hold, if self.hold == Hold::First { next() } else { None }) {
+            (Hold::First, Some((to, end))) if to > from => {
+                let at = |time: f64| begin + (end - begin) * ((time - from) / (to - from));
+                let before = place.checked_sub(1).map_or(from, |before| self.events[before].time);
+                let time = self.events[place].time;
+                [at(before), if time == to { end } else { at(time) }]
+            }
+            _ => [begin; 2],
+        }
+    }
+
+    fn forget(&mut self, now: f64, place: usize) -> usize {
+        let mut forgotten = 0;
+        while forgotten < place && (self.events[1].time < now - self.kept || self.events.len() > MOST) {
+            let Some(TimedEvent { time, force, .. }) = self.events.pop_front() else { break };
+            self.before = force.map(|force| (time, force)).or(self.before);
+            forgotten += 1;
+        }
+        forgotten
     }
 }
 

@@ -182,16 +182,16 @@ impl Simulator {
         for (((sensor, noise), faults), reading) in scenario.sensors.iter().zip(sensor_noise).zip(faults).zip(readings)
         {
             let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
+            let mut act = |stage: FaultStage, value: f64| {
+                faults.iter_mut().fold(value, |value, fault| fault.apply(stage, value, &moment))
+            };
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
-            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(FaultStage::Exact, exact, &moment));
-            let noise =
-                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(FaultStage::Noise, noise, &moment));
-            let value = exact + sensor.noise_std * noise;
+            let exact = act(FaultStage::Exact, exact);
+            let value = exact + sensor.noise_std * act(FaultStage::Noise, noise.sample());
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            let reported =
-                faults.iter_mut().fold(value, |reading, fault| fault.apply(FaultStage::Reading, reading, &moment));
+            let reported = act(FaultStage::Reading, value);
             if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }

@@ -78,7 +78,6 @@ impl<'a> Sample<'a> {
     }
 }
 
-#[inline]
 pub(crate) fn readings(innovation: &[f64]) -> u32 {
     innovation.iter().map(|e| u32::from(!e.is_nan())).sum()
 }

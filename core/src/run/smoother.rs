@@ -287,6 +287,7 @@ impl Piecewise for FixedLag {
 /// ```text
 /// λ ↦ Aᵀ λ - b,  Λ ↦ Aᵀ Λ A + C
 /// ```
+#[derive(Clone)]
 struct WayBack {
     /// A, n × n.
     closed_loop: Matrix,
@@ -328,15 +329,9 @@ struct LagWindow {
 
 impl LagWindow {
     fn push(&mut self, passages: &[Passage]) {
-        let over = |passages: &[Passage]| {
-            let ways = passages.iter().map(WayBack::over);
-            ways.reduce(|before, next| before.after(&next))
-        };
-        let Some(one) = over(passages) else { return };
-        self.over_newer = match &self.over_newer {
-            Some(newer) => Some(newer.after(&one)),
-            None => over(passages),
-        };
+        let ways = passages.iter().map(WayBack::over);
+        let Some(one) = ways.reduce(|before, next| before.after(&next)) else { return };
+        self.over_newer = Some(self.over_newer.as_ref().map_or_else(|| one.clone(), |newer| newer.after(&one)));
         self.newer.push(one);
     }
 

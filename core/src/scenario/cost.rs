@@ -14,8 +14,7 @@ const CHUNK: f64 = 1e6;
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub const OF_RECORD: f64 = 500.0;
 
-/// Time that one member of an ensemble takes for one sample \[ns\]: by the number of its
-/// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
+/// Time of an ensemble's member for one sample, by its components and their square: `cargo bench --bench measurements -- largest` \[ns\].
 const OF_COMPONENT: f64 = 250.0;
 const OF_COVARIANCE: f64 = 12.0;
 

@@ -207,9 +207,7 @@ impl Address {
             }
         }
     }
-}
 
-impl Address {
     pub(super) fn shape(&self, scenario: &Scenario) -> Option<&'static str> {
         let Place::Parameter(channel) = &self.place else { return None };
         let numbers = scenario.plant.parameter(*channel)?.numbers();

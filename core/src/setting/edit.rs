@@ -81,17 +81,6 @@ impl Edit {
     }
 
     /// The edit in words and symbols, without the name of a filter; one without words is the line of a file.
-    ///
-    /// ```
-    /// use kalmanscope_core::{Scenario, setting::Edit};
-    ///
-    /// let scenario = Scenario::default();
-    /// let words = |key: &str, value: f64| Edit::of_filter(1, key, value).in_words(&scenario);
-    /// assert_eq!(words("fading", 1.02), "set λ = 1.02");
-    /// assert_eq!(words("process_std.natural_frequency", 0.0537), "set √Q of ωₙ = 0.0537");
-    /// let gain = Edit::of_filter(1, "augment", vec!["input_gain"]);
-    /// assert_eq!(gain.in_words(&scenario), "estimate the input gain");
-    /// ```
     pub fn in_words(&self, scenario: &Scenario) -> String {
         let filter = scenario.filters_at(&self.key).and_then(|(places, _)| scenario.filters.get(*places.first()?));
         let words = match filter {

@@ -211,7 +211,6 @@ fn unit_of(motion: &Matrix) -> f64 {
 }
 
 /// |p(iω)|²: even powers of iω are real, odd ones are not.
-#[inline]
 fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
     let square = -frequency * frequency;
     let (mut even, mut odd) = (0.0, 0.0);

@@ -14,19 +14,6 @@ use crate::{Estimates, Pass, RunError, Scenario};
 use lane_sums::ScoreSums;
 
 /// Running sums over the samples of one filter, in constant memory, with the bits of [`Diagnostics`](crate::Diagnostics).
-///
-/// ```
-/// use kalmanscope_core::{Pass, Run, Scenario, Scores};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-/// let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
-/// run.finish();
-/// let mut scores = Scores::new(&Pass::history(&scenario, 0)?, run.record());
-/// Pass::new(&scenario, 0, run.record())?.follow(run.record(), run.samples(), &mut scores.against(run.record()));
-/// assert_eq!(scores.outcome().samples, 2001);
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
     pub(crate) sums: ScoreSums<f64>,

@@ -29,7 +29,31 @@ impl Spectrogram {
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
-        Windows::new(record, sensor, samples, WINDOWS)
+        let mut last = 0.0;
+        let measured = record.measured(sensor).iter().take(samples);
+        let values = measured.map(|&value| {
+            if !value.is_nan() {
+                last = value;
+            }
+            last
+        });
+        let values: Vec<f64> = values.collect();
+        let [shortest, longest] = WINDOW;
+        let length =
+            (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * WINDOWS <= values.len())?;
+        let hop = (length / 4).max(values.len() / COLUMNS);
+        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
+        Some(Windows {
+            start: record.time(0),
+            dt: record.dt(),
+            values,
+            length,
+            hop,
+            weights: numbers(length, &weight),
+            transform: Transform::new(length),
+            buffer: vec![(0.0, 0.0); length],
+            power: Vec::new(),
+        })
     }
 }
 
@@ -46,48 +70,6 @@ pub struct Windows {
     transform: Transform,
     buffer: Vec<(f64, f64)>,
     power: Vec<Vec<f64>>,
-}
-
-impl Windows {
-    /// Windows of a sensor's first `samples` measurements, short enough for `count` side by side. One that is missing repeats the last.
-    pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
-        let mut last = 0.0;
-        let measured = record.measured(sensor).iter().take(samples);
-        let values = measured.map(|&value| {
-            if !value.is_nan() {
-                last = value;
-            }
-            last
-        });
-        let values: Vec<f64> = values.collect();
-        let [shortest, longest] = WINDOW;
-        let length = (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * count <= values.len())?;
-        let hop = (length / 4).max(values.len() / COLUMNS);
-        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
-        Some(Self {
-            start: record.time(0),
-            dt: record.dt(),
-            values,
-            length,
-            hop,
-            weights: numbers(length, &weight),
-            transform: Transform::new(length),
-            buffer: vec![(0.0, 0.0); length],
-            power: Vec::new(),
-        })
-    }
-
-    /// The mean density of the windows: frequency \[Hz\], and density \[squared unit of the sensor per Hz\].
-    ///
-    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
-    /// Audio and Electroacoustics* 15(2).
-    pub fn density(&self) -> Vec<[f64; 2]> {
-        let Self { dt, length, weights, power, .. } = self;
-        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
-        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
-        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
-        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
-    }
 }
 
 impl Task for Windows {

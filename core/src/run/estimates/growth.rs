@@ -129,7 +129,6 @@ impl Estimates {
     }
 }
 
-#[inline]
 fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
     for (values, value) in columns.iter_mut().zip(sample) {
         values.push(value);
@@ -157,20 +156,6 @@ impl Piecewise for Estimates {
 
 /// Each column begins with the first sample that is kept, and has [`Estimates::len`] numbers. `channel` and `sensor` are
 /// places in [`Estimates::channels`] and [`Estimates::sensors`]: like an index into a slice, one beyond the last panics.
-///
-/// ```
-/// use kalmanscope_core::{Channel, Run, Scenario};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mut run = Run::new(&Scenario { duration: 1.0, ..Scenario::default() })?;
-/// run.finish();
-/// let ekf = &run.estimates()[0];
-/// let wn = ekf.place(Channel::NATURAL_FREQUENCY).ok_or("the filter estimates it")?;
-/// let upper: Vec<f64> = ekf.means(wn).zip(ekf.stds(wn)).map(|(mean, std)| mean + 2.0 * std).collect();
-/// assert_eq!(upper.len(), 101);
-/// assert_eq!(upper[100], ekf.mean(100)[wn] + 2.0 * ekf.std(100, wn));
-/// # Ok(())
-/// # }
-/// ```
 impl Estimates {
     /// The mean of one channel, as in [`Self::mean`]. [`Self::canonical_means`] has those in canonical form.
     pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {

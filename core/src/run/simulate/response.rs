@@ -53,8 +53,7 @@ impl Response {
         self.state[place] = value;
     }
 
-    /// Moves on by `dt` \[s\]. The recorded force over mass is linear between the two of `forces`, an unrecorded one is held \[m/s²\].
-    /// Returns whether the step is done; otherwise the next call, with the same arguments, continues it.
+    /// Moves on by `dt` \[s\] under a force linear between `forces` and a held one \[m/s²\]. Returns whether the step is done.
     pub(crate) fn advance(
         &mut self,
         model: &Model,

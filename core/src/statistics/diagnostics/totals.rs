@@ -55,7 +55,6 @@ pub(super) struct Totals {
 
 impl Totals {
     /// Takes in the square of a sample, NaN where there is none, and the total up to it.
-    #[inline]
     pub(super) fn push(&mut self, square: f64, whole: Total) {
         let is_counted = whole.samples > self.whole.samples;
         self.whole = whole;
@@ -129,7 +128,6 @@ impl RangeSums {
         self.counts.len()
     }
 
-    #[inline]
     pub(super) fn push(&mut self, term: f64, counts: (u32, u32)) {
         if self.levels.is_empty() {
             self.levels.push(Vec::new());

@@ -23,8 +23,7 @@ pub struct Mode {
 
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Limits from below the log likelihood that another mode gains for each number, over ln of the readings' number: a stricter
-/// limit leaves out modes that move others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
+/// Limits from below the log likelihood that another mode gains for each number, over ln of the readings' number (Schwarz 1978).
 const GAIN: f64 = 0.5;
 /// Limits a first half swing, in mean squares of the rest (a larger one is forced), and the number of those that are left out.
 const FORCED: f64 = 2.0;

@@ -194,9 +194,7 @@ impl RingSpectrum {
         for k in low..high.min(self.powers.len() - 1) {
             if k >= until {
                 until = (k + k / 4).max(k + 16);
-                let mut about = self.powers[k..until.min(self.powers.len())].to_vec();
-                let middle = about.len() / 2;
-                usual = *about.select_nth_unstable_by(middle, f64::total_cmp).1;
+                usual = median(self.powers[k..until.min(self.powers.len())].to_vec()).unwrap_or(0.0);
             }
             let [left, here, right] = [self.powers[k - 1], self.powers[k], self.powers[k + 1]];
             if !(here >= left && here > right) {

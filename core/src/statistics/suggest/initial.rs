@@ -111,11 +111,6 @@ impl Suggestion {
             .then(|| (equation, kind.parameters().collect()))
     }
 
-    /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
-    }
-
     /// Lets every filter expect a motion of some masses of the size that a quantity shows. Returns that of the displacement \[m\].
     pub(super) fn expect_motion(&mut self, record: &Record, quantity: Quantity, wn: f64, masses: usize) -> f64 {
         let (_, size) = moments(record.measured_quantity(quantity).unwrap_or_default());

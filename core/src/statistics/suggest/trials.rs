@@ -112,7 +112,7 @@ impl Maker {
 
     fn begin(&mut self, lost: Option<&LostReadings>) -> bool {
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
-        if self.suggestion.knows_zero() {
+        if self.suggestion.own_parameters().is_some_and(|(equation, _)| !equation.is_linear()) {
             let reason = "the means of input and readings stay: a nonlinear equation defines its own zero";
             self.suggestion.reasons.push(reason.to_owned());
         } else {
