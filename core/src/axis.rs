@@ -38,7 +38,6 @@ pub enum Spacing {
 
 /// The reason why an axis is impossible.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum AxisError {
     /// An end is not a number.
     #[error("the axis of `{0}` must have finite ends")]

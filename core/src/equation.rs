@@ -19,6 +19,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use kalmanscope_filters::channel::Sign;
+use kalmanscope_records::document::is_default;
 
 pub use own_equation::{Equation, Symbol};
 use solve::solve;
@@ -94,7 +95,7 @@ pub struct ParameterSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
     /// The allowed sign.
-    #[serde(skip_serializing_if = "is_any")]
+    #[serde(skip_serializing_if = "is_default")]
     pub sign: Sign,
 }
 
@@ -121,11 +122,6 @@ impl ParameterSettings {
 
 fn size(mean: f64) -> f64 {
     if mean == 0.0 { 1.0 } else { mean.abs() }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-fn is_any(sign: &Sign) -> bool {
-    *sign == Sign::Any
 }
 
 impl EquationSettings {

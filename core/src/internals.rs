@@ -1,16 +1,15 @@
 //! Parts that the crates and benchmarks of this workspace take from inside; any of them may change or go at any time.
 
 pub use crate::run::Bank;
-pub use crate::run::estimator::FilterContext;
 pub use crate::run::revision::Revision;
-pub use crate::run::smoother::{FixedInterval, Forward, Smoother};
-pub use crate::run::waste::{Piecewise, Spare, Waste};
+pub use crate::run::smoother::Smoother;
+pub use crate::run::waste::{Spare, Waste};
 pub use crate::scenario::cost;
 pub use crate::statistics::score::ChannelSums;
 pub use kalmanscope_filters::Reading;
 pub use kalmanscope_filters::catalogue::KnownChannels;
 pub use kalmanscope_filters::fourier::Transform;
-pub use kalmanscope_filters::gaussian_likelihood::{LogSum, ln_determinant, log_likelihood};
+pub use kalmanscope_filters::gaussian_likelihood::log_likelihood;
 pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sort_numbers, sorted_places};
 pub use kalmanscope_records::hash::short_hash;
 

@@ -5,7 +5,6 @@ use super::{PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::MAX_MASSES;
 
-#[derive(Debug)]
 pub(super) struct BuiltInPlant {
     pub(super) info: PlantInfo<'static>,
     pub(super) dynamics: EnginePlant,

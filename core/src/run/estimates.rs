@@ -66,7 +66,7 @@ impl Estimates {
             plant: plant.clone(),
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
-            monitor: Monitor::new(settings, channels, plant, &sensors),
+            monitor: Monitor::new(settings, &model, &sensors),
             sensors,
             forgotten: 0,
             dropped: 0,

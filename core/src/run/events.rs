@@ -48,14 +48,11 @@ pub struct EventFilter {
     estimator: Box<dyn Estimator>,
     settings: FilterSettings,
     scenario: Scenario,
-    sensors: Vec<Quantity>,
     /// The components of the state, in the order of every mean and covariance.
     pub channels: Vec<Channel>,
     timeline: Timeline,
     /// The time for which hindsight waits \[s\], if it is asked for.
     look_ahead: Option<f64>,
-    /// Added to the times of inputs \[s\].
-    input_delay: f64,
     latest: LatestSample,
     hindsight: Hindsight,
     in_hindsight: LastSample,
@@ -118,8 +115,7 @@ impl EventFilter {
         if let Some(what) = counts_in_samples(&settings).or(refused) {
             return Err(EventSetupError::Setting(what));
         }
-        let sensors = scenario.measured();
-        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
+        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, scenario.measured(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
@@ -130,15 +126,12 @@ impl EventFilter {
         if look_ahead.is_some() {
             estimator.keep_passages();
         }
+        let kept = Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT);
         Ok(Self {
             hindsight: Hindsight::new(&settings, &context),
             channels,
-            timeline: Timeline::new(
-                scenario.hold,
-                Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
-            ),
+            timeline: Timeline { events: VecDeque::new(), hold: scenario.hold, kept, before: None },
             look_ahead,
-            input_delay: f64::from(settings.input_delay) * scenario.dt,
             latest,
             in_hindsight: LastSample::default(),
             stopped: None,
@@ -148,7 +141,6 @@ impl EventFilter {
             at: 0,
             estimator,
             settings,
-            sensors,
             scenario,
         })
     }
@@ -156,8 +148,7 @@ impl EventFilter {
     /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
     #[must_use]
     pub fn keeping(mut self, seconds: f64) -> Self {
-        let least = Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead);
-        self.timeline = Timeline::new(self.scenario.hold, seconds.max(least));
+        self.timeline.kept = seconds.max(Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead));
         self
     }
 
@@ -204,7 +195,8 @@ impl EventFilter {
         self.check(time, input, readings)?;
         let force = (!input.is_nan()).then(|| self.scenario.input.force(input));
         // A delayed input acts at another time than the readings beside it.
-        let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
+        let delay = f64::from(self.settings.input_delay) * self.scenario.dt;
+        let felt = force.filter(|_| delay != 0.0).map(|_| time + delay);
         let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
         let (readings, others) = self.by_time(time, readings);
@@ -240,8 +232,9 @@ impl EventFilter {
         if let Some((time, reason)) = self.stopped {
             return Err(EventError::Stopped { time, reason });
         }
-        if readings.len() != self.sensors.len() {
-            return Err(EventError::Readings(readings.len(), self.sensors.len()));
+        let sensors = &self.scenario.sensors;
+        if readings.len() != sensors.len() {
+            return Err(EventError::Readings(readings.len(), sensors.len()));
         }
         if !time.is_finite() {
             return Err(EventError::Time(time));
@@ -249,8 +242,8 @@ impl EventFilter {
         if input.is_infinite() {
             return Err(EventError::Input(input));
         }
-        if let Some((&sensor, _)) = self.sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
-            return Err(EventError::InfiniteReading(sensor));
+        if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            return Err(EventError::InfiniteReading(sensor.measures));
         }
         let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
         if time < oldest {
@@ -330,7 +323,6 @@ impl EventFilter {
     }
 }
 
-#[derive(Clone, Debug)]
 struct TimedEvent {
     /// \[s\]
     time: f64,
@@ -349,7 +341,6 @@ impl TimedEvent {
 }
 
 /// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
-#[derive(Debug)]
 struct Timeline {
     events: VecDeque<TimedEvent>,
     hold: Hold,
@@ -361,10 +352,6 @@ struct Timeline {
 const MOST: usize = 1 << 16;
 
 impl Timeline {
-    fn new(hold: Hold, kept: f64) -> Self {
-        Self { events: VecDeque::new(), hold, kept, before: None }
-    }
-
     fn place_until(&self, time: f64) -> Option<usize> {
         self.events.partition_point(|event| event.time <= time).checked_sub(1)
     }
@@ -414,7 +401,6 @@ impl Timeline {
 
 /// The reason why an [`EventFilter`](crate::EventFilter) does not take in what came.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum EventError {
     /// The filter has failed, then or before.
     #[error("the filter has stopped at {time} s: {reason}")]
@@ -467,7 +453,6 @@ fn legible(number: f64) -> String {
 
 /// A filter that cannot follow events.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum EventSetupError {
     /// The scenario is impossible, or has no such filter.
     #[error(transparent)]

@@ -279,7 +279,6 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
 
 /// The reason why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
 pub enum RunError {
     /// The scenario is impossible.
     #[error(transparent)]

@@ -7,7 +7,7 @@ use kalmanscope_filters::{Channel, Quantity};
 use thiserror::Error;
 
 use crate::run::sink::{AssumedNoise, Sample};
-use crate::{FilterSettings, PlantKind, Values};
+use crate::{FilterSettings, Model, Values};
 
 /// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -135,12 +135,8 @@ pub(crate) struct Monitor {
 }
 
 impl Monitor {
-    pub(crate) fn new(
-        settings: &FilterSettings,
-        channels: &[Channel],
-        plant: &PlantKind,
-        sensors: &[Quantity],
-    ) -> Self {
+    pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: &[Quantity]) -> Self {
+        let (plant, channels) = (model.plant(), model.channels());
         // The noise of the best sensor determines how well states can be distinguished.
         let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
         let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);

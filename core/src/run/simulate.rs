@@ -17,7 +17,6 @@ use response::{HALVED, Response};
 
 /// The reason why a truth cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
 pub enum TruthError {
     /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
     #[error("the true {} is no longer a finite number: the plant is unstable", .0.name())]
@@ -80,8 +79,9 @@ impl Simulator {
             _ => 0.0,
         };
         let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
+        let (force, dt, noise) = (scenario.force, scenario.dt, stream(Purpose::Force));
         Self {
-            inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
+            inputs: Inputs { force, dt, noise, first: 0, kept: VecDeque::new() },
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: mapped(&scenario.sensors, &|s| stream(Purpose::Sensor(s.measures))),
             faults: mapped(&scenario.sensors, &|s| s.faults.acts(s.measures, scenario.seed)),
@@ -160,7 +160,7 @@ impl Simulator {
         let response = &mut self.response;
         let t = k as f64 * scenario.dt;
         for (place, signal) in signals.iter().enumerate() {
-            response.set(model.motion() + place, signal.at(t));
+            response.state[model.motion() + place] = signal.at(t);
         }
         // The disturbance has its own random stream, so skipping its draws changes no other number.
         let disturbance = match scenario.plant.disturbance_std {
@@ -171,7 +171,7 @@ impl Simulator {
         let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
         let (force, next) = (acting(k), acting(k + 1));
         state.clear();
-        state.extend_from_slice(response.state());
+        state.extend_from_slice(response.state.as_slice());
         if let Some(place) = state.iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(model.channels()[place]));
         }
@@ -227,10 +227,6 @@ struct Inputs {
 }
 
 impl Inputs {
-    fn new(force: Force, dt: f64, noise: Normal) -> Self {
-        Self { force, dt, noise, first: 0, kept: VecDeque::new() }
-    }
-
     fn at(&mut self, k: usize) -> f64 {
         while self.first + self.kept.len() <= k {
             let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);
@@ -291,8 +287,8 @@ pub(crate) struct Recording {
 impl Recording {
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
-            Source::Measured(record) => Self::given(record, false),
-            Source::Live(record) => Self::given(record, true),
+            Source::Measured(record) => Self { simulator: None, record, is_live: false },
+            Source::Live(record) => Self { simulator: None, record, is_live: true },
             Source::Simulated => {
                 let simulator = Box::new(Simulator::new(scenario));
                 let mut record = simulator.empty_record();
@@ -302,10 +298,6 @@ impl Recording {
                 Self { simulator: Some(simulator), record: Arc::new(record), is_live: false }
             }
         }
-    }
-
-    pub(crate) fn given(record: Arc<Record>, is_live: bool) -> Self {
-        Self { simulator: None, record, is_live }
     }
 
     pub(crate) fn source(&self) -> Source {

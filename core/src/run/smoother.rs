@@ -56,7 +56,7 @@ impl Piecewise for Box<dyn Smoother> {
 }
 
 /// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
-pub struct Forward {
+pub(crate) struct Forward {
     pass: Pass,
     sink: Passages,
     hindsight: Hindsight,
@@ -69,7 +69,7 @@ pub(crate) struct Hindsight {
 
 impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
-    pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
         let mut pass = Pass::with(&one, context.clone(), sensors);
         pass.keep_passages().then(|| Self {
@@ -112,7 +112,7 @@ impl Hindsight {
 const FREED: usize = 4_000;
 
 /// The smoother of a whole record: the filter goes forward, its adjoint backward.
-pub struct FixedInterval {
+pub(crate) struct FixedInterval {
     forward: Forward,
     beliefs: Vec<Gaussian>,
     passages: Vec<Vec<Passage>>,
@@ -129,8 +129,7 @@ enum SmootherStage {
 }
 
 impl FixedInterval {
-    /// A smoother over the passage of this filter.
-    pub fn new(forward: Forward) -> Self {
+    pub(crate) fn new(forward: Forward) -> Self {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: SmootherStage::Forth }
     }

@@ -99,7 +99,6 @@ impl Act {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
     /// \[s\]
     pub(crate) time: f64,

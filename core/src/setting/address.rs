@@ -25,7 +25,6 @@ use crate::signal::Signal;
 /// assert_eq!((address.get(&scenario), address.to_string()), (1.02, "filters#2.fading".to_owned()));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Address {
     place: Place,
     /// The text as it is written, by the id of a filter.
@@ -47,7 +46,6 @@ pub struct Address {
 /// The reason why a text is the address of no number.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the scenario has no number `{key}` to vary{instead}")]
-#[non_exhaustive]
 pub struct UnknownSetting {
     /// The text.
     pub key: String,

@@ -46,7 +46,6 @@ pub struct Decay {
 
 /// The reason why readings have no free decay.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum NoDecay {
     /// There are too few readings: their number, the time that they take \[s\], and the time that they take at least \[s\].
     #[error("there are {0} readings over {1:.2} s, but at least {MOST_FEW} over {2:.2} s are needed")]

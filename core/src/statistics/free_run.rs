@@ -77,7 +77,18 @@ impl Identified {
 
     /// The same, before its first piece.
     pub fn running(&self, record: &Record, part: Range<usize>) -> Running {
-        Running::new(self.clone(), record, part)
+        let identified = self.clone();
+        let end = part.end.min(record.len());
+        let part = part.start.min(end)..end;
+        let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| identified.model.reading(q));
+        let mut ends: Vec<usize> = mapped(&identified.plucks, &|time| after(record, *time));
+        ends.retain(|end| *end > part.start && *end < part.end);
+        ends.push(part.end);
+        ends.reverse();
+        let first = part.start..ends.last().copied().unwrap_or(part.end);
+        let beginning = StartState::new(&identified, record, &first, &readings);
+        let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
+        Running { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
 
     fn read(&self, reading: Option<&Reading>, state: &[f64], record: &Record, k: usize) -> f64 {
@@ -155,20 +166,6 @@ pub struct Running {
 }
 
 impl Running {
-    fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
-        let end = part.end.min(record.len());
-        let part = part.start.min(end)..end;
-        let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| identified.model.reading(q));
-        let mut ends: Vec<usize> = mapped(&identified.plucks, &|time| after(record, *time));
-        ends.retain(|end| *end > part.start && *end < part.end);
-        ends.push(part.end);
-        ends.reverse();
-        let first = part.start..ends.last().copied().unwrap_or(part.end);
-        let beginning = StartState::new(&identified, record, &first, &readings);
-        let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
-        Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
-    }
-
     /// Continues until `while_time`, called after each piece of about a millisecond, is false. Returns whether all is done.
     pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.done < self.part.len() {
@@ -391,7 +388,7 @@ impl InputCourse {
     }
 
     fn state(&self) -> Option<&[f64]> {
-        let state = self.response.state();
+        let state = self.response.state.as_slice();
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
     }
 

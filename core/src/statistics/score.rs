@@ -60,11 +60,6 @@ impl Scores {
         Scoring { scores: self, record, history: None }
     }
 
-    /// The filter at the last sample.
-    pub fn sample_score(&self) -> SampleScore {
-        self.sums.sample_score(0)
-    }
-
     /// All scores at once.
     pub fn outcome(&self) -> Outcome {
         Outcome { log_likelihood: self.log_likelihood(), ..self.sums.outcome(0, self.stop) }
@@ -233,7 +228,7 @@ impl ScoredPass {
                 asked.truncate(sample_scores.len());
                 break;
             }
-            sample_scores.push(sink.scores.sample_score());
+            sample_scores.push(sink.scores.sums.sample_score(0));
         }
         pass.follow(record, samples, &mut sink);
         pass.done() >= record.forgotten() + record.len()

@@ -158,32 +158,28 @@ impl Piecewise for Estimates {
 /// places in [`Estimates::channels`] and [`Estimates::sensors`]: like an index into a slice, one beyond the last panics.
 impl Estimates {
     /// The mean of one channel, as in [`Self::mean`]. [`Self::canonical_means`] has those in canonical form.
-    pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(move |k| self.mean(k)[channel])
     }
 
     /// The standard deviation of one channel. [`Self::variances`] has the squares.
-    pub fn stds(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn stds(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         self.variances(channel).iter().map(|variance| variance.sqrt())
     }
 
     /// The innovation e of one sensor in its unit; NaN where it measured nothing.
-    pub fn innovations(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn innovations(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(move |k| self.innovation(k)[sensor])
     }
 
     /// The standard deviation of the innovation of one sensor, by S; NaN where it measured nothing.
-    pub fn innovation_stds(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn innovation_stds(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         let diagonal = sensor * (self.sensors.len() + 1);
         (0..self.len()).map(move |k| self.innovation_cov(k)[diagonal].sqrt())
     }
 
     /// The gain K of one channel by one sensor: the change of the mean per unit of innovation; NaN where it has been dropped.
-    pub fn gains(
-        &self,
-        channel: usize,
-        sensor: usize,
-    ) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn gains(&self, channel: usize, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         let n = self.channels.len();
         (0..self.len()).map(move |k| match self.gain(k) {
             [] => f64::NAN,
@@ -192,7 +188,7 @@ impl Estimates {
     }
 
     /// The log likelihood of the measurements, as in [`Self::log_likelihood`]; NaN where there was none.
-    pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(|k| self.log_likelihood(k))
     }
 }

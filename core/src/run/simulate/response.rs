@@ -13,7 +13,7 @@ use crate::Model;
 pub(crate) const HALVED: u64 = 400;
 
 pub(crate) struct Response {
-    state: Vector,
+    pub(crate) state: Vector,
     /// The largest absolute value of each component so far.
     size: Vector,
     /// The constant components of the last step and their exact integrals, which seldom change.
@@ -43,14 +43,6 @@ impl Response {
             is_under_way: false,
             halved: 0,
         }
-    }
-
-    pub(crate) fn state(&self) -> &[f64] {
-        self.state.as_slice()
-    }
-
-    pub(crate) fn set(&mut self, place: usize, value: f64) {
-        self.state[place] = value;
     }
 
     /// Moves on by `dt` \[s\] under a force linear between `forces` and a held one \[m/s²\]. Returns whether the step is done.

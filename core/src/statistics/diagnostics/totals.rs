@@ -276,14 +276,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn it_begins_again_with_other_terms() {
-        let mut sums = of([2.0; 40]);
-        sums.clear();
-        assert_eq!((sums.len(), sums.within(0..9, 0.0).0), (0, 0.0));
-        (0..40).for_each(|k| sums.push(1.0, (k, k)));
-        assert_eq!(sums.within(3..40, 40.0).0, 37.0);
-        assert_eq!(RangeSums::default().within(0..9, 0.0).0, 0.0);
-    }
 }

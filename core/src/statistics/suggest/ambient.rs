@@ -60,10 +60,8 @@ impl Ambient {
         let (factors, likelihood) = climbed(1 + self.suggestion.scenario.sensors.len(), trial).await.best?;
         let sizes = self.sizes.times(&factors);
         let held = Sizes { hold: Hold::Zero, ..sizes.clone() };
-        match self.likelihood(held.clone(), record, samples).await.filter(|of_held| *of_held > likelihood) {
-            Some(of_held) => Some((held, of_held)),
-            None => Some((sizes, likelihood)),
-        }
+        let of_held = self.likelihood(held.clone(), record, samples).await.filter(|of_held| *of_held > likelihood);
+        Some(of_held.map_or((sizes, likelihood), |of_held| (held, of_held)))
     }
 
     async fn likelihood(&self, sizes: Sizes, record: &Record, samples: usize) -> Option<f64> {
@@ -161,7 +159,6 @@ impl Suggestion {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 struct AmbientFit {
     found: MeasuredResponse,
     force: f64,

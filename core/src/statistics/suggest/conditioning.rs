@@ -71,7 +71,6 @@ pub(super) const FILLING: f64 = 1e-3;
 /// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;
 
-#[derive(Clone, Debug)]
 pub(super) struct LostReadings(Vec<Vec<usize>>);
 
 impl LostReadings {

@@ -90,7 +90,6 @@ pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
     Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
 }
 
-#[derive(Clone, Debug)]
 pub(super) struct Likeliest<P> {
     pub(super) best: Option<(P, f64)>,
     pub(super) trials: usize,

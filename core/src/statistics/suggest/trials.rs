@@ -35,7 +35,9 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 /// Other parameters of a typed equation are searched if there is an input. Other plants without a natural frequency get R and Q.
 pub fn begin(scenario: &Scenario, record: Record) -> Work<Suggestion> {
     let (longest, plucked) = Plucked::of(&record).unzip();
-    let (suggestion, record) = (Suggestion::new(scenario.clone()), longest.unwrap_or(record));
+    let (scenario, record) = (scenario.clone(), longest.unwrap_or(record));
+    let replaceable = vec![String::new(); scenario.sensors.len() + 1];
+    let suggestion = Suggestion { scenario, reasons: Vec::new(), problem: None, replaceable };
     Work::new(|progress| Maker { suggestion, record, plucked, course: None, ambient: None, progress }.made())
 }
 
@@ -124,10 +126,8 @@ impl Maker {
         let decay = self.suggestion.motion(&mut self.record, steps);
         self.suggestion.substeps(self.record.dt() / steps as f64, None);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
-            Ambient::new(
-                Suggestion { reasons: before.reasons, replaceable: before.replaceable, ..self.suggestion.clone() },
-                &mut self.record,
-            )
+            let Suggestion { reasons, replaceable, .. } = before;
+            Ambient::new(Suggestion { reasons, replaceable, ..self.suggestion.clone() }, &mut self.record)
         });
         if let Some(record) = as_it_is {
             self.record = record;
