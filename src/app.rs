@@ -15,7 +15,6 @@ use std::rc::Rc;
 
 use egui::util::undoer::Undoer;
 use egui::{Context, ThemePreference, Ui};
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Estimates, RunError, Scenario};
 use kalmanscope_diagnosis::Story;
 use window::NARROW;
@@ -210,7 +209,7 @@ impl App {
     }
 
     fn wanted(&self) -> Wanted {
-        let of_drawer = if self.diagnosed.is_some() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING };
+        let of_drawer = if self.diagnosed.is_some() { Wanted::DIAGNOSTICS } else { Wanted::NOTHING };
         let of_export = self.exporting.as_ref().map_or(Wanted::NOTHING, Exporting::wanted);
         views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer).and(of_export)
     }

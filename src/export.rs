@@ -4,7 +4,6 @@ use std::fmt::Display;
 
 use egui::{Context, Id, Popup, Ui};
 use kalmanscope_cli::{ReportParts, Results, report, write_estimates};
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::{Estimates, Task};
 use kalmanscope_diagnosis::Analysis;
@@ -71,7 +70,7 @@ impl Exporting {
     }
 
     pub(crate) fn wanted(&self) -> Wanted {
-        if self.needs_results() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+        if self.needs_results() { Wanted::DIAGNOSTICS } else { Wanted::NOTHING }
     }
 
     fn needs_results(&self) -> bool {
@@ -147,7 +146,7 @@ fn results_of(session: &Session) -> Results<'_> {
         attempts.map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies.to_vec())).collect();
     let results = match session.whole_analysis() {
         Some(analysis) => Results::of_run(run, analysis, causes),
-        None => Results::of_run(run, &Analysis::new(run, Wanted::diagnostics(Depth::All)), causes),
+        None => Results::of_run(run, &Analysis::new(run, Wanted::DIAGNOSTICS), causes),
     };
     let name = record_name(session).unwrap_or_else(|| "its own record".to_owned());
     let records = [(name.as_str(), run.record())];

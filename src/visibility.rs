@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Channel, FilterSettings};
 use kalmanscope_diagnosis::Wanted;
 
@@ -44,7 +43,7 @@ impl Visibility {
     }
 
     pub(crate) fn wanted(&self) -> Wanted {
-        if self.verdicts { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+        if self.verdicts { Wanted::DIAGNOSTICS } else { Wanted::NOTHING }
     }
 
     pub(crate) fn without(hidden: &[LegendEntry]) -> Self {

@@ -38,7 +38,6 @@ pub enum Spacing {
 
 /// The reason why an axis is impossible.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum AxisError {
     /// An end is not a number.
     #[error("the axis of `{0}` must have finite ends")]
@@ -71,12 +70,11 @@ impl Axis {
         let syntax = || AxisError::Syntax(text.to_owned());
         let (key, range) = text.rsplit_once('=').ok_or_else(syntax)?;
         let parts: Vec<&str> = range.split(':').map(str::trim).collect();
-        let (numbers, spacing) = match parts[..] {
+        let ([from, to, count], spacing) = match parts[..] {
             [from, to, count] => ([from, to, count], Spacing::Linear),
             [from, to, count, "log"] => ([from, to, count], Spacing::Logarithmic),
             _ => return Err(syntax()),
         };
-        let [from, to, count] = numbers;
         let number = |text: &str| text.parse::<f64>().map_err(|_| syntax());
         let count = count.parse().map_err(|_| syntax())?;
         let axis = Self { key: key.trim().to_owned(), from: number(from)?, to: number(to)?, count, spacing };
@@ -130,8 +128,7 @@ impl Axis {
         }
     }
 
-    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN if a
-    /// logarithmic axis cannot have the value.
+    /// The share of the axis at which a value lies, 0 at its beginning and 1 at its end; NaN if a logarithmic axis cannot have it.
     pub fn share_of(&self, value: f64) -> f64 {
         let (from, to) = (self.from, self.to);
         if from == to {
@@ -150,8 +147,7 @@ impl Axis {
         (place >= 0.0 && place <= last).then_some(place as usize)
     }
 
-    /// A usual axis for a setting around its present value: two decades each way for a standard deviation or a factor, 0 to
-    /// three times the value for a guess, the next `count` numbers for a seed.
+    /// A usual axis around the present value: two decades each way for a std or a factor, 0 to three times the value for a guess.
     pub fn usual(setting: &Address, scenario: &Scenario, count: usize) -> Self {
         let key = setting.to_string();
         let now = setting.get(scenario);

@@ -10,8 +10,7 @@ use crate::equation::EquationSettings;
 
 pub use kalmanscope_records::document::*;
 
-/// Reads a value of a type. Keys of channels are those of [`Channel::all`](crate::Channel::all) and of the equations anywhere in the
-/// document.
+/// Reads a value. Keys of channels are those of [`Channel::all`](crate::Channel::all) and of the equations in the document.
 ///
 /// # Errors
 /// [`DocumentError`] with the path of the key and the reason.
@@ -33,8 +32,7 @@ pub fn read_json<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
 /// Reads a value from a text of TOML.
 ///
 /// # Errors
-/// As [`from_toml`], and [`DocumentError`] where it is not a value of this type: with the line, the path of the key and the
-/// reason.
+/// [`DocumentError`] as of [`from_toml`], or where it is no value of this type: with line, path of the key and reason.
 pub fn read_toml<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
     read(&from_toml(text)?).map_err(|error| error.in_toml(text))
 }

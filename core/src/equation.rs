@@ -19,6 +19,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use kalmanscope_filters::channel::Sign;
+use kalmanscope_records::document::is_default;
 
 pub use own_equation::{Equation, Symbol};
 use solve::solve;
@@ -31,8 +32,7 @@ pub use typeset::{TextLevel, TextRun, typeset};
 pub struct EquationError {
     /// The fault, and what is allowed.
     pub what: String,
-    /// The place of the faulty character, counted from 0, and the equation. `None` if the fault is in the whole
-    /// equation.
+    /// The place of the faulty character, from 0 on, and the equation. `None` if the fault is in all of it.
     pub place: Option<(usize, String)>,
 }
 
@@ -95,7 +95,7 @@ pub struct ParameterSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
     /// The allowed sign.
-    #[serde(skip_serializing_if = "is_any")]
+    #[serde(skip_serializing_if = "is_default")]
     pub sign: Sign,
 }
 
@@ -122,11 +122,6 @@ impl ParameterSettings {
 
 fn size(mean: f64) -> f64 {
     if mean == 0.0 { 1.0 } else { mean.abs() }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
-fn is_any(sign: &Sign) -> bool {
-    *sign == Sign::Any
 }
 
 impl EquationSettings {

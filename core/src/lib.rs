@@ -5,9 +5,7 @@
 //! (settings)   (or a CSV: measured record)
 //! ```
 //!
-//! [`Run::step`] is the only engine: a whole record is that step in a loop. The same scenario gives the same bits on
-//! every platform, because random numbers come from seeded ChaCha8 streams, one per purpose, and transcendental
-//! functions from `libm`.
+//! [`Run::step`] is the only engine: a whole record is that step in a loop. The same scenario gives the same bits on every platform.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};
@@ -32,7 +30,7 @@
 //! noise is learnt or readings are weighed.
 //! [`smoothed()`] looks back from the end of a record.
 //!
-//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`](document::Document) that a program has made:
+//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`](document::Document):
 //!
 //! ```
 //! use kalmanscope_core::{LastSample, OnlineFilter, Scenario, document};
@@ -48,22 +46,6 @@
 //! # Ok(())
 //! # }
 //! ```
-//!
-//! # Modules
-//! The types that most programs need stand here, at the root. Filters and names of channels come from
-//! [`kalmanscope_filters`], records and files from [`kalmanscope_records`]. Modules import only from those above them:
-//!
-//! | module | for |
-//! |---|---|
-//! | [`channel`], [`filter`] | components of states, and filters, also those of a program |
-//! | [`equation`], [`plant`] | equations that a user types, and plants, also those of a program |
-//! | [`record`], [`import`] | the input and the measurements over time, and the files that they are read from |
-//! | [`signal`] | parameters of the truth as functions of time |
-//! | [`scenario`], [`setting`] | all that a run depends on, and each setting with its name, unit, limits and address |
-//! | `run` | [`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`] |
-//! | [`score`], [`diagnostics`], [`free_run`], [`frequency_response`] | statistics of a run |
-//! | [`free_decay`] | free decays, rings of sounds and sweeps, and their modes |
-//! | [`suggest`] | start values of filters from a record's data |
 
 mod axis;
 pub mod document;
@@ -92,9 +74,8 @@ pub use plant::PlantKind;
 pub use plant::model::Model;
 pub use run::estimates::Estimates;
 pub use run::events::{EventError, EventFilter, EventSetupError};
-pub use run::pass::{OnlineFilter, Pass};
+pub use run::pass::{OnlineFilter, Pass, RunError};
 pub use run::remarks::{Remark, Trouble};
-pub use run::run_error::RunError;
 pub use run::simulate::{Simulator, Source, TruthError, TruthStop, simulate};
 pub use run::sink::{AssumedNoise, LastSample, Sample, Sink};
 pub use run::tape::Tape;

@@ -2,18 +2,20 @@
 
 mod built_in;
 pub(crate) mod dynamics;
-mod files;
 pub(crate) mod model;
 
 use std::any::Any;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use kalmanscope_filters::Dynamics as _;
 use kalmanscope_filters::lists::numbers;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::channel::{MAX_MASSES, augment};
-use crate::equation::Equation;
+use crate::equation::{Equation, EquationError, EquationSettings};
 use crate::{Channel, Quantity, Term};
 use built_in::BuiltInPlant;
 use dynamics::{EnginePlant, Own};
@@ -48,8 +50,7 @@ pub enum Spring {
     Slipping(Channel),
 }
 
-/// A plant with the state `y = [motion, parameters]` of N components. The first M move. Its parameters are constant or
-/// decay at a rate η; the model of the plant adds that, not the plant's equation.
+/// A plant with the state `y = [motion, parameters]` of N components, of which the first M move.
 ///
 /// ```text
 /// ẏ = g(y, f),  A = ∂g/∂y
@@ -60,8 +61,7 @@ pub trait Plant: Any + Send + Sync {
     /// Names, keys and the components of the state.
     fn info(&self) -> PlantInfo<'_>;
 
-    /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
-    /// mass \[m/s²\].
+    /// The first M components of `g(y, f)`, each in its unit per second, from all N and the force over mass \[m/s²\].
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]);
 
     /// The first M rows of A, row by row: `∂gᵢ/∂yⱼ` at `i N + j`. `jacobian` has M N numbers, which are zero.
@@ -84,19 +84,11 @@ impl PlantKind {
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
     ///
-    /// ```text
-    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x, …]
-    /// ```
-    ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
     pub const SDOF: Self = Self(Source::BuiltIn(&built_in::SDOF));
     /// An oscillator with a cubic part in its spring.
     ///
     /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
-    ///
-    /// ```text
-    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x - μx³, …]
-    /// ```
     ///
     /// The spring hardens with μ > 0 and softens with μ < 0.
     ///
@@ -111,8 +103,7 @@ impl PlantKind {
     /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
     /// ```
     ///
-    /// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
-    /// little with exponent 1. After yielding the stiffness is α times the initial one.
+    /// z follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`; the stiffness is then α times the initial one.
     ///
     /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
     /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
@@ -122,8 +113,7 @@ impl PlantKind {
     pub const BOUC_WEN_1: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN_1));
     /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
     ///
-    /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
-    /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+    /// Equal masses on a shaken base, with the state `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
     ///
     /// ```text
     /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
@@ -168,10 +158,17 @@ impl PlantKind {
         Self::SHEAR_10,
     ];
 
-    /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
-    /// the key of one of these is refused.
+    /// A user's own plant. Files name plants of the registry only; a plant with the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
         Self(Source::Own(Own(plant)))
+    }
+
+    /// The plant of an equation that a user typed.
+    ///
+    /// # Errors
+    /// [`EquationError`] if it is not an equation, with the character and what is allowed there.
+    pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
+        Ok(Self(Source::Typed(Arc::new(Equation::new(settings)?))))
     }
 
     /// The plant of the registry with this key, if there is one.
@@ -214,7 +211,7 @@ impl PlantKind {
     /// Names, keys and the components of the state.
     pub fn info(&self) -> PlantInfo<'_> {
         match &self.0 {
-            Source::BuiltIn(built_in) => *built_in.info,
+            Source::BuiltIn(built_in) => built_in.info,
             Source::Own(plant) => plant.0.info(),
             Source::Typed(equation) => PlantInfo {
                 key: &equation.settings().equation,
@@ -296,8 +293,7 @@ impl PlantKind {
         rate(1.0) != rate(0.0)
     }
 
-    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall: whether the displacement
-    /// of one accelerates the other.
+    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall.
     pub fn is_held(&self, mass: usize) -> bool {
         let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
         self.motion_jacobian(&self.anywhere(), &mut jacobian);
@@ -324,6 +320,56 @@ impl PlantKind {
 
 fn motion(channels: &[Channel]) -> usize {
     channels.iter().take_while(|channel| !channel.is_parameter()).count()
+}
+
+impl PartialEq for PlantKind {
+    /// Compares keys; your own plant differs from the registry's plant with the same key.
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Source::BuiltIn(_), Source::BuiltIn(_)) => self.key() == other.key(),
+            (Source::Typed(own), Source::Typed(other)) => own.settings() == other.settings(),
+            (Source::Own(own), Source::Own(other)) => own == other,
+            _ => false,
+        }
+    }
+}
+
+impl Eq for PlantKind {}
+
+impl Serialize for PlantKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.own_equation() {
+            Some(equation) => equation.settings().serialize(serializer),
+            None => serializer.serialize_str(self.key()),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for PlantKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct KindVisitor;
+
+        impl<'de> Visitor<'de> for KindVisitor {
+            type Value = PlantKind;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the key of a plant, or a table with an equation")
+            }
+
+            fn visit_str<E: de::Error>(self, key: &str) -> Result<PlantKind, E> {
+                static ALL: LazyLock<Vec<PlantKind>> = LazyLock::new(|| PlantKind::ALL.into());
+                static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| ALL.iter().map(PlantKind::key).collect());
+                PlantKind::from_key(key).ok_or_else(|| de::Error::unknown_variant(key, &KEYS))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PlantKind, A::Error> {
+                let settings = EquationSettings::deserialize(MapAccessDeserializer::new(map))?;
+                PlantKind::of_equation(&settings).map_err(de::Error::custom)
+            }
+        }
+
+        deserializer.deserialize_any(KindVisitor)
+    }
 }
 
 impl Default for PlantKind {

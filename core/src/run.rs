@@ -8,7 +8,6 @@ pub(crate) mod pass;
 pub(crate) mod passage;
 pub(crate) mod remarks;
 pub(crate) mod revision;
-pub(crate) mod run_error;
 pub(crate) mod simulate;
 pub(crate) mod sink;
 pub(crate) mod smoother;
@@ -22,11 +21,9 @@ use kalmanscope_filters::{Channel, Quantity};
 use kalmanscope_records::Record;
 
 use crate::run::estimator::{FilterContext, counts_in_samples};
-use crate::run::pass::apart;
-use crate::run::run_error::sensor_places;
+use crate::run::pass::{apart, sensor_places};
 use crate::run::simulate::{Recording, TruthStop, lookahead};
 use crate::run::smoother::{FixedInterval, FixedLag, Forward, Smoother};
-use crate::run::tape::Tape;
 use crate::run::waste::Spare;
 use crate::scenario::clash;
 use crate::{Estimates, FilterSettings, Pass, RunError, Scenario, Source};
@@ -34,9 +31,8 @@ use revision::Revision;
 
 /// A scenario in progress.
 ///
-/// A simulated run can forget its first samples ([`Self::forget`]) and continue without limit in constant memory.
-/// [`Self::done`] and [`Self::samples`] count from the run's beginning; [`Self::len`] and every index into
-/// [`Self::record`] and [`Self::estimates`] count from the first sample that is kept.
+/// It can forget its first samples ([`Self::forget`]). [`Self::done`] and [`Self::samples`] count from the run's beginning, all
+/// other places and lengths from the first sample that is kept.
 pub struct Run {
     recording: Recording,
     samples: usize,
@@ -50,8 +46,7 @@ pub struct Run {
 pub enum Update {
     /// Everything: the truth, or the way in which a given record is read, and every filter.
     Everything,
-    /// The filters with these ids. The truth and the other filters are unchanged; filters that the scenario lacks are
-    /// removed.
+    /// The filters with these ids; the rest is unchanged, but for filters that the scenario lacks now.
     Filters(Vec<u32>),
 }
 
@@ -67,8 +62,7 @@ impl Run {
     /// A run of the scenario's filters over a given record. The record's `dt` replaces the scenario's.
     ///
     /// # Errors
-    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
-    /// of its sensors, [`RunError::InputKind`] where its input is of another kind.
+    /// As [`Self::new`]; [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
     pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
         Self::from_source(scenario, Source::Measured(record))
     }
@@ -89,9 +83,7 @@ impl Run {
         Ok(Self { recording, samples, done: 0, bank })
     }
 
-    /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
-    /// truth and filters with unchanged settings are not computed again, and a given record stays. Begins again where
-    /// the truth has changed or samples have been forgotten.
+    /// Changes the scenario and computes again what differs, up to the present sample, with the same bits as a new run.
     ///
     /// # Errors
     /// As [`Self::on_record`]; this run is then unchanged.
@@ -103,16 +95,12 @@ impl Run {
         Ok(revision.apply(self, done, &mut spare))
     }
 
-    /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
-    /// initial beliefs. A filter that fails keeps its estimates and reports the reason in [`Estimates::stop`]; the
-    /// others continue. Returns whether there was a sample left. A truth that diverges ends the record early and reports
-    /// the reason in [`Self::truth_stop`].
+    /// Advances truth and filters by one sample; the first one has the initial beliefs. Returns whether there was one left.
     pub fn step(&mut self) -> bool {
         self.advance_to(self.done + 1) > 0
     }
 
-    /// Steps until `samples` samples, counted from the run's beginning, are done, or to the end. Returns the number of
-    /// steps.
+    /// Steps until `samples` samples, from the run's beginning, are done, or to the end. Returns the number of steps.
     pub fn advance_to(&mut self, samples: usize) -> usize {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
@@ -137,9 +125,7 @@ impl Run {
         goal > *all || bank.prepare(&recording.record, while_time)
     }
 
-    /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
-    /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
-    /// false for a given record, which cannot be forgotten.
+    /// Forgets the first `samples` of those that are kept, but never the last one. Returns false for a given record.
     pub fn forget(&mut self, samples: usize) -> bool {
         let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
         let forgets = self.recording.forget(samples);
@@ -149,11 +135,7 @@ impl Run {
         forgets
     }
 
-    /// Takes in a live record that has more samples now. What is done stays, and [`Self::advance_to`] continues with the same bits
-    /// as over a record that had them from the beginning. Returns false, and changes nothing, if the source is not
-    /// [`Source::Live`] or the record does not begin with the present one: then only a new run is right.
-    ///
-    /// A filter with a negative input delay waits for the inputs that it reads in advance.
+    /// Takes in a live record that has more samples now. Returns false, and changes nothing, if it does not continue the present one.
     pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
         let goes_on = self.recording.lengthen(record);
         if goes_on {
@@ -222,10 +204,8 @@ impl Run {
         &self.bank.estimates
     }
 
-    /// The smoothed estimates of every filter with a smoother, given all samples so far. They have means and
-    /// covariances, but no innovations. Those with a fixed look-ahead end that much before the last sample, up to the end
-    /// of the run. A run that has forgotten samples has none, because a smoother needs the first
-    /// sample.
+    /// The smoothed estimates of every filter with a smoother: means and covariances, with a fixed look-ahead up to that much
+    /// before the last sample. None of a run that has forgotten samples.
     ///
     /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
     pub fn smoothed(&self) -> Vec<Estimates> {
@@ -301,11 +281,6 @@ impl Bank {
         self.estimates.push(estimates);
     }
 
-    /// Takes in the next of all `samples` samples of the filter at a place. Returns false if they are not its own.
-    pub(crate) fn take(&mut self, place: usize, tape: &Tape, samples: usize) -> bool {
-        self.passes[place].take(tape, samples, &mut self.estimates[place])
-    }
-
     pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
         let mut estimates = self.empty(&self.scenario.filters[place]);
         std::mem::swap(&mut estimates, &mut self.estimates[place]);
@@ -339,7 +314,6 @@ impl Bank {
         }
     }
 
-    /// Returns early if `while_time`, called after each filter, is false.
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.passes.iter_mut().all(|pass| {
             let is_there = pass.is_prepared();
@@ -379,32 +353,12 @@ impl Bank {
     }
 }
 
-/// The smoothed estimates of the filter at `place` of a scenario, given a whole record: those of
-/// [`Run::smoothed`](crate::Run::smoothed), to the bit, whether or not the filter's settings ask for a smoother. They have
-/// means and covariances, but no innovations.
-///
-/// If the filter stops, the smoother gets the samples before; [`Estimates::stop`] gives the sample and the reason.
-///
-/// ```
-/// use kalmanscope_core::{Run, Scenario, smoothed};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
-/// let mut run = Run::new(&scenario)?;
-/// run.finish();
-/// let (filter, smoother) = (&run.estimates()[0], smoothed(&scenario, 0, run.record())?);
-/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record informs the first sample");
-/// # Ok(())
-/// # }
-/// ```
+/// The smoothed estimates of the filter at `place` over a whole record, up to where it stops: those of [`Run::smoothed`].
 ///
 /// # Errors
-/// [`RunError::NoFilter`] where there is no such filter; [`RunError::Scenario`] where the scenario is impossible or the
-/// filter has no smoother: a sampled one, or one with several guesses; [`RunError::MissingSensor`] and
-/// [`RunError::InputKind`] where the record does not fit the scenario; [`RunError::Forgotten`] where it lacks its first
-/// samples.
+/// [`RunError`] where there is no such filter or it has no smoother, or where the record does not fit or lacks its first samples.
 ///
-/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems, in the form that
-/// [`Run::smoothed`](crate::Run::smoothed) computes.
+/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
 pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
     let mut scenario = scenario.clone();
     scenario.filters.get_mut(place).ok_or(RunError::NoFilter(place))?.smoother = true;

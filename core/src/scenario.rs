@@ -67,12 +67,10 @@ pub struct Scenario {
     /// The filters.
     #[serde(default = "default_filters")]
     pub filters: Vec<FilterSettings>,
-    /// The measured record that takes the place of a simulated one. Whoever runs the scenario reads its file:
-    /// [`kalmanscope_records::import`].
+    /// The measured record in place of a simulated one; who runs the scenario reads it ([`kalmanscope_records::import`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<Mapping>,
-    /// The laws of numbers that are drawn for each member of a population, by their addresses: [`Self::member`]. A run alone has the
-    /// numbers of the scenario.
+    /// The laws of numbers that are drawn for each member of a population, by their addresses: [`Self::member`].
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub draw: BTreeMap<String, Law>,
 }

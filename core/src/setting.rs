@@ -7,11 +7,9 @@ mod address;
 mod change;
 mod choice;
 mod document;
-mod draw;
 mod edit;
 mod filters;
 mod place;
-mod words;
 
 use kalmanscope_filters::channel::Channel;
 

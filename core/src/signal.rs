@@ -7,8 +7,7 @@ use kalmanscope_filters::random::Normal;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-/// A value over time. In a scenario file a bare number is a constant; other shapes are tables with the shape's name: `{
-/// step = { from = 6.0, to = 4.8, at = 30.0 } }`.
+/// A value over time. In a file a number, or a table as `{ step = { from = 6.0, to = 4.8, at = 30.0 } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Signal {
@@ -264,11 +263,5 @@ mod tests {
         assert_eq!(chirp[0], chirp[200_000], "the sweep begins again");
         let crossings = (190_000..199_999).filter(|&k| chirp[k] < 0.0 && chirp[k + 1] >= 0.0).count();
         assert!((crossings as f64 - 20.0 / TAU).abs() < 1.0);
-    }
-
-    #[test]
-    fn a_step_waits_and_none_is_nothing() {
-        assert_eq!(samples(Force::Step { amplitude: 3.0, at: 0.02 }, 4, 0.01), [0.0, 0.0, 3.0, 3.0]);
-        assert_eq!(samples(Force::None, 3, 0.01), [0.0; 3]);
     }
 }

@@ -1,6 +1,6 @@
 //! Diagnostics of whole runs: against direct computations, for any portions, in the canonical form.
 
-use kalmanscope_core::diagnostics::{Depth, ErrorSums, LAGS};
+use kalmanscope_core::diagnostics::{ErrorSums, LAGS};
 use kalmanscope_core::{
     Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Pass, PlantKind, Record, Run,
     Sample, Scenario, Scores, Sink as _,
@@ -68,23 +68,6 @@ fn restarted_diagnostics_equal_new_ones() {
     let mut diagnostics = Diagnostics::new(&first.estimates()[1], first.record());
     diagnostics.restart(&second.estimates()[0], second.record());
     assert_eq!(all_bits(&diagnostics), all_bits(&Diagnostics::new(&second.estimates()[0], second.record())));
-}
-
-#[test]
-fn the_consistency_depth_gives_the_same_numbers() {
-    let run = finished(&guessing(-7.0, -0.1));
-    let (estimates, record) = (&run.estimates()[0], run.record());
-    let all = Diagnostics::new(estimates, record);
-    let mut consistency = Diagnostics::empty(Depth::Consistency);
-    consistency.restart(estimates, record);
-    let numbers = |d: &Diagnostics| {
-        let within = [d.nis_within(100..d.len()).sum, d.nees_within(100..d.len()).sum, d.log_likelihood()];
-        bits(&[d.nees(), &within, &[d.error(Channel::DAMPING_RATIO).unwrap()]].concat())
-    };
-    assert_eq!(numbers(&consistency), numbers(&all));
-    assert_eq!(consistency.share_in_ellipsoid(), all.share_in_ellipsoid());
-    assert!(consistency.tally(Channel::DAMPING_RATIO, 0..600).is_none() && consistency.whiteness.is_empty());
-    assert!(consistency.settled(Channel::NATURAL_FREQUENCY).is_none());
 }
 
 fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize) -> f64 {

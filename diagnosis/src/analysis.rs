@@ -2,7 +2,6 @@
 
 mod smoothing;
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::internals::{Bank, Waste, mapped};
 use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
@@ -162,8 +161,8 @@ impl Analysis {
             return;
         };
         let ids: Vec<u32> = mapped(&run.scenario().filters, &|filter| filter.id);
-        if let Some(depth) = self.wanted.diagnostics {
-            self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
+        if self.wanted.diagnostics {
+            self.diagnostics.resize_with(ids.len(), Diagnostics::default);
             self.begun.resize(ids.len(), false);
             self.diagnoses.resize(ids.len(), (None, 0));
             self.filters.clone_from(&ids);
@@ -191,8 +190,8 @@ impl Analysis {
     }
 
     pub(crate) fn advance(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
-        if self.wanted.diagnostics.is_some() && !self.diagnosed {
+        self.diagnosed = self.wanted.diagnostics && self.diagnose(subject, while_time);
+        if self.wanted.diagnostics && !self.diagnosed {
             return false;
         }
         if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
@@ -206,14 +205,14 @@ impl Analysis {
         self.all_bounded || !self.wanted.bounds
     }
 
-    fn diagnose(&mut self, depth: Depth, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+    fn diagnose(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
         let AnalysisSubject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
         ids.clear();
         ids.extend(bank.estimates.iter().map(Estimates::id));
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
-        diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
+        diagnostics.resize_with(filters, || spare.pop().unwrap_or_default());
         begun.resize(filters, false);
         diagnoses.resize(filters, (None, 0));
         for place in (0..filters).filter(|&place| !is_known(known, place)) {
@@ -285,7 +284,7 @@ impl Analysis {
         let samples = *done as f64;
         let (mut so_far, mut all) = (0.0, 0.0);
         for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
-            if self.wanted.diagnostics.is_some() {
+            if self.wanted.diagnostics {
                 let followed = self.diagnostics.get(place).filter(|_| self.begun[place]).map_or(0, Diagnostics::len);
                 so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);
                 all += DIAGNOSTICS_COST * samples;
@@ -314,8 +313,8 @@ fn is_known(known: &[Option<usize>], place: usize) -> bool {
 /// The results to compute in addition to the estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
-    /// Diagnostics and their depth; `None` for no diagnostics.
-    pub diagnostics: Option<Depth>,
+    /// Diagnostics.
+    pub diagnostics: bool,
     /// Smoothed estimates of the filters that have a smoother.
     pub smoothed: Hindsight,
     /// The evidence of each filter over time.
@@ -337,7 +336,7 @@ pub enum Hindsight {
 
 impl Wanted {
     /// The estimates alone.
-    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, evidence: false, bounds: false };
+    pub const NOTHING: Self = Self { diagnostics: false, smoothed: Hindsight::None, evidence: false, bounds: false };
 
     /// The Cramér-Rao bounds.
     pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
@@ -345,16 +344,14 @@ impl Wanted {
     /// The evidence of each filter.
     pub const EVIDENCE: Self = Self { evidence: true, ..Self::NOTHING };
 
-    /// Diagnostics of some depth.
-    pub const fn diagnostics(depth: Depth) -> Self {
-        Self { diagnostics: Some(depth), ..Self::NOTHING }
-    }
+    /// The diagnostics.
+    pub const DIAGNOSTICS: Self = Self { diagnostics: true, ..Self::NOTHING };
 
     /// The union of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
-            diagnostics: self.diagnostics.max(other.diagnostics),
+            diagnostics: self.diagnostics || other.diagnostics,
             smoothed: self.smoothed.max(other.smoothed),
             evidence: self.evidence || other.evidence,
             bounds: self.bounds || other.bounds,
@@ -364,7 +361,7 @@ impl Wanted {
 
 impl Default for Wanted {
     fn default() -> Self {
-        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
+        Self { diagnostics: true, smoothed: Hindsight::All, ..Self::NOTHING }
     }
 }
 

@@ -9,7 +9,6 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::internals::sort_items;
 use kalmanscope_core::{Diagnostics, Estimates, FilterSettings, Record, Scenario};
 
@@ -30,7 +29,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// The diagnosis of a filter. `None` if the diagnostics have the depth [`Depth::Consistency`].
+    /// The diagnosis of a filter. `None` if the diagnostics are empty.
     ///
     /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Self> {
@@ -44,7 +43,7 @@ impl Diagnosis {
         estimates: &Estimates,
         record: &Record,
     ) -> Option<Self> {
-        if diagnostics.depth != Depth::All || diagnostics.is_empty() {
+        if diagnostics.is_empty() {
             return None;
         }
         let case = Case::new(samples.clone(), diagnostics, estimates, record);

@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::io::Cursor;
 
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::free_decay::{Decay, NoDecay, Ring};
 use kalmanscope_core::import::{ImportError, Mapping, Table, ThreeAxes, read};
 use kalmanscope_core::{Run, Scenario};
@@ -14,7 +13,7 @@ use crate::phone::{Phone, USUAL};
 use crate::run::{finished, identified};
 
 fn told(run: &Run) -> String {
-    let analysis = Analysis::new(run, Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+    let analysis = Analysis::new(run, Wanted { diagnostics: true, ..Wanted::default() });
     let diagnoses: Vec<_> = (0..run.estimates().len()).map(|place| analysis.diagnosis(place)).collect();
     Story::of(run, analysis.diagnostics(), &diagnoses).to_string()
 }

@@ -116,13 +116,12 @@ mod tests {
     use super::*;
     use crate::session::Mode;
     use kalmanscope_core::Scenario;
-    use kalmanscope_core::diagnostics::Depth;
     use kalmanscope_diagnosis::Wanted;
 
     fn whole() -> Session {
         let mut session = Session::new(Scenario { duration: 10.0, ..Scenario::default() }).unwrap();
         session.set_mode(Mode::Whole);
-        session.want(Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+        session.want(Wanted { diagnostics: true, ..Wanted::default() });
         session.advance(0.0);
         session
     }

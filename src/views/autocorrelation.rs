@@ -11,7 +11,7 @@ use crate::request::Request;
 use crate::ruler::RulerEnd;
 use crate::session::Wanted;
 use crate::view::{View, ViewContext};
-use kalmanscope_core::diagnostics::{Depth, Whiteness};
+use kalmanscope_core::diagnostics::Whiteness;
 
 fn span(context: &ViewContext<'_>) -> Option<Range<usize>> {
     let [a, b] = RulerEnd::BOTH.map(|end| context.ruler.time(end).map(|time| context.session.sample_at(time)));
@@ -26,7 +26,7 @@ pub(super) static VIEW: View = View {
         "Innovations of a well tuned filter are white: 19 of 20 bars are between the dashed lines.",
         "Positive bars that fall slowly: the filter follows too slowly. Negative first bars: it follows the noise.",
     ],
-    wanted: Wanted::diagnostics(Depth::All),
+    wanted: Wanted::DIAGNOSTICS,
     ui: Some(view_ui),
     ..View::NONE
 };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
+use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
 
 use crate::plot::chart::{Chart, Curve};
 use crate::plot::layers::{Layer, line_width};
@@ -20,7 +20,7 @@ pub(super) static VIEW: View = View {
         "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
         "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
     ],
-    wanted: Wanted::diagnostics(Depth::Consistency),
+    wanted: Wanted::DIAGNOSTICS,
     charts,
     plots: |_| 2,
     ..View::NONE

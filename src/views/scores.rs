@@ -2,7 +2,7 @@
 
 use egui::{Grid, Label, RichText, ScrollArea, Ui};
 use kalmanscope_core::ModelClasses;
-use kalmanscope_core::diagnostics::{Depth, MeanSquare};
+use kalmanscope_core::diagnostics::MeanSquare;
 use kalmanscope_core::{Channel, Estimates, Signal, Source};
 use kalmanscope_diagnosis::Summary;
 use kalmanscope_diagnosis::Verdict;
@@ -31,7 +31,7 @@ pub(super) static VIEW: View = View {
         "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
         "A small error of an inconsistent filter may be chance.",
     ],
-    wanted: Wanted::diagnostics(Depth::All),
+    wanted: Wanted::DIAGNOSTICS,
     ui: Some(view_ui),
     ..View::NONE
 };

@@ -28,7 +28,6 @@ impl StateComponent {
     }
 }
 
-#[derive(Debug)]
 pub(super) struct Solved {
     pub(super) components: Vec<StateComponent>,
     pub(super) typed: Typed,
@@ -192,22 +191,19 @@ impl RateInputs<'_> {
         let residual = builder.subtract(left, right);
         let highest = self.force + 1;
         let has = builder.needs(residual) >> highest;
+        let fault = |what: &str| Err(EquationError::at(equation.place, what));
         if has == 0 {
-            return Err(EquationError::at(equation.place, "this equation has no highest derivative, as `x''` or `z'`"));
+            return fault("this equation has no highest derivative, as `x''` or `z'`");
         }
         if has.count_ones() > 1 {
-            return Err(EquationError::at(
-                equation.place,
+            return fault(
                 "this equation has the highest derivatives of two components: each equation has one, so that it can be solved",
-            ));
+            );
         }
         let input = highest + has.trailing_zeros() as usize;
         let slope = builder.derivative(residual, input);
         if builder.needs(slope) & 1 << input != 0 {
-            return Err(EquationError::at(
-                equation.place,
-                "the highest derivative is in a product or a function of itself",
-            ));
+            return fault("the highest derivative is in a product or a function of itself");
         }
         let rest = builder.without(residual, 1 << input);
         let negative = builder.negative(rest);

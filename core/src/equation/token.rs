@@ -19,11 +19,9 @@ pub(super) type Placed = (usize, Token);
 
 pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {
     let characters: Vec<char> = text.chars().collect();
-    if characters.len() > LENGTH {
-        return Err(EquationError::new(format!(
-            "an equation has at most {LENGTH} characters, not {}",
-            characters.len()
-        )));
+    let count = characters.len();
+    if count > LENGTH {
+        return Err(EquationError::new(format!("an equation has at most {LENGTH} characters, not {count}")));
     }
     let mut reader = TokenReader { characters, place: 0 };
     let mut all = Vec::new();

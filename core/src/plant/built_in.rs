@@ -5,62 +5,61 @@ use super::{PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::MAX_MASSES;
 
-#[derive(Debug)]
 pub(super) struct BuiltInPlant {
-    pub(super) info: &'static PlantInfo<'static>,
+    pub(super) info: PlantInfo<'static>,
     pub(super) dynamics: EnginePlant,
 }
 
-pub(super) const SDOF: BuiltInPlant = BuiltInPlant { info: &SDOF_INFO, dynamics: EnginePlant::Sdof(Sdof) };
+const OSCILLATOR: [Channel; 5] = [
+    Channel::DISPLACEMENT,
+    Channel::VELOCITY,
+    Channel::NATURAL_FREQUENCY,
+    Channel::DAMPING_RATIO,
+    Channel::CUBIC_STIFFNESS,
+];
 
-pub(super) const DUFFING: BuiltInPlant = BuiltInPlant { info: &DUFFING_INFO, dynamics: EnginePlant::Duffing(Duffing) };
-
-static SDOF_INFO: PlantInfo<'_> = PlantInfo {
-    key: "sdof",
-    name: "linear oscillator",
-    equation: "ẍ + 2ζωₙẋ + ωₙ²x = f",
-    reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
-    channels: &[Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO],
-    is_linear: true,
-    spring: Spring::Linear,
+pub(super) const SDOF: BuiltInPlant = BuiltInPlant {
+    info: PlantInfo {
+        key: "sdof",
+        name: "linear oscillator",
+        equation: "ẍ + 2ζωₙẋ + ωₙ²x = f",
+        reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
+        channels: OSCILLATOR.split_at(4).0,
+        is_linear: true,
+        spring: Spring::Linear,
+    },
+    dynamics: EnginePlant::Sdof(Sdof),
 };
 
-static DUFFING_INFO: PlantInfo<'_> = PlantInfo {
-    key: "duffing",
-    name: "Duffing oscillator",
-    equation: "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
-    reference: "Kovacic and Brennan, eds. (2011), The Duffing Equation",
-    channels: &[
-        Channel::DISPLACEMENT,
-        Channel::VELOCITY,
-        Channel::NATURAL_FREQUENCY,
-        Channel::DAMPING_RATIO,
-        Channel::CUBIC_STIFFNESS,
-    ],
-    is_linear: false,
-    spring: Spring::Cubic(Channel::CUBIC_STIFFNESS),
+pub(super) const DUFFING: BuiltInPlant = BuiltInPlant {
+    info: PlantInfo {
+        key: "duffing",
+        name: "Duffing oscillator",
+        equation: "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
+        reference: "Kovacic and Brennan, eds. (2011), The Duffing Equation",
+        channels: &OSCILLATOR,
+        is_linear: false,
+        spring: Spring::Cubic(Channel::CUBIC_STIFFNESS),
+    },
+    dynamics: EnginePlant::Duffing(Duffing),
 };
 
-pub(super) const BOUC_WEN: BuiltInPlant =
-    BuiltInPlant { info: &BOUC_WEN_INFO, dynamics: EnginePlant::BoucWen(BoucWen) };
-
-pub(super) const BOUC_WEN_1: BuiltInPlant =
-    BuiltInPlant { info: &BOUC_WEN_1_INFO, dynamics: EnginePlant::BoucWenOne(BoucWen) };
-
-static BOUC_WEN_INFO: PlantInfo<'_> = bouc_wen(
+pub(super) const BOUC_WEN: BuiltInPlant = bouc_wen(
     ["bouc_wen", "Bouc-Wen oscillator", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²"],
     &bouc_wen_channels(Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA),
+    EnginePlant::BoucWen(BoucWen),
 );
 
-static BOUC_WEN_1_INFO: PlantInfo<'_> = bouc_wen(
+pub(super) const BOUC_WEN_1: BuiltInPlant = bouc_wen(
     ["bouc_wen_1", "Bouc-Wen oscillator, exponent 1", "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|"],
     &bouc_wen_channels(Channel::YIELD_BETA, Channel::YIELD_GAMMA),
+    EnginePlant::BoucWenOne(BoucWen),
 );
 
-const fn bouc_wen([key, name, equation]: [&'static str; 3], channels: &'static [Channel]) -> PlantInfo<'static> {
+const fn bouc_wen(words: [&'static str; 3], channels: &'static [Channel], dynamics: EnginePlant) -> BuiltInPlant {
+    let ([key, name, equation], spring) = (words, Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT));
     let reference = "Wen (1976), Method for random vibration of hysteretic systems";
-    let spring = Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT);
-    PlantInfo { key, name, equation, reference, channels, is_linear: false, spring }
+    BuiltInPlant { info: PlantInfo { key, name, equation, reference, channels, is_linear: false, spring }, dynamics }
 }
 
 const fn bouc_wen_channels(beta: Channel, gamma: Channel) -> [Channel; 8] {
@@ -107,9 +106,9 @@ const SHEAR: [(&str, &str); MAX_MASSES - 1] = [
 ];
 
 impl<const MASSES: usize> ShearPlant<MASSES> {
-    pub(super) const PLANT: BuiltInPlant =
-        BuiltInPlant { info: &Self::INFO, dynamics: EnginePlant::ShearChain(ShearChain { masses: MASSES }) };
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);
+    pub(super) const PLANT: BuiltInPlant =
+        BuiltInPlant { info: Self::INFO, dynamics: EnginePlant::ShearChain(ShearChain { masses: MASSES }) };
     const INFO: PlantInfo<'static> = PlantInfo {
         key: SHEAR[MASSES - 2].0,
         name: SHEAR[MASSES - 2].1,

@@ -117,13 +117,8 @@ impl Model {
         self.plant.info().is_linear
     }
 
-    /// Whether the state is in the channels' units: nothing of it is a logarithm.
-    pub fn in_units(&self) -> bool {
-        self.state.logarithms.is_empty()
-    }
-
     fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
-        let mut plain = vec![0.0; if self.in_units() { 0 } else { self.size() }];
+        let mut plain = vec![0.0; if self.state.logarithms.is_empty() { 0 } else { self.size() }];
         take(self.state.plain(state, &mut plain))
     }
 
@@ -167,11 +162,6 @@ impl Model {
         self.rate_under(state, 1.0) - self.rate_under(state, 0.0)
     }
 
-    /// `∂g/∂f`, n numbers: [`Self::by_force`] times the input gain.
-    pub fn by_recorded_force(&self, state: &[f64]) -> Vector {
-        self.by_force(state) * self.state.gain.map_or(1.0, |place| state[place])
-    }
-
     /// A state where all is zero but the gains of sensors, which `gain` gives by quantity.
     pub fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
         let mut state = vec![0.0; self.size()];
@@ -192,15 +182,6 @@ impl Model {
             unit[i] = 1.0 / values[i];
         }
         (state, unit)
-    }
-
-    /// The values in the channels' units in place of a state, and in `unit` the size of each component's unit in its channel's unit.
-    pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
-        unit.fill(1.0);
-        for &place in &self.state.logarithms {
-            state[place] = libm::exp(state[place]);
-            unit[place] = state[place];
-        }
     }
 
     /// The reading of a sensor for `quantity`, if the plant has it.

@@ -9,7 +9,6 @@ use kalmanscope_filters::{Hold, Reading};
 use super::dynamics::ShearChain;
 use super::*;
 use crate::channel::augment;
-use crate::equation::EquationSettings;
 use crate::{InputKind, Model};
 
 fn state(model: &Model, seed: usize) -> Vec<f64> {

@@ -15,20 +15,17 @@ use growth::History;
 
 /// The estimates of one filter: the results of every sample, from k = 0 on.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept,
-/// as in the [`Record`](kalmanscope_records::Record). [`Stop`] and [`Remark`] count samples from the run's beginning.
+/// Where a run has forgotten samples, `k` counts from the first one that is kept; [`Stop`] and [`Remark`] count from the run's beginning.
 ///
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
 /// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
 #[derive(Clone, Debug)]
 pub struct Estimates {
-    id: u32,
+    settings: FilterSettings,
     smoothed: bool,
-    name: String,
     /// The filter's kind.
     pub kind: FilterKind,
-    color: Option<FilterColor>,
     /// The kind of plant that the filter takes the truth for.
     pub plant: PlantKind,
     channels: Vec<Channel>,
@@ -43,12 +40,8 @@ pub struct Estimates {
     /// The means in canonical form and the diagonals of the covariances, each channel a column, so that drawing or adding up one reads no other memory.
     canonical: Vec<Vec<f64>>,
     variance: Vec<Vec<f64>>,
-    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more; and those with a
-    /// ln det S of their own.
+    /// The samples with several readings of a sensor, and how many more; and those with a ln det S of their own.
     earlier: Vec<(usize, u32, f64)>,
-    considered: Vec<Channel>,
-    /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
-    sensor_delay: Vec<f64>,
     /// Whether the filter weighs its readings.
     pub weighs: bool,
     /// Whether the filter learns R.
@@ -67,15 +60,13 @@ impl Estimates {
         let model = settings.model(&scenario.plant.kind, scenario.input);
         let (plant, channels) = (model.plant(), model.channels());
         Self {
-            id: settings.id,
+            settings: settings.clone(),
             smoothed: false,
-            name: settings.name.clone(),
             kind: settings.kind,
-            color: settings.color,
             plant: plant.clone(),
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
-            monitor: Monitor::new(settings, channels, plant, &sensors),
+            monitor: Monitor::new(settings, &model, &sensors),
             sensors,
             forgotten: 0,
             dropped: 0,
@@ -85,8 +76,6 @@ impl Estimates {
             canonical: vec![Vec::new(); channels.len()],
             variance: vec![Vec::new(); channels.len()],
             earlier: Vec::new(),
-            considered: settings.consider.clone(),
-            sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on(),
             learns_sensor_noise: settings.adaptation.sensor_noise,
             has_process_scale: settings.process_scales > 1,
@@ -96,30 +85,30 @@ impl Estimates {
     }
 
     /// The same, as a smoother's.
-    pub fn of_smoother(self) -> Self {
-        let of_filter = Self { weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self };
-        Self { name: of_filter.name + SMOOTHED, smoothed: true, ..of_filter }
+    pub fn of_smoother(mut self) -> Self {
+        self.settings.name += SMOOTHED;
+        Self { smoothed: true, weighs: false, learns_sensor_noise: false, has_process_scale: false, ..self }
     }
 
     /// The filter's id.
     pub fn id(&self) -> u32 {
-        self.id
+        self.settings.id
     }
 
     /// Takes the name and the colour of these settings.
     pub fn call(&mut self, settings: &FilterSettings) {
-        self.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
-        self.color = settings.color;
+        self.settings.name = settings.name.clone() + if self.smoothed { SMOOTHED } else { "" };
+        self.settings.color = settings.color;
     }
 
     /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.settings.name
     }
 
     /// The colour of the filter.
     pub fn color(&self) -> FilterColor {
-        self.color.unwrap_or(FilterColor::of(self.id))
+        self.settings.color.unwrap_or(FilterColor::of(self.id()))
     }
 
     /// The channels, in the order of every mean and covariance.
@@ -167,14 +156,12 @@ impl Estimates {
         self.stop
     }
 
-    /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
-    /// samples are dropped.
+    /// Remarks on problems that the filter survived, in the order in which they were noticed.
     pub fn remarks(&self) -> &[Remark] {
         &self.monitor.remarks
     }
 
-    /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
-    /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
+    /// The samples, counted from the run's beginning, at which the filter widened P ([`FilterSettings::jump`]).
     pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
         self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
     }
@@ -200,9 +187,7 @@ impl Estimates {
         &self.canonical[channel]
     }
 
-    /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
-    /// where the estimated natural frequency is negative, else 1. A covariance is multiplied by the signs of both its
-    /// channels.
+    /// The sign that takes one channel at sample `k` to its canonical form; a covariance is multiplied by those of both channels.
     #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
         let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
@@ -233,8 +218,7 @@ impl Estimates {
         chunk(&self.history.innovation, k, self.sensors.len())
     }
 
-    /// The number of readings in the update at sample `k`: more than there are innovations where a sensor was read more than once
-    /// since the sample before.
+    /// The number of readings in the update at sample `k`, of which a sensor may have several.
     #[inline]
     pub fn readings(&self, k: usize) -> u32 {
         self.sample(k).readings()
@@ -298,7 +282,7 @@ impl Estimates {
 
     /// Whether the filter only counts the uncertainty of a channel, and does not estimate it.
     pub fn considers(&self, channel: Channel) -> bool {
-        self.considered.contains(&channel)
+        self.settings.consider.contains(&channel)
     }
 
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
@@ -308,8 +292,7 @@ impl Estimates {
         hash.value()
     }
 
-    /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
-    /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
+    /// The std of a sensor's noise that the filter has learnt by sample `k`, and its own: `√R` and `√var R / (2 √R)`, in its unit.
     pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
         let m = self.sensors.len();
         let of_sample = self.history.learnt.get(2 * m * k..2 * m * (k + 1))?;
@@ -317,15 +300,13 @@ impl Estimates {
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
     }
 
-    /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
-    /// with one scale of Q.
+    /// Mean and std of ln s at sample `k`, s the factor on the settings' √Q. `None` for a filter with one scale of Q.
     pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
         let &[mean, std] = self.history.process_scale.get(2 * k..2 * (k + 1))? else { return None };
         Some([mean, std])
     }
 
-    /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a
-    /// filter that weighs none.
+    /// The weight of each sensor's reading at sample `k`, from 0 to about 1, NaN for none; empty for a filter that weighs none.
     pub fn weights(&self, k: usize) -> &[f64] {
         let m = self.sensors.len();
         self.history.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
@@ -342,8 +323,7 @@ impl Estimates {
         Self { monitor: self.monitor.with_clocks(apart, trouble), ..self }
     }
 
-    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
-    /// sample has its own, to the nearest sample. `None` where the record has no such sensor.
+    /// The readings of a sensor by its place: where the filter takes it to be late, each sample has its own, to the nearest.
     pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
         let quantity = self.sensors.get(place)?;
         let column = quantity.place_in(record.sensors())?;
@@ -352,7 +332,7 @@ impl Estimates {
     }
 
     fn delays(&self, dt: f64) -> Delays {
-        Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
+        Delays::new(0, self.settings.sensor_delay.iter().map(|late| late / dt))
     }
 }
 

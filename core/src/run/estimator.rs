@@ -16,7 +16,7 @@ use crate::run::sink::{Sample, Sink};
 use crate::{FilterSettings, Model, PlantKind, Scenario};
 
 pub(crate) trait Estimator: Send {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
@@ -43,7 +43,6 @@ pub(crate) trait Estimator: Send {
     }
 }
 
-#[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) belief: Gaussian,
     memory: Vec<f64>,
@@ -65,7 +64,7 @@ pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static st
 pub(crate) struct Failed(pub(crate) FilterError);
 
 impl Estimator for Failed {
-    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+    fn begin(&mut self, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(self.0)
     }
 
@@ -80,7 +79,7 @@ impl Estimator for Failed {
 
 /// All that a filter needs of a scenario beside its own settings.
 #[derive(Clone, Debug)]
-pub struct FilterContext {
+pub(crate) struct FilterContext {
     /// The truth's kind of plant; the filter uses it unless its settings name another.
     pub(crate) plant: PlantKind,
     pub(crate) input: InputKind,
@@ -94,8 +93,7 @@ pub struct FilterContext {
 }
 
 impl FilterContext {
-    /// The context of a filter of a scenario, with `dt` \[s\] between samples.
-    pub fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
+    pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
         let &Scenario { seed, input, hold, .. } = scenario;
         let (plant, sensors) = (scenario.plant.kind.clone(), scenario.measured());
         let stream = filter.id.saturating_sub(1) as usize;
@@ -103,7 +101,7 @@ impl FilterContext {
     }
 
     /// The same over a record, at the times of its readings where it has some.
-    pub fn over(self, record: &Record, settings: &FilterSettings) -> Self {
+    pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
         let is_timed = has_times && counts_in_samples(settings).is_none();
         Self { is_timed, start: record.time_of(0), ..self }

@@ -1,20 +1,19 @@
 //! One filter of a scenario over readings that come at their own times.
 
-mod timeline;
+use std::collections::VecDeque;
 
 use kalmanscope_filters::filter::FilterError;
-use kalmanscope_filters::{Channel, Quantity, Stop};
+use kalmanscope_filters::{Channel, Hold, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
-use crate::run::estimator::{Estimator, FilterContext, Truncation, counts_in_samples};
+use crate::run::estimator::{Estimator, FilterContext, State, Truncation, counts_in_samples};
 use crate::run::pass;
-use crate::run::passage::{Adjoint, Passages};
+use crate::run::passage::{Adjoint, Passage, Passages};
 use crate::run::sink::{LastSample, Sample, Sink};
 use crate::run::smoother::Hindsight;
 use crate::{FilterSettings, Pass, RunError, Scenario};
-use timeline::{TimedEvent, Timeline};
 
 /// A filter of a scenario that follows events: readings and inputs with their own times, sensors at their own rates,
 /// late ones too.
@@ -24,16 +23,10 @@ use timeline::{TimedEvent, Timeline};
 ///     y⁻ = the prediction over h / n,  P⁻ = λ^(h / n dt) Φ P Φᵀ + Q h / (n dt)
 /// ```
 ///
-/// Q and λ of the scenario are those of a step of dt; a shorter one has its share. So a clock with steps of dt gives the
-/// estimates of a [`Pass`] to rounding, and on a linear plant with Q = 0 the times of others matter in no digit. dt is the
-/// longest step of a prediction.
+/// Q and λ are those of a step of dt, the longest one; a shorter one has its share.
 ///
-/// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
-/// again over what came after it. With [`Hold::First`](kalmanscope_filters::Hold::First) the input is linear from one known value to the
-/// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
-///
-/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also reports its estimates in hindsight
-/// ([`Self::hindsight`]).
+/// What comes late is taken in at its time, and the filter goes again over what came after it, from a belief that is kept
+/// ([`Self::keeping`]). With a smoother and a look-ahead it also reports its estimates in hindsight ([`Self::hindsight`]).
 ///
 /// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
 /// What is refused leaves the filter as it was.
@@ -55,14 +48,11 @@ pub struct EventFilter {
     estimator: Box<dyn Estimator>,
     settings: FilterSettings,
     scenario: Scenario,
-    sensors: Vec<Quantity>,
     /// The components of the state, in the order of every mean and covariance.
     pub channels: Vec<Channel>,
     timeline: Timeline,
     /// The time for which hindsight waits \[s\], if it is asked for.
     look_ahead: Option<f64>,
-    /// Added to the times of inputs \[s\].
-    input_delay: f64,
     latest: LatestSample,
     hindsight: Hindsight,
     in_hindsight: LastSample,
@@ -109,8 +99,7 @@ impl EventFilter {
     /// The filter at `place` of a scenario, before its first event.
     ///
     /// # Errors
-    /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
-    /// members, several guesses, scales of Q, learning of noise, jumps, a bank, a white force.
+    /// [`EventSetupError`] where the scenario is impossible, or the filter has a setting that counts in samples.
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
         scenario.validate().map_err(RunError::from)?;
         let mut scenario = scenario.clone();
@@ -126,8 +115,7 @@ impl EventFilter {
         if let Some(what) = counts_in_samples(&settings).or(refused) {
             return Err(EventSetupError::Setting(what));
         }
-        let sensors = scenario.measured();
-        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
+        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, scenario.measured(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
@@ -138,15 +126,12 @@ impl EventFilter {
         if look_ahead.is_some() {
             estimator.keep_passages();
         }
+        let kept = Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT);
         Ok(Self {
             hindsight: Hindsight::new(&settings, &context),
             channels,
-            timeline: Timeline::new(
-                scenario.hold,
-                Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
-            ),
+            timeline: Timeline { events: VecDeque::new(), hold: scenario.hold, kept, before: None },
             look_ahead,
-            input_delay: f64::from(settings.input_delay) * scenario.dt,
             latest,
             in_hindsight: LastSample::default(),
             stopped: None,
@@ -156,7 +141,6 @@ impl EventFilter {
             at: 0,
             estimator,
             settings,
-            sensors,
             scenario,
         })
     }
@@ -164,8 +148,7 @@ impl EventFilter {
     /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
     #[must_use]
     pub fn keeping(mut self, seconds: f64) -> Self {
-        let least = Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead);
-        self.timeline = Timeline::new(self.scenario.hold, seconds.max(least));
+        self.timeline.kept = seconds.max(Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead));
         self
     }
 
@@ -189,12 +172,9 @@ impl EventFilter {
         self.look_ahead.is_some()
     }
 
-    /// The time of the last event that is at least the look-ahead before the newest one \[s\], and the estimate there in the light of
-    /// all that came since, without innovations. `None` where there is no such event, or no look-ahead.
-    ///
-    /// A smoother with a fixed lag, over the passages that are kept: the cost is that of the events of the look-ahead.
+    /// The last event at least the look-ahead before the newest one, and the estimate there in the light of all since, if there is one.
     pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
-        let newest = self.timeline.last_at(self.now);
+        let newest = self.timeline.place_until(self.now).unwrap_or(0);
         let then = self.now - self.look_ahead? * (1.0 - SAME);
         let place = self.timeline.place_until(then)?;
         let mut belief = self.timeline.events[place].state.as_ref()?.belief.clone();
@@ -207,9 +187,7 @@ impl EventFilter {
         Some((self.timeline.events[place].time, self.in_hindsight.sample()))
     }
 
-    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not known,
-    /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
-    /// event; innovations and NIS are NaN if that has no readings.
+    /// Takes in the input from a time \[s\] on \[m/s²\] and the sensors' readings, NaN where there is none. Returns the newest estimate.
     ///
     /// # Errors
     /// [`EventError`]. Only where the filter fails does it stop; all else leaves it as it was.
@@ -217,19 +195,16 @@ impl EventFilter {
         self.check(time, input, readings)?;
         let force = (!input.is_nan()).then(|| self.scenario.input.force(input));
         // A delayed input acts at another time than the readings beside it.
-        let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
+        let delay = f64::from(self.settings.input_delay) * self.scenario.dt;
+        let felt = force.filter(|_| delay != 0.0).map(|_| time + delay);
         let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
-        if let (Some(time), Some(oldest)) = (felt, oldest)
-            && time < oldest
-        {
-            return Err(EventError::TooLate { time, oldest });
-        }
         let (readings, others) = self.by_time(time, readings);
+        let mut times = felt.into_iter().chain(others.iter().map(|(time, _)| *time));
         if let Some(oldest) = oldest
-            && let Some(&(time, _)) = others.iter().find(|(time, _)| *time < oldest)
+            && let Some(time) = times.find(|time| *time < oldest)
         {
-            return Err(EventError::TooLate { time, oldest });
+            return Err(EventError::TooLate(time, oldest));
         }
         (self.again, self.now) = (0, self.now.max(time));
         let nothing = vec![f64::NAN; readings.len()];
@@ -257,8 +232,9 @@ impl EventFilter {
         if let Some((time, reason)) = self.stopped {
             return Err(EventError::Stopped { time, reason });
         }
-        if readings.len() != self.sensors.len() {
-            return Err(EventError::Readings { found: readings.len(), expected: self.sensors.len() });
+        let sensors = &self.scenario.sensors;
+        if readings.len() != sensors.len() {
+            return Err(EventError::Readings(readings.len(), sensors.len()));
         }
         if !time.is_finite() {
             return Err(EventError::Time(time));
@@ -266,12 +242,12 @@ impl EventFilter {
         if input.is_infinite() {
             return Err(EventError::Input(input));
         }
-        if let Some((&sensor, _)) = self.sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
-            return Err(EventError::InfiniteReading(sensor));
+        if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            return Err(EventError::InfiniteReading(sensor.measures));
         }
         let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
         if time < oldest {
-            return Err(EventError::TooLate { time, oldest });
+            return Err(EventError::TooLate(time, oldest));
         }
         let before = self.time().unwrap_or(oldest);
         let steps = libm::round((time - before) / self.scenario.dt);
@@ -299,7 +275,7 @@ impl EventFilter {
                 return Err(self.stop(self.timeline.events[first].time, reason));
             }
         }
-        let newest = self.timeline.last_at(self.now);
+        let newest = self.timeline.place_until(self.now).unwrap_or(0);
         while self.at < newest {
             let place = self.at + 1;
             if let Err(reason) = self.follow(place) {
@@ -318,7 +294,8 @@ impl EventFilter {
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let Self { estimator, timeline, latest, .. } = self;
         let times = [place - 1, place].map(|place| timeline.events[place].time);
-        let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
+        let forces = timeline.forces_to(place);
+        let force = timeline.events[place].force.unwrap_or(forces[1]);
         let steps = (times[1] - times[0]) / self.scenario.dt;
         let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
         latest.passages = Passages::default();
@@ -346,9 +323,84 @@ impl EventFilter {
     }
 }
 
+struct TimedEvent {
+    /// \[s\]
+    time: f64,
+    /// The force over mass from now on \[m/s²\], if it was known.
+    force: Option<f64>,
+    /// A reading for each sensor, NaN where there is none.
+    readings: Vec<f64>,
+    state: Option<State>,
+    passages: Vec<Passage>,
+}
+
+impl TimedEvent {
+    fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
+        Self { time, force, readings, state: None, passages: Vec::new() }
+    }
+}
+
+/// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
+struct Timeline {
+    events: VecDeque<TimedEvent>,
+    hold: Hold,
+    /// \[s\]
+    kept: f64,
+    before: Option<(f64, f64)>,
+}
+
+const MOST: usize = 1 << 16;
+
+impl Timeline {
+    fn place_until(&self, time: f64) -> Option<usize> {
+        self.events.partition_point(|event| event.time <= time).checked_sub(1)
+    }
+
+    /// Puts an event at its place. Returns the first place after which beliefs are no longer right.
+    fn insert(&mut self, event: TimedEvent) -> usize {
+        let place = self.events.partition_point(|other| other.time <= event.time);
+        let has_force = event.force.is_some();
+        self.events.insert(place, event);
+        // On a line between inputs, an input changes the force back to the one before it.
+        match (self.hold, has_force) {
+            (Hold::First, true) => {
+                let before = self.events.range(..place).rposition(|event| event.force.is_some());
+                before.map_or(place, |before| before + 1).min(place)
+            }
+            _ => place,
+        }
+    }
+
+    /// The force over mass from the event before a place to that at the place, at the beginning and at the end \[m/s²\].
+    fn forces_to(&self, place: usize) -> [f64; 2] {
+        let known = |event: &TimedEvent| event.force.map(|force| (event.time, force));
+        let last = self.events.range(..place).rev().find_map(known).or(self.before);
+        let Some((from, begin)) = last else { return [0.0; 2] };
+        let next = || self.events.range(place..).find_map(known);
+        match (self.hold, if self.hold == Hold::First { next() } else { None }) {
+            (Hold::First, Some((to, end))) if to > from => {
+                let at = |time: f64| begin + (end - begin) * ((time - from) / (to - from));
+                let before = place.checked_sub(1).map_or(from, |before| self.events[before].time);
+                let time = self.events[place].time;
+                [at(before), if time == to { end } else { at(time) }]
+            }
+            _ => [begin; 2],
+        }
+    }
+
+    fn forget(&mut self, now: f64, place: usize) -> usize {
+        let mut forgotten = 0;
+        while forgotten < place && (self.events[1].time < now - self.kept || self.events.len() > MOST) {
+            let Some(TimedEvent { time, force, .. }) = self.events.pop_front() else { break };
+            self.before = force.map(|force| (time, force)).or(self.before);
+            forgotten += 1;
+        }
+        forgotten
+    }
+}
+
 /// The reason why an [`EventFilter`](crate::EventFilter) does not take in what came.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum EventError {
     /// The filter has failed, then or before.
     #[error("the filter has stopped at {time} s: {reason}")]
@@ -358,14 +410,9 @@ pub enum EventError {
         /// The reason.
         reason: FilterError,
     },
-    /// The number of readings is not that of the sensors.
-    #[error("there are {found} readings, but the scenario has {expected} sensors: a missing reading is NaN")]
-    Readings {
-        /// The number of readings.
-        found: usize,
-        /// The number of sensors.
-        expected: usize,
-    },
+    /// The number of readings is not that of the sensors: both numbers.
+    #[error("there are {0} readings, but the scenario has {1} sensors: a missing reading is NaN")]
+    Readings(usize, usize),
     /// A reading is infinite.
     #[error("the reading of {} is infinite, but must be a number or NaN", .0.key())]
     InfiniteReading(Quantity),
@@ -375,14 +422,9 @@ pub enum EventError {
     /// The time is not finite.
     #[error("the time is {0}, but must be a finite number of seconds")]
     Time(f64),
-    /// It comes later than the filter keeps its beliefs.
-    #[error("the time is {time} s, which is too late: nothing before {oldest} s is kept")]
-    TooLate {
-        /// The time \[s\].
-        time: f64,
-        /// The time of the oldest belief \[s\].
-        oldest: f64,
-    },
+    /// It comes later than the filter keeps its beliefs: the time, and that of the oldest belief \[s\].
+    #[error("the time is {0} s, which is too late: nothing before {1} s is kept")]
+    TooLate(f64, f64),
     /// The time since what came before is too long to be bridged.
     #[error(
         "the time is {} s, {} steps after {before} s, but at most {} are bridged: begin a new filter",
@@ -411,7 +453,6 @@ fn legible(number: f64) -> String {
 
 /// A filter that cannot follow events.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum EventSetupError {
     /// The scenario is impossible, or has no such filter.
     #[error(transparent)]

@@ -132,7 +132,7 @@ impl Mixture {
 }
 
 impl Estimator for Mixture {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let mut first = LastSample::default();
         first.want_prior(sink.wants_prior());
         self.members[0].estimator.begin(&mut first)?;

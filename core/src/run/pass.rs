@@ -1,24 +1,25 @@
 //! One filter over one record, and how it is built.
 
+use std::cell::LazyCell;
+
 use kalmanscope_filters::filter::Algorithm;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::quantity::MAX_SENSORS;
-use kalmanscope_filters::{Channel, FilterError, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterError, InputKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
+use thiserror::Error;
 
 use crate::run::estimator::setup::Setup;
 use crate::run::estimator::{
     Estimator, Failed, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled,
 };
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
-use crate::run::run_error::{RunError, sensor_places};
 use crate::run::sink::Sink;
 use crate::run::tape::Tape;
-use crate::{Estimates, FilterSettings, Scenario};
+use crate::{Estimates, FilterSettings, Scenario, ScenarioError};
 
-/// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
-/// thousands of runs are loops over this.
+/// A filter that runs over a record sample by sample and reports to a [`Sink`]: whole records, live mode and maps are loops over it.
 pub struct Pass {
     filter: Built,
     truncation: Truncation,
@@ -31,30 +32,14 @@ pub struct Pass {
     ahead: Option<Tape>,
 }
 
-#[derive(Default)]
-struct Built {
-    /// Drawing a large ensemble takes time, so the filter is built later. `None` once it is built, and for a pass without a filter.
-    recipe: Option<Box<(FilterSettings, FilterContext)>>,
-    estimator: Option<Box<dyn Estimator>>,
-}
-
-impl Built {
-    fn estimator(&mut self) -> &mut dyn Estimator {
-        let Self { recipe, estimator } = self;
-        let make = || match recipe.take() {
-            Some(recipe) => build(&recipe.0, &recipe.1),
-            None => Box::new(Failed(FilterError::NotFinite)),
-        };
-        estimator.get_or_insert_with(make).as_mut()
-    }
-}
+/// Drawing a large ensemble takes time, so the filter is built later.
+type Built = LazyCell<Box<dyn Estimator>, Box<dyn FnOnce() -> Box<dyn Estimator> + Send>>;
 
 impl Pass {
     /// The filter at `place` of a scenario before the first sample of a record.
     ///
     /// # Errors
-    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
-    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
+    /// [`RunError`] where the scenario is impossible or has no such filter, or where the record does not fit it.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         let sensors = Self::columns(scenario, place, record)?;
         let mut scenario = scenario.clone();
@@ -77,23 +62,25 @@ impl Pass {
     }
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
+        let own = settings.clone();
         Self {
             delays: settings.delays(context.dt),
             parts: context.is_timed.then(Box::default),
             truncation: Truncation::of(settings, context.model(settings).channels()),
-            filter: Built { recipe: Some(Box::new((settings.clone(), context))), estimator: None },
+            filter: Built::new(Box::new(move || build(&own, &context))),
             sensors,
             ..Self::idle()
         }
     }
 
     pub(crate) fn idle() -> Self {
-        let (filter, truncation, sensors) = (Built::default(), Truncation::default(), Vec::new());
+        let filter = Built::new(Box::new(|| Box::new(Failed(FilterError::NotFinite))));
+        let (truncation, sensors) = (Truncation::default(), Vec::new());
         Self { filter, truncation, sensors, delays: Delays::default(), parts: None, done: 0, stop: None, ahead: None }
     }
 
     pub(crate) fn keep_passages(&mut self) -> bool {
-        self.filter.estimator().keep_passages()
+        self.filter.keep_passages()
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -105,8 +92,7 @@ impl Pass {
         Ok(Estimates::new(filter, scenario, scenario.measured()))
     }
 
-    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks say so where the
-    /// filter does not follow them, and a sensor that measures seldom is not taken for a silent one.
+    /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks know of them.
     ///
     /// # Errors
     /// Those of [`Self::history`].
@@ -154,8 +140,7 @@ impl Pass {
         }
     }
 
-    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
-    /// filter that fails reports the reason to the sink and computes no further samples.
+    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end, or until the filter stops.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
         let Self { filter, truncation, sensors, delays, parts, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, delays.input);
@@ -165,7 +150,6 @@ impl Pass {
         if goal == *done {
             return;
         }
-        let estimator = filter.estimator();
         let is_free = truncation.is_empty();
         let mut bounded = Truncating { truncation, sink };
         let sink: &mut dyn Sink = if is_free { bounded.sink } else { &mut bounded };
@@ -174,18 +158,18 @@ impl Pass {
                 break;
             }
             let step = if sample == 0 {
-                estimator.begin(sink)
+                filter.begin(sink)
             } else {
                 let k = sample - record.forgotten();
                 if let Some(parts) = parts.as_mut()
                     && record.parts_to(k, delays, sensors, parts)
                 {
-                    estimator.step_through(parts, sink)
+                    filter.step_through(parts, sink)
                 } else {
                     for (place, (value, &sensor)) in measured.iter_mut().zip(sensors.iter()).enumerate() {
                         *value = record.late_reading(sensor, k, delays.of(place));
                     }
-                    estimator.step(force(k - 1), force(k), measured, sink)
+                    filter.step(force(k - 1), force(k), measured, sink)
                 }
             };
             if let Err(reason) = step {
@@ -210,9 +194,7 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
 
 /// A [`Pass`] over a record that grows: a sample comes in, an estimate goes out, with the bits of a pass over the whole record.
 ///
-/// Samples follow each other after dt; of one that is lost, the readings are NaN. Clocks with gaps, and sensors with clocks of their
-/// own, are for [`EventFilter`](crate::EventFilter). Where the input or a sensor is late by d samples, the estimate of a sample comes
-/// with the d-th after it.
+/// Samples follow each other after dt; readings of one that is lost are NaN. With a delay of d samples, estimates come d later.
 pub struct OnlineFilter {
     /// The pass, which has the number of samples that are done, and where and why the filter has stopped.
     pub pass: Pass,
@@ -237,8 +219,7 @@ impl OnlineFilter {
         Ok(Self { pass, record, reach: [delays.lookahead(), delays.reach()] })
     }
 
-    /// Takes in the input \[m/s²\] in the scenario's meaning, and a reading for each of its sensors in the unit of its quantity, NaN
-    /// where one is missing.
+    /// Takes in the input \[m/s²\], and a reading of each sensor in the unit of its quantity, NaN where one is missing.
     ///
     /// # Panics
     /// Panics where there is not one reading for each sensor.
@@ -294,4 +275,39 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
             None => Box::new(Failed(FilterError::TooLarge)),
         },
     }
+}
+
+/// The reason why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RunError {
+    /// The scenario is impossible.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The record lacks a sensor of the scenario.
+    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
+    MissingSensor(Quantity),
+    /// The record's input is of another kind than the scenario's.
+    #[error("the record's input is {}, but the scenario's is {}", input_name(*.0), input_name(*.1))]
+    InputKind(InputKind, InputKind),
+    /// There is no filter at this place.
+    #[error("the scenario has no filter number {}", .0 + 1)]
+    NoFilter(usize),
+    /// A smoother begins with the first sample, but this many of the record's first samples have been forgotten.
+    #[error("the record's first {0} samples have been forgotten, and a smoother begins with the first")]
+    Forgotten(usize),
+}
+
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "a force",
+        InputKind::GroundAcceleration => "the acceleration of the ground",
+    }
+}
+
+pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
+    if record.input_kind() != scenario.input {
+        return Err(RunError::InputKind(record.input_kind(), scenario.input));
+    }
+    let place = |q: Quantity| q.place_in(record.sensors()).ok_or(RunError::MissingSensor(q));
+    scenario.sensors.iter().map(|s| place(s.measures)).collect()
 }

@@ -30,7 +30,6 @@ impl Passages {
     }
 }
 
-#[derive(Clone, Debug)]
 pub(crate) struct Passage {
     /// Φ, n × n.
     pub transition: Matrix,
@@ -38,7 +37,6 @@ pub(crate) struct Passage {
     pub(crate) update: Option<PassageUpdate>,
 }
 
-#[derive(Clone, Debug)]
 pub(crate) struct PassageUpdate {
     /// `I - K H`, n × n.
     pub(crate) kept: Matrix,

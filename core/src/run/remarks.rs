@@ -7,13 +7,12 @@ use kalmanscope_filters::{Channel, Quantity};
 use thiserror::Error;
 
 use crate::run::sink::{AssumedNoise, Sample};
-use crate::{FilterSettings, PlantKind, Values};
+use crate::{FilterSettings, Model, Values};
 
 /// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Trouble {
-    /// A standard deviation exceeds a thousand times the larger of its initial and its usual value. The usual value of
-    /// a motion is scaled with the noise of the best sensor.
+    /// A standard deviation exceeds a thousand times its initial and its usual value, scaled by the noise of the best sensor.
     #[error(
         "the covariance winds up: the filter forgets the {} faster than it learns it",
         .0.name()
@@ -136,12 +135,8 @@ pub(crate) struct Monitor {
 }
 
 impl Monitor {
-    pub(crate) fn new(
-        settings: &FilterSettings,
-        channels: &[Channel],
-        plant: &PlantKind,
-        sensors: &[Quantity],
-    ) -> Self {
+    pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: &[Quantity]) -> Self {
+        let (plant, channels) = (model.plant(), model.channels());
         // The noise of the best sensor determines how well states can be distinguished.
         let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
         let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);
@@ -151,16 +146,12 @@ impl Monitor {
             let size = settings.initial_std[channel].max(usual);
             RATIO_LIMIT * size * size
         };
-        let mut known = [true; MAX_SENSORS];
-        for (known, sensor) in known.iter_mut().zip(sensors) {
-            *known = plant.has(*sensor);
-        }
         let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
         let limits: Vec<f64> = mapped(channels, &limit);
         Self {
             channels: channels.to_vec(),
             sensors: sensors.to_vec(),
-            known,
+            known: std::array::from_fn(|place| sensors.get(place).is_none_or(|sensor| plant.has(*sensor))),
             suspicious: mapped(&limits, &|limit| limit.min(PRODUCT_LIMIT)),
             limits,
             lasting: vec![LASTING; sensors.len()],

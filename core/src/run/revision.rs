@@ -92,7 +92,8 @@ impl Revision {
 
     /// Takes the computed tape of a filter; `false` if it does not fit.
     pub fn take(&mut self, place: usize, tape: &Tape) -> bool {
-        self.away.contains(&place) && self.bank.take(place, tape, self.samples)
+        let Self { away, bank: Bank { passes, estimates, .. }, samples, .. } = self;
+        away.contains(&place) && passes[place].take(tape, *samples, &mut estimates[place])
     }
 
     /// Computes the filters that are away and not complete, from their first sample on.

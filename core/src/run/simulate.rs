@@ -17,7 +17,6 @@ use response::{HALVED, Response};
 
 /// The reason why a truth cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
 pub enum TruthError {
     /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
     #[error("the true {} is no longer a finite number: the plant is unstable", .0.name())]
@@ -44,8 +43,7 @@ pub struct TruthStop {
 
 /// Simulates a record sample by sample, without an end.
 ///
-/// Disturbance and parameters are held over each step, the input by the scenario's hold. The response of a linear plant
-/// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
+/// Disturbance and parameters are held over each step. A linear plant's response is exact, others' to 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
     inputs: Inputs,
@@ -81,8 +79,9 @@ impl Simulator {
             _ => 0.0,
         };
         let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
+        let (force, dt, noise) = (scenario.force, scenario.dt, stream(Purpose::Force));
         Self {
-            inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
+            inputs: Inputs { force, dt, noise, first: 0, kept: VecDeque::new() },
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: mapped(&scenario.sensors, &|s| stream(Purpose::Sensor(s.measures))),
             faults: mapped(&scenario.sensors, &|s| s.faults.acts(s.measures, scenario.seed)),
@@ -110,17 +109,14 @@ impl Simulator {
         self.stop
     }
 
-    /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
-    /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
+    /// Appends the next sample to `record`. Returns whether there was one; else [`Self::stop`] has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {
         let before = place_of_next(record);
         while !self.advance(record, u64::MAX) {}
         place_of_next(record) > before
     }
 
-    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
-    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth lasts until
-    /// then.
+    /// Appends samples until `record` has `samples`, for about a millisecond. Returns whether the truth lasts until then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
         let end = self.response.halved + HALVED;
         while place_of_next(record) < samples && self.response.halved < end {
@@ -164,7 +160,7 @@ impl Simulator {
         let response = &mut self.response;
         let t = k as f64 * scenario.dt;
         for (place, signal) in signals.iter().enumerate() {
-            response.set(model.motion() + place, signal.at(t));
+            response.state[model.motion() + place] = signal.at(t);
         }
         // The disturbance has its own random stream, so skipping its draws changes no other number.
         let disturbance = match scenario.plant.disturbance_std {
@@ -175,7 +171,7 @@ impl Simulator {
         let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
         let (force, next) = (acting(k), acting(k + 1));
         state.clear();
-        state.extend_from_slice(response.state());
+        state.extend_from_slice(response.state.as_slice());
         if let Some(place) = state.iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(model.channels()[place]));
         }
@@ -186,16 +182,16 @@ impl Simulator {
         for (((sensor, noise), faults), reading) in scenario.sensors.iter().zip(sensor_noise).zip(faults).zip(readings)
         {
             let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
+            let mut act = |stage: FaultStage, value: f64| {
+                faults.iter_mut().fold(value, |value, fault| fault.apply(stage, value, &moment))
+            };
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
-            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.apply(FaultStage::Exact, exact, &moment));
-            let noise =
-                faults.iter_mut().fold(noise.sample(), |noise, fault| fault.apply(FaultStage::Noise, noise, &moment));
-            let value = exact + sensor.noise_std * noise;
+            let exact = act(FaultStage::Exact, exact);
+            let value = exact + sensor.noise_std * act(FaultStage::Noise, noise.sample());
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            let reported =
-                faults.iter_mut().fold(value, |reading, fault| fault.apply(FaultStage::Reading, reading, &moment));
+            let reported = act(FaultStage::Reading, value);
             if reported.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
@@ -214,11 +210,7 @@ impl Simulator {
 pub fn simulate(scenario: &Scenario) -> Record {
     let mut simulator = Simulator::new(scenario);
     let mut record = simulator.empty_record();
-    for _ in 0..scenario.samples() {
-        if !simulator.step(&mut record) {
-            break;
-        }
-    }
+    while record.len() < scenario.samples() && simulator.step(&mut record) {}
     record
 }
 
@@ -235,10 +227,6 @@ struct Inputs {
 }
 
 impl Inputs {
-    fn new(force: Force, dt: f64, noise: Normal) -> Self {
-        Self { force, dt, noise, first: 0, kept: VecDeque::new() }
-    }
-
     fn at(&mut self, k: usize) -> f64 {
         while self.first + self.kept.len() <= k {
             let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);
@@ -299,8 +287,8 @@ pub(crate) struct Recording {
 impl Recording {
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
-            Source::Measured(record) => Self::given(record, false),
-            Source::Live(record) => Self::given(record, true),
+            Source::Measured(record) => Self { simulator: None, record, is_live: false },
+            Source::Live(record) => Self { simulator: None, record, is_live: true },
             Source::Simulated => {
                 let simulator = Box::new(Simulator::new(scenario));
                 let mut record = simulator.empty_record();
@@ -310,10 +298,6 @@ impl Recording {
                 Self { simulator: Some(simulator), record: Arc::new(record), is_live: false }
             }
         }
-    }
-
-    pub(crate) fn given(record: Arc<Record>, is_live: bool) -> Self {
-        Self { simulator: None, record, is_live }
     }
 
     pub(crate) fn source(&self) -> Source {
@@ -341,8 +325,7 @@ impl Recording {
         place_of_next(&self.record)
     }
 
-    /// Up to sample `samples`, counted from the beginning, of `all`, which are fewer where the truth diverges. Returns false early if
-    /// `while_time` does, which is called about every millisecond, even within a sample, if the plant is hard to simulate.
+    /// Up to sample `samples` of `all`, which are fewer where the truth diverges. Returns false early if `while_time` does.
     pub(crate) fn advance(&mut self, samples: usize, all: &mut usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.len() < samples.min(*all) {
             let next = (self.len() + CHUNK).min(samples).min(*all);
@@ -359,7 +342,6 @@ impl Recording {
         true
     }
 
-    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not continue it.
     pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
         let continues = self.is_live && longer.goes_on_from(&self.record);
         if continues {
@@ -368,7 +350,6 @@ impl Recording {
         continues
     }
 
-    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
     pub(crate) fn forget(&mut self, samples: usize) -> bool {
         let is_simulated = self.simulator.is_some();
         if is_simulated {

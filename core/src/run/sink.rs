@@ -5,16 +5,14 @@ use kalmanscope_filters::gaussian_likelihood;
 
 use crate::run::passage::Passages;
 
-/// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
-/// channels, m sensors.
+/// One sample of a filter with n channels and m sensors: its belief after the update, in the channels' units, and its results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<'a> {
     /// Mean, n numbers.
     pub mean: &'a [f64],
     /// Covariance, n × n, symmetric to the last bit.
     pub cov: &'a [f64],
-    /// Mean before the update, n numbers; empty unless the sink wants it ([`Sink::wants_prior`](crate::Sink::wants_prior)). At the first sample and where
-    /// nothing was measured it is the mean.
+    /// Mean before the update, n numbers; empty unless the sink wants it ([`Sink::wants_prior`](crate::Sink::wants_prior)).
     pub prior_mean: &'a [f64],
     /// Covariance before the update, n × n; empty unless the sink wants it.
     pub prior_cov: &'a [f64],
@@ -24,8 +22,7 @@ pub struct Sample<'a> {
     pub innovation_cov: &'a [f64],
     /// K: for each sensor, the change of each channel by a unit of innovation; m × n.
     pub gain: &'a [f64],
-    /// The readings of the step to this sample that one of the same sensor follows in it. e, S and K are those of the last one; NIS
-    /// and det S count all.
+    /// The readings before those of e, S and K within the same sample, by the same sensors; NIS and det S count all.
     pub earlier: u32,
     /// Normalised innovation squared.
     pub nis: f64,
@@ -33,18 +30,15 @@ pub struct Sample<'a> {
     pub determinant: f64,
     /// ln det S of all readings, where det S is zero or infinite and S is of the last ones only; else NaN.
     pub ln_determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles; NaN for other filters, where it
-    /// follows from NIS and det S.
+    /// Of a particle filter, the logarithm of the mean likelihood of its particles; else NaN, as it follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,
     /// For an adaptive filter, the present variances of process and sensor noise.
     pub noise: Option<AssumedNoise<'a>>,
-    /// For a filter that weighs its readings, the weight of each sensor's, from 0 for none to about 1, m numbers; NaN where a sensor
-    /// measured nothing, and empty for any other filter.
+    /// The weight of each sensor's reading, from 0 to about 1, m numbers; NaN for none, empty for a filter that weighs none.
     pub weights: &'a [f64],
-    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once; of a bank, whether it is
-    /// from this sample on more probable that its parameters walk.
+    /// Whether the filter widened P in the step to this sample; of a bank, whether its parameters walk from here on.
     pub has_widened: bool,
 }
 
@@ -84,7 +78,6 @@ impl<'a> Sample<'a> {
     }
 }
 
-#[inline]
 pub(crate) fn readings(innovation: &[f64]) -> u32 {
     innovation.iter().map(|e| u32::from(!e.is_nan())).sum()
 }
@@ -98,13 +91,11 @@ pub struct AssumedNoise<'a> {
     pub sensors: &'a [f64],
     /// The variance of each number of [`Self::sensors`]; zero where R is not learnt.
     pub uncertainty: &'a [f64],
-    /// Mean and standard deviation of ln s, where s is the factor between √Q and the √Q of the settings; NaN for a filter with one scale
-    /// ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    /// Mean and std of ln s, s the factor on the settings' √Q; NaN for a filter with one scale.
     pub process_scale: [f64; 2],
 }
 
-/// Receives the samples of one filter in turn: a full history ([`Estimates`](crate::Estimates)), or running sums
-/// ([`Scores`](crate::Scores)).
+/// Receives the samples of one filter in turn, as [`Estimates`](crate::Estimates) and [`Scores`](crate::Scores) do.
 ///
 /// ```
 /// use kalmanscope_core::{Sample, Sink};
@@ -138,8 +129,7 @@ pub trait Sink {
     /// Notes that the filter has stopped; there are no more samples.
     fn stop_at(&mut self, stop: Stop);
 
-    /// Whether samples are to have the belief before the update too, `prior_mean` and `prior_cov`. It is copied for a sink
-    /// that asks, and costs nothing else.
+    /// Whether samples are to have the belief before the update too, which is copied then.
     fn wants_prior(&self) -> bool {
         false
     }
@@ -179,7 +169,6 @@ pub(crate) fn scalars(sample: &Sample<'_>) -> [f64; SCALARS] {
     [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, mean, std]
 }
 
-/// The sample with these [`parts`] and [`scalars`].
 pub(crate) fn sample_of<'a>(parts: [&'a [f64]; 11], scalars: [f64; SCALARS], has_noise: bool) -> Sample<'a> {
     let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = parts;
     let [nis, determinant, ln_determinant, log_likelihood, effective_samples, earlier, widened, process_scale @ ..] =

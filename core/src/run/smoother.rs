@@ -37,8 +37,7 @@ use crate::{Estimates, FilterSettings, Pass};
 
 /// A smoother in progress. If its filter stops, it ends with the last sample before.
 pub trait Smoother: Piecewise {
-    /// Continues for at most `steps` steps over the first `samples` samples of a record, which are all that will come if it
-    /// `is_whole`. Appends to `out` what is ready. Returns whether all is done that can be done.
+    /// Continues for at most `steps` steps over the first `samples` samples, all if it `is_whole`. Returns whether all is done.
     fn advance(&mut self, record: &Record, samples: usize, is_whole: bool, steps: usize, out: &mut Estimates) -> bool;
 
     /// The share of its work that is done, from 0 to 1.
@@ -57,7 +56,7 @@ impl Piecewise for Box<dyn Smoother> {
 }
 
 /// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
-pub struct Forward {
+pub(crate) struct Forward {
     pass: Pass,
     sink: Passages,
     hindsight: Hindsight,
@@ -70,7 +69,7 @@ pub(crate) struct Hindsight {
 
 impl Forward {
     /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
-    pub fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
         let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
         let mut pass = Pass::with(&one, context.clone(), sensors);
         pass.keep_passages().then(|| Self {
@@ -113,7 +112,7 @@ impl Hindsight {
 const FREED: usize = 4_000;
 
 /// The smoother of a whole record: the filter goes forward, its adjoint backward.
-pub struct FixedInterval {
+pub(crate) struct FixedInterval {
     forward: Forward,
     beliefs: Vec<Gaussian>,
     passages: Vec<Vec<Passage>>,
@@ -130,8 +129,7 @@ enum SmootherStage {
 }
 
 impl FixedInterval {
-    /// A smoother over the passage of this filter.
-    pub fn new(forward: Forward) -> Self {
+    pub(crate) fn new(forward: Forward) -> Self {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: SmootherStage::Forth }
     }
@@ -288,6 +286,7 @@ impl Piecewise for FixedLag {
 /// ```text
 /// λ ↦ Aᵀ λ - b,  Λ ↦ Aᵀ Λ A + C
 /// ```
+#[derive(Clone)]
 struct WayBack {
     /// A, n × n.
     closed_loop: Matrix,
@@ -329,15 +328,9 @@ struct LagWindow {
 
 impl LagWindow {
     fn push(&mut self, passages: &[Passage]) {
-        let over = |passages: &[Passage]| {
-            let ways = passages.iter().map(WayBack::over);
-            ways.reduce(|before, next| before.after(&next))
-        };
-        let Some(one) = over(passages) else { return };
-        self.over_newer = match &self.over_newer {
-            Some(newer) => Some(newer.after(&one)),
-            None => over(passages),
-        };
+        let ways = passages.iter().map(WayBack::over);
+        let Some(one) = ways.reduce(|before, next| before.after(&next)) else { return };
+        self.over_newer = Some(self.over_newer.as_ref().map_or_else(|| one.clone(), |newer| newer.after(&one)));
         self.newer.push(one);
     }
 

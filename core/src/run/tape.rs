@@ -5,8 +5,7 @@ use kalmanscope_filters::{FilterError, Stop};
 use crate::Estimates;
 use crate::run::sink::{SCALARS, Sample, Sink, parts, sample_of, scalars};
 
-/// Consecutive samples of one filter, for a history in another thread or worker. A history that takes them in has the
-/// same bits as one that the filter writes to.
+/// Consecutive samples of one filter, for a history in another thread or worker, which has the same bits.
 ///
 /// The first numbers are the count of samples, and the sample and the reason of a [`Stop`]; NaN where there is none.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,8 +14,7 @@ const CHUNK: f64 = 1e6;
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub const OF_RECORD: f64 = 500.0;
 
-/// Time that one member of an ensemble takes for one sample \[ns\]: by the number of its
-/// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
+/// Time of an ensemble's member for one sample, by its components and their square: `cargo bench --bench measurements -- largest` \[ns\].
 const OF_COMPONENT: f64 = 250.0;
 const OF_COVARIANCE: f64 = 12.0;
 
@@ -59,8 +58,7 @@ pub(crate) fn steps_over(turn: f64, accuracy: Option<f64>) -> usize {
 }
 
 impl FilterSettings {
-    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\]. It
-    /// affects only the order and the portions of the work.
+    /// The time that it takes for one sample on an ordinary processor, to within a factor of three, for portions of work \[ns\].
     pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
         let &Scenario { plant: Plant { kind: ref truth, .. }, input, dt, .. } = scenario;
         let one = (self.kind.info().time)(&self.method(truth), self.model(truth, input).size());
@@ -68,15 +66,13 @@ impl FilterSettings {
         one * (self.steps(truth, input, dt) * filters) as f64
     }
 
-    /// The propagation of the mean of a KF, EKF or IEKF of a truth of this kind: that of the settings, else local linearisation where
-    /// it is exact, and Runge-Kutta steps for a plant that is not linear.
+    /// The propagation of the mean: that of the settings, else local linearisation for a linear plant, and Runge-Kutta steps for others.
     pub fn propagation_for(&self, truth: &PlantKind) -> Propagation {
         let is_linear = self.plant.as_ref().unwrap_or(truth).info().is_linear;
         self.propagation.unwrap_or(if is_linear { Propagation::LocalLinearisation } else { Propagation::RungeKutta })
     }
 
-    /// The number of steps from one sample to the next, `dt` \[s\] later: that of the settings, else as many as the error of a
-    /// Runge-Kutta step asks for. A linear plant has one, so has the book's local linearisation, and a random sample errs by more.
+    /// The steps from one sample to the next, `dt` \[s\] later: those of the settings, else as many as a Runge-Kutta step's error asks for.
     pub fn steps(&self, truth: &PlantKind, input: InputKind, dt: f64) -> usize {
         if self.substeps > 0 {
             return self.substeps;

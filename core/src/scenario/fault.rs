@@ -41,13 +41,10 @@ by_key!(FaultInfo);
 impl Scenario {
     /// The addresses of all numbers of its sensors' faults.
     pub fn fault_addresses(&self) -> Vec<String> {
-        let mut all = Vec::new();
-        for sensor in &self.sensors {
-            for fault in sensor.faults.families() {
-                all.extend(fault.info().numbers.iter().map(|number| fault.address(sensor.measures, number)));
-            }
-        }
-        all
+        let faults = self.sensors.iter().flat_map(|one| one.faults.families().map(|fault| (one.measures, fault)));
+        faults
+            .flat_map(|(of, fault)| fault.info().numbers.iter().map(move |number| fault.address(of, number)))
+            .collect()
     }
 }
 
@@ -102,7 +99,6 @@ impl Act {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
     /// \[s\]
     pub(crate) time: f64,

@@ -25,12 +25,10 @@ settings! {
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     #[serde(default, deny_unknown_fields, expecting = "a table")]
     pub struct FilterSettings {
-        /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
-        /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
+        /// The filter's number, from 1 on, for its random numbers and its colour; 0, or no entry in a file, for that of its place.
         #[serde(skip_serializing_if = "is_default")]
         pub id: u32 = 0;
-        /// The name on screen, in files and in keys; that of its kind if empty. Without control characters and marks that turn the
-        /// direction of writing. No two filters have the same: the later one gets a number behind it.
+        /// The name on screen, in files and in keys, of which each filter has its own; that of its kind if empty.
         #[serde(deserialize_with = "super::identity::name")]
         pub name: String = String::new();
         /// The kind of filter.
@@ -41,29 +39,23 @@ settings! {
         /// The kind of plant that the filter assumes; the truth's own if left out.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub plant: Option<PlantKind> = None;
-        /// The augmentations ([`kalmanscope_filters::channel::augment`]) in the filter's state; one with zero standard deviations is held
-        /// constant.
+        /// The augmentations in the filter's state; one with zero standard deviations is held constant.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         pub augment: Vec<Channel> = Vec::new();
-        /// The parameters and augmentations that the filter does not estimate, but whose uncertainty it counts: their means and standard
-        /// deviations stay as no reading had come, and what is not known of them widens the other bands
-        /// (Schmidt 1966).
+        /// Parameters and augmentations that it does not estimate, but whose uncertainty it counts (Schmidt 1966).
         #[serde(skip_serializing_if = "Vec::is_empty")]
         pub consider: Vec<Channel> = Vec::new();
-        /// The least and the most that parameters and augmentations can be: the estimates are mean and covariance of the belief
-        /// between them.
+        /// The least and the most that parameters and augmentations can be; estimates are moments of the belief between them.
         #[serde(skip_serializing_if = "Bounds::is_empty")]
         pub bounds: Bounds = Bounds::default();
-        /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
-        /// record is late. Outside the record, its first or last value holds.
+        /// The number of samples after which the plant feels the recorded input; negative where the record is late.
         #[serde(skip_serializing_if = "is_default")]
         pub input_delay: i32 = 0;
         INPUT_DELAY: input_delay, "delay of the input" {
             unit: "samples",
             allowed: Allowed::Whole(-MAX_DELAY, MAX_DELAY),
         }
-        /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
-        /// process standard deviations are divided by the initial mean, for the whole record.
+        /// Whether it estimates the logarithms of parameters that cannot be negative; their std are over the initial mean.
         pub log_parameters: bool = false;
         LOG_PARAMETERS: log_parameters, "logarithms of positive parameters" {
             allowed: Allowed::Flag,
@@ -90,8 +82,7 @@ settings! {
             hint: "Limit of the linearisations of the sensors in one update",
             serves: |filter, _| filter.kind == FilterKind::IEKF,
         }
-        /// The number of guesses of the natural frequency from which filters run side by side, spread from 0.14 to 7.4 times
-        /// its initial mean; the likeliest so far is reported. 1 for the initial mean alone.
+        /// The number of guesses of the natural frequency, of which the likeliest so far is reported. 1 for the initial mean alone.
         #[serde(skip_serializing_if = "is_one")]
         pub guesses: usize = 1;
         GUESSES: guesses, "guesses of ωₙ" {
@@ -101,8 +92,7 @@ settings! {
                    show the likeliest",
             serves: |filter, truth| filter.has_frequency(truth) && filter.can_have("guesses"),
         }
-        /// The number of filters that run side by side with Q as it is set, smaller and larger, √Q from 1/30 to 30 times; the estimates are their
-        /// mixture, and how large Q is. It learns as [`Self::adaptation`] says. 1 for Q as it is set.
+        /// The number of filters side by side with √Q from 1/30 to 30 times its setting, whose mixture is reported. 1 for Q as it is.
         #[serde(skip_serializing_if = "is_one")]
         pub process_scales: usize = 1;
         PROCESS_SCALES: process_scales, "scales of Q" {
@@ -144,8 +134,7 @@ settings! {
             hint: "Learn R and Q for this many seconds, then keep them; 0 learns all the time",
             serves: |filter, _| filter.adaptation.is_on() || filter.process_scales > 1,
         }
-        /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
-        /// change it learns again, and before it forgets nothing.
+        /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once.
         #[serde(skip_serializing_if = "is_default")]
         pub jump: bool = false;
         JUMP: jump, "jump at a sudden change" {
@@ -154,8 +143,7 @@ settings! {
                    Otherwise forget nothing. A remark says when",
             serves: |filter, _| filter.can_have("jump"),
         }
-        /// w \[1/√s\] of a bank of two models: the parameters are still in the first, and walk by w initial standard deviations in a
-        /// second in the other. 0 for one model.
+        /// w \[1/√s\] of a bank of two models: in the second, parameters walk by w initial std in a second. 0 for one model.
         #[serde(skip_serializing_if = "is_default")]
         pub walk: f64 = 0.0;
         WALK: walk, "walk of a bank's second model" {
@@ -217,15 +205,12 @@ settings! {
             serves: |filter, _| filter.kind != FilterKind::KF,
             is_varied: true,
         }
-        /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
-        /// R. The sensors' true ones if the list is empty in a file.
+        /// Standard deviations of the sensors: the square roots of the diagonal of R. The true ones if empty in a file.
         pub sensor_std: Vec<f64> = Vec::new();
-        /// The time by which each sensor is late, as the filter assumes, in their order \[s\]: a reading is of that time before its own;
-        /// negative where it is early. Filters that count in samples take the nearest. No sensor is if the list is empty.
+        /// The time by which each sensor is late, negative where it is early \[s\]. No sensor is if the list is empty.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         pub sensor_delay: Vec<f64> = Vec::new();
-        /// The times at which the motion begins again, pulled by an unknown force \[s\], in rising order: there the filter forgets it, and takes it
-        /// for as uncertain as at the beginning. Parameters and augmentations are what they were.
+        /// The times at which the motion begins again, pulled by an unknown force, in rising order \[s\].
         #[serde(skip_serializing_if = "Vec::is_empty")]
         pub plucks: Vec<f64> = Vec::new();
         /// Mean of the initial belief.
@@ -237,8 +222,7 @@ settings! {
         /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
         #[serde(deserialize_with = "values::process_std")]
         pub process_std: Values = Values::PROCESS_STD;
-        /// The correlation times of sensors' biases, the input's offset and the unknown force \[s\]: each is a Gauss-Markov process, of which
-        /// `exp(-dt / τ)` is left after a step, with its process noise as what is new. 0 for one that lasts.
+        /// The correlation times of biases, input offset and unknown force, as Gauss-Markov processes; 0 for one that lasts \[s\].
         #[serde(deserialize_with = "values::correlation_time", skip_serializing_if = "is_default")]
         pub correlation_time: Values = Values::ZERO;
     }
@@ -249,8 +233,7 @@ type Row = SettingInfo<FilterSettings>;
 /// The settings that are shown first: how long the filter remembers.
 pub static MEMORY: [&Row; 2] = [&FADING, &ETA];
 
-/// The ways in which parameters may change that stay as they are otherwise, one of which a filter has: in words, and the value that
-/// turns it on.
+/// The ways in which parameters may change, one of which a filter has: in words, and the value that turns it on.
 pub static CHANGES: [(&Row, &str, f64); 3] =
     [(&WALK, "walk", 0.1), (&JUMP, "jump", 1.0), (&PROCESS_SCALES, "Q of unknown size", 17.0)];
 
@@ -338,8 +321,7 @@ impl FilterSettings {
         *self == Self { name: self.name.clone(), color: self.color, ..other.clone() }
     }
 
-    /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the
-    /// parameters of its plant.
+    /// Whether the filter takes a channel as exact: a KF does so for the parameters of its plant.
     pub fn knows(&self, channel: Channel) -> bool {
         self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
     }

@@ -1,5 +1,4 @@
-//! The ids and the names of filters: each is unique, so that keys, buttons and tables mean one filter. Names from files, links and
-//! messages are checked here.
+//! The ids and the names of filters, of which each is unique, and checks of names from files, links and messages.
 
 use kalmanscope_filters::lists::mapped;
 use serde::de::Error as _;
@@ -11,9 +10,7 @@ use super::Scenario;
 pub(crate) const ALL: &str = "*";
 
 impl Scenario {
-    /// Gives every filter a unique id and a unique name. A filter without an id, or with that of an earlier one, gets the number
-    /// of its place, counted from 1, or else the first free number. A filter with the name of an earlier one, or of its smoother,
-    /// gets the first free number behind it.
+    /// Gives every filter a unique id, that of its place if it is free, and a unique name, if need be with a number behind it.
     pub fn number_filters(&mut self) {
         let mut taken = self.filter_ids();
         let mut seen = vec![0];
@@ -84,8 +81,7 @@ fn free(taken: &[u32]) -> u32 {
     (1..).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 
-/// Whether a character is text: no control character, and no mark that turns the direction of writing, with which a name
-/// can look like another.
+/// Whether a character is text: no control character, and no mark that turns the direction of writing.
 pub fn is_text(letter: char) -> bool {
     !(letter.is_control()
         || matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'))

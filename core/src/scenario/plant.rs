@@ -13,16 +13,14 @@ use super::Scenario;
 use crate::signal::Step;
 use crate::{Model, PlantKind, Signal};
 
-/// The plant to identify. It has the parameters of [`PlantKind::parameters`], and the augmentations
-/// ([`kalmanscope_filters::channel::augment`]) that have a signal.
+/// The plant to identify, with [`PlantKind::parameters`], and the augmentations that have a signal.
 #[derive(Clone, Debug)]
 pub struct Plant {
     /// The kind of plant.
     pub kind: PlantKind,
     /// The motion of the first mass at t = 0; everything else is at rest.
     pub initial: Motion,
-    /// Standard deviation of an unmeasured force over mass, which is normal, held over each step, and the same for
-    /// every mass \[m/s²\].
+    /// Standard deviation of an unmeasured normal force over mass, held over each step, the same for every mass \[m/s²\].
     pub disturbance_std: f64,
     /// The delay of the input, in samples, from the record to the plant; negative where the record is late.
     pub input_delay: i32,
@@ -40,8 +38,7 @@ pub struct Motion {
 }
 
 impl Plant {
-    /// The signal of a channel: for a parameter its own or the usual value, for an augmentation its own, if any. `None`
-    /// for a component of the motion.
+    /// The signal of a channel: a parameter's own or usual one, an augmentation's own, if any. `None` for the motion.
     pub fn parameter(&self, channel: Channel) -> Option<Signal> {
         let set = self.signals.iter().find(|(c, _)| *c == channel).map(|(_, signal)| *signal);
         let usual = || Signal::Constant(channel.usual_truth());
@@ -237,8 +234,7 @@ impl Scenario {
         }
     }
 
-    /// A sentence about the names in the truth's equation that become parameters although neither `parameters` nor a
-    /// value names them, with their guesses. `None` if there are none.
+    /// A sentence about parameters that neither `parameters` nor a value names, with their guesses, if there are some.
     pub fn assumed_parameters(&self) -> Option<String> {
         let settings = self.plant.kind.own_equation()?.settings();
         let is_named = |channel: Channel| settings.parameter(channel.key()).is_some() || self.plant.has_own(channel);

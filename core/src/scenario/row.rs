@@ -5,7 +5,6 @@ use std::fmt;
 use crate::PlantKind;
 
 /// A number, or a yes or no, of a `T`: a scenario or the settings of a filter.
-#[non_exhaustive]
 pub struct SettingInfo<T> {
     /// The key in scenario files and addresses.
     pub key: &'static str,

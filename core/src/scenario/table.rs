@@ -8,7 +8,6 @@ use super::row::{Allowed, by_key};
 use super::{FilterSettings, Sensor, Values};
 
 /// A table of a filter.
-#[non_exhaustive]
 pub struct TableInfo {
     /// The key in scenario files and addresses.
     pub key: &'static str,

@@ -11,8 +11,7 @@ use crate::Signal;
 use crate::signal::{Ramp, Sine, Step};
 
 impl Scenario {
-    /// The true noise, for a filter's settings: that of the sensors ([`Self::true_sensor_std`]), the effect of the
-    /// disturbance in one step, and the root mean square change of the parameters per step.
+    /// The true noise: that of the sensors, the effect of the disturbance in one step, and the parameters' change per step.
     pub fn true_noise(&self) -> (Vec<f64>, Values) {
         let sensor_std = self.true_sensor_std();
         let d = self.plant.disturbance_std;
@@ -28,8 +27,7 @@ impl Scenario {
         (sensor_std, process_std)
     }
 
-    /// [`Self::true_noise`] for this filter. One that knows of a white force has the disturbance there, and neither in R nor
-    /// in the motion.
+    /// [`Self::true_noise`] for this filter: if it knows of a white force, the disturbance is there and nowhere else.
     pub fn true_noise_for(&self, filter: &FilterSettings) -> (Vec<f64>, Values) {
         let (sensor_std, mut process_std) = self.true_noise();
         if !filter.augment.contains(&Channel::WHITE_FORCE) {
@@ -42,8 +40,7 @@ impl Scenario {
         (mapped(&self.sensors, &|s| usable_std(s.measures, s.noise_std)), process_std)
     }
 
-    /// The factor s between the true √Q and that of this filter, from their σ of velocities. `None` where nothing shakes the plant, where
-    /// velocities have several factors, and where s times another σ of the filter is above the true one.
+    /// The factor between the true √Q and that of this filter, by σ of velocities. `None` where there is no single one.
     pub fn true_process_scale(&self, filter: &FilterSettings) -> Option<f64> {
         let (_, truth) = self.true_noise_for(filter);
         let channels = self.plant.kind.channels();
@@ -56,8 +53,7 @@ impl Scenario {
         is_in_proportion.then_some(first)
     }
 
-    /// The standard deviations of the sensors' noise for a filter's settings: the sensor's own noise, and the effect of
-    /// the disturbance on its reading, such as that of an accelerometer.
+    /// The std of the sensors' noise for a filter: their own, and the effect of the disturbance on their readings.
     ///
     /// ```text
     /// R = noise² + (∂h/∂F)² disturbance²

@@ -15,11 +15,11 @@ use super::numbers::of_scenario;
 use super::row::{Allowed, SettingInfo};
 use super::table::TABLES;
 use super::{FilterSettings, Plant, Scenario};
+use crate::signal::Ramp;
 use crate::{PlantKind, Signal};
 
 /// The reason why a scenario cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
 pub enum ScenarioError {
     /// The text is not a scenario: the message has the line, the key and the reason.
     #[error("{0}")]
@@ -61,35 +61,25 @@ impl Scenario {
         for info in of_scenario().filter(|info| (info.serves)(self, &plant.kind)) {
             check(format_args!(""), info, self)?;
         }
-        require(
-            *duration >= *dt && duration / dt <= (MAX_SAMPLES - 1) as f64,
-            "duration",
-            duration,
-            format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
-        )?;
+        let most = MAX_SAMPLES - 1;
+        let is_of_samples = *duration >= *dt && duration / dt <= most as f64;
+        require(is_of_samples, "duration", duration, format_args!("from 1 to {most} times dt"))?;
         plant.validate()?;
         length(sensors.len() <= MAX_SENSORS, "sensors", sensors.len(), format_args!("at most {MAX_SENSORS}"))?;
         for (i, sensor) in sensors.iter().enumerate() {
-            require(
-                plant.kind.has(sensor.measures),
-                format_args!("sensors[{i}].measures"),
-                format_args!("\"{}\"", sensor.measures.key()),
-                format_args!("something that a {} has", plant.kind.name()),
-            )?;
+            let (key, quantity, plants) =
+                (format_args!("sensors[{i}].measures"), sensor.measures.key(), plant.kind.name());
+            let allowed = format_args!("something that a {plants} has");
+            require(plant.kind.has(sensor.measures), key, format_args!("\"{quantity}\""), allowed)?;
             number(format_args!("sensors[{i}].noise_std"), sensor.noise_std, Allowed::AtLeast(0.0))?;
             for fault in sensor.faults.families() {
                 let numbers = sensor.faults.numbers(fault).unwrap_or_default();
                 for (info, &value) in fault.info().numbers.iter().zip(numbers) {
-                    let key = format_args!("sensors[{i}].faults.{}.{}", fault.info().key, info.key);
-                    number(key, value, info.allowed)?;
+                    number(format_args!("sensors[{i}].faults.{}.{}", fault.info().key, info.key), value, info.allowed)?;
                 }
             }
-            require(
-                sensors[..i].iter().all(|s| s.measures != sensor.measures),
-                format_args!("sensors[{i}].measures"),
-                format_args!("\"{}\" again", sensor.measures.key()),
-                "a quantity that no other sensor measures",
-            )?;
+            let is_new = sensors[..i].iter().all(|s| s.measures != sensor.measures);
+            require(is_new, key, format_args!("\"{quantity}\" again"), "a quantity that no other sensor measures")?;
         }
         length(filters.len() <= MAX_FILTERS, "filters", filters.len(), format_args!("at most {MAX_FILTERS}"))?;
         for (i, filter) in filters.iter().enumerate() {
@@ -141,12 +131,8 @@ impl FilterSettings {
         for info in of_filter() {
             check(format_args!("{path}."), info, self)?;
         }
-        require(
-            self.guesses == 1 || self.has_frequency(truth),
-            format_args!("{path}.guesses"),
-            self.guesses,
-            "1 for a filter without a natural frequency above 0 to estimate",
-        )?;
+        let (holds, key) = (self.guesses == 1 || self.has_frequency(truth), format_args!("{path}.guesses"));
+        require(holds, key, self.guesses, "1 for a filter without a natural frequency above 0 to estimate")?;
         if let Some((other, first, reason)) = self.excluded() {
             let value = document::of(self).map_or(Document::Null, |own| own[other.key].clone());
             let allowed = format_args!("left out for a filter that {}: {reason}", first.words);
@@ -178,19 +164,10 @@ impl FilterSettings {
         for (channel, between) in self.bounds.iter() {
             let key = format_args!("{path}.bounds.{}", channel.key());
             let [least, most] = between.ends();
-            require(
-                is_considerable(channel),
-                key,
-                "set",
-                "left out: it is no parameter that the filter does not know, and none of its augmentations but the white force",
-            )?;
-            let is_finite = between.least.into_iter().chain(between.most).all(f64::is_finite);
-            require(
-                is_finite && least < most,
-                key,
-                format_args!("from {least} to {most}"),
-                "from a number to a larger one",
-            )?;
+            let allowed = "left out: it is no parameter that the filter does not know, and none of its augmentations but the white force";
+            require(is_considerable(channel), key, "set", allowed)?;
+            let is_rising = least < most && between.least.into_iter().chain(between.most).all(f64::is_finite);
+            require(is_rising, key, format_args!("from {least} to {most}"), "from a number to a larger one")?;
             let (key, mean) = (format_args!("{path}.initial_mean.{}", channel.key()), initial_mean[channel]);
             if !(least..=most).contains(&mean) {
                 return Err(impossible(key, mean, format_args!("between its bounds, {least} and {most}")));
@@ -214,12 +191,9 @@ impl FilterSettings {
             require(late.abs() <= Delays::MOST * dt, format_args!("{path}.sensor_delay[{place}]"), late, allowed)?;
         }
         for (channel, time) in self.correlation_time.iter() {
-            require(
-                time == 0.0 || channel.can_be_forgotten(),
-                format_args!("{path}.correlation_time.{}", channel.key()),
-                time,
-                "0 for all but the bias of a sensor, the input offset and the unknown force",
-            )?;
+            let key = format_args!("{path}.correlation_time.{}", channel.key());
+            let allowed = "0 for all but the bias of a sensor, the input offset and the unknown force";
+            require(time == 0.0 || channel.can_be_forgotten(), key, time, allowed)?;
         }
         for table in TABLES {
             if let Some((entry, value)) = table.first_refused(self) {
@@ -267,12 +241,9 @@ fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioE
         number(format_args!("{path}{name}"), value, Allowed::Finite)?;
     }
     match signal {
-        Signal::Ramp(ramp) => require(
-            ramp.end >= ramp.start,
-            format_args!("{path}.ramp.end"),
-            ramp.end,
-            format_args!("at least ramp.start = {}", ramp.start),
-        ),
+        Signal::Ramp(Ramp { start, end, .. }) => {
+            require(end >= start, format_args!("{path}.ramp.end"), end, format_args!("at least ramp.start = {start}"))
+        }
         Signal::Sine(sine) => number(format_args!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
         Signal::Constant(_) | Signal::Step(_) => Ok(()),
     }

@@ -10,8 +10,7 @@ use kalmanscope_filters::channel::Usual;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
-/// numbers have their usual value.
+/// One number for each channel of every plant, in the channel's unit; the usual value where it is unset.
 #[derive(Clone, Debug, Default)]
 pub struct Values {
     otherwise: Otherwise,

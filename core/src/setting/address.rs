@@ -25,7 +25,6 @@ use crate::signal::Signal;
 /// assert_eq!((address.get(&scenario), address.to_string()), (1.02, "filters#2.fading".to_owned()));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct Address {
     place: Place,
     /// The text as it is written, by the id of a filter.
@@ -47,7 +46,6 @@ pub struct Address {
 /// The reason why a text is the address of no number.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the scenario has no number `{key}` to vary{instead}")]
-#[non_exhaustive]
 pub struct UnknownSetting {
     /// The text.
     pub key: String,
@@ -149,8 +147,7 @@ impl Address {
         matches!(self.place, Place::Filters(_, Member::Factor(..)))
     }
 
-    /// Whether two addresses share a number: they are the same, or a number and the factor on its table, of filters that are the
-    /// same or among all.
+    /// Whether two addresses share a number: they are the same, or a number and the factor on its table.
     pub fn overlaps(&self, other: &Self) -> bool {
         match (&self.place, &other.place) {
             (Place::Filters(one, a), Place::Filters(two, b)) => {
@@ -160,8 +157,7 @@ impl Address {
         }
     }
 
-    /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the first
-    /// value. NaN where the scenario has no such number.
+    /// The value in a scenario, that of the first filter where there are several; NaN where it has no such number.
     pub fn get(&self, scenario: &Scenario) -> f64 {
         let sensor = |quantity: &Quantity| scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
         let number = match &self.place {
@@ -209,9 +205,7 @@ impl Address {
             }
         }
     }
-}
 
-impl Address {
     pub(super) fn shape(&self, scenario: &Scenario) -> Option<&'static str> {
         let Place::Parameter(channel) = &self.place else { return None };
         let numbers = scenario.plant.parameter(*channel)?.numbers();

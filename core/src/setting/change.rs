@@ -90,8 +90,7 @@ impl Change {
         self.0.push(Part::Plant(kind));
     }
 
-    /// Changes a scenario, and turns off the options of filters that then exclude each other. Returns the addresses of all settings that
-    /// it has set, those of filters by their ids. The result may be impossible.
+    /// Changes a scenario, and turns off options that then exclude each other. Returns the addresses of all that it has set.
     ///
     /// # Errors
     /// [`ScenarioError`] where the scenario has no place for a setting.

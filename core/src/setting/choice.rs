@@ -10,7 +10,6 @@ use crate::scenario::{FilterSettings, Scenario, option};
 use crate::signal::Force;
 
 /// A choice of a `T`: a scenario or the settings of a filter.
-#[non_exhaustive]
 pub struct ChoiceInfo<T> {
     /// The key in scenario files and addresses.
     pub key: &'static str,

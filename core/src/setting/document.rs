@@ -1,29 +1,20 @@
-//! Scenarios as documents: the contents of a file of any format, and of TOML files; and the reasons why they are none.
+//! Scenarios as documents, of any format and of TOML, and the members of the populations that they describe.
+
+use std::collections::BTreeMap;
 
 use crate::document::{self, Document, DocumentError};
 use kalmanscope_filters::Quantity;
+use kalmanscope_filters::random::{Normal, Purpose};
+use kalmanscope_records::hash::Hash;
 
-use crate::scenario::{Scenario, ScenarioError, Sensor, Values};
+use super::{Address, DT, DURATION, SEED};
+use crate::scenario::{Law, Scenario, ScenarioError, Sensor, Values, short};
 
 impl Scenario {
-    /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
-    /// allowed values are those of a file.
-    ///
-    /// ```
-    /// use kalmanscope_core::Scenario;
-    /// use kalmanscope_core::document::{from_json, json};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let text = from_json(r#"{"duration": 20, "plant": {"natural_frequency": 6}, "filters": [{"kind": "ckf"}]}"#)?;
-    /// let by_hand = json!({ "duration": 20, "plant": { "natural_frequency": 6.0 }, "filters": [{ "kind": "ckf" }] });
-    /// let scenario = Scenario::from_document(&text)?;
-    /// assert_eq!(scenario, Scenario::from_document(&by_hand)?);
-    /// # Ok(())
-    /// # }
-    /// ```
+    /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format.
     ///
     /// # Errors
-    /// [`ScenarioError::Syntax`] where the document has an unknown key or a value of the wrong type, with the path of the key;
-    /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
+    /// Those of [`Self::from_toml`], without the line.
     pub fn from_document(document: &Document) -> Result<Self, ScenarioError> {
         Self::read(document, |error| error).map(|(scenario, _)| scenario)
     }
@@ -81,8 +72,7 @@ impl Scenario {
         Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
     }
 
-    /// The same, with a sentence for each filter that has another name than in the file, where two had the same, and one for
-    /// names of an equation that are taken for parameters.
+    /// The same, with a sentence for each filter that gets another name, and one for assumed parameters.
     ///
     /// # Errors
     /// Those of [`Self::from_toml`].
@@ -97,5 +87,58 @@ impl Scenario {
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         // The detour over a table puts subtables after plain values.
         Ok(document::to_toml(&self.as_written())?)
+    }
+
+    /// The member of the population with a seed, with its drawn numbers, each of a stream of its own; it may be impossible.
+    #[must_use]
+    pub fn member(&self, seed: u64) -> Self {
+        let mut member = Self { seed, draw: BTreeMap::new(), ..self.clone() };
+        for (address, value) in self.drawn(seed) {
+            address.set(&mut member, value);
+        }
+        member
+    }
+
+    /// The drawn numbers of the member with a seed, in the order of their keys. A key that names no number draws none.
+    pub fn drawn(&self, seed: u64) -> Vec<(Address, f64)> {
+        let one = |(key, law): (&String, &Law)| {
+            let address = Address::parse(self, key).ok()?;
+            let mut hash = Hash::default();
+            hash.add(address.key.as_bytes());
+            let value = short(law.draw(&mut Normal::new(seed, Purpose::Draw(hash.value()))));
+            let value = address.rounded(value);
+            Some((address, value))
+        };
+        self.draw.iter().filter_map(one).collect()
+    }
+
+    /// Leaves out draws of numbers that the scenario lacks, and writes the keys of the others by the ids of filters.
+    pub fn keep_draws(&mut self) {
+        for (key, law) in std::mem::take(&mut self.draw) {
+            if let Ok(address) = Address::parse(self, &key) {
+                self.draw.insert(address.key, law);
+            }
+        }
+    }
+
+    fn read_draws(&mut self) -> Result<(), ScenarioError> {
+        if self.draw.is_empty() {
+            return Ok(());
+        }
+        let mut numbered = self.clone();
+        numbered.number_filters();
+        for key in self.draw.keys() {
+            let unknown = |error| ScenarioError::Syntax(format!("draw: {error}"));
+            let address = Address::parse(&numbered, key).map_err(unknown)?;
+            // A population has one clock, and the seed is that of the member.
+            if [SEED.key, DT.key, DURATION.key].contains(&&*address.key) {
+                return Err(ScenarioError::Syntax(format!(
+                    "draw: `{key}` is the same for all members of a population"
+                )));
+            }
+        }
+        numbered.keep_draws();
+        self.draw = numbered.draw;
+        Ok(())
     }
 }

@@ -17,11 +17,6 @@ const BY_NAME: &str = "filters.";
 
 impl FilterSettings {
     /// The address of one of its settings, by its id.
-    ///
-    /// ```
-    /// let scenario = kalmanscope_core::Scenario::default();
-    /// assert_eq!(scenario.filters[1].address("fading"), "filters#2.fading");
-    /// ```
     pub fn address(&self, key: &str) -> String {
         address(self.id, key)
     }
@@ -37,8 +32,7 @@ pub(super) fn split_id(address: &str) -> Option<(u32, &str)> {
 }
 
 impl Scenario {
-    /// The places of the filters that an address means, and the key behind it: one filter by its id, its name or its number, all by `*`. A
-    /// name may have dots in it: the longest one that fits is meant. `None` where the address is of no filter of the scenario.
+    /// The places of the filters that an address means, and the key behind it; of names that fit, the longest one is meant.
     pub fn filters_at<'a>(&self, address: &'a str) -> Option<(Vec<usize>, &'a str)> {
         if let Some((id, key)) = split_id(address) {
             let mut places = (0..self.filters.len()).filter(|&place| self.filters[place].id == id);
@@ -80,8 +74,7 @@ impl Scenario {
         filter.unwrap_or_else(|| address.to_owned())
     }
 
-    /// The end of a sentence about an address that is not found: the filters that there are, where it is the filter that is not
-    /// found. Empty otherwise.
+    /// The end of a sentence about an address whose filter is not found: the filters that there are. Empty otherwise.
     pub fn filters_instead_of(&self, address: &str) -> String {
         let is_found = [address, &format!("{address}.")].into_iter().any(|address| self.filters_at(address).is_some());
         if !(address.starts_with(BY_ID) || address.starts_with(BY_NAME)) || is_found {

@@ -90,10 +90,8 @@ impl Place {
         if scenario.filters_at(text).is_some() {
             let numbers = of_filter().map(|info| info.key);
             let keys = listed(numbers.chain(TABLES.map(|table| table.key)));
-            return format!(
-                "; a filter has {keys}, and in the last {} a number for each channel or sensor",
-                TABLES.len()
-            );
+            let count = TABLES.len();
+            return format!("; a filter has {keys}, and in the last {count} a number for each channel or sensor");
         }
         if text.starts_with("filters") {
             return scenario.filters_instead_of(text);
@@ -103,10 +101,8 @@ impl Place {
             serving.map(|info| info.key).partition(|key| key.starts_with(PLANT));
         if text.starts_with(PLANT) {
             let parameters = scenario.plant.parameters().map(Channel::key);
-            return format!(
-                "; its plant has {}",
-                listed(parameters.chain(of_plant.into_iter().map(|key| &key[PLANT.len()..])))
-            );
+            let keys = listed(parameters.chain(of_plant.into_iter().map(|key| &key[PLANT.len()..])));
+            return format!("; its plant has {keys}");
         }
         if text.starts_with("sensors") {
             return match &scenario.sensors[..] {

@@ -13,19 +13,13 @@ use crate::run::waste::Piecewise;
 use crate::scenario::Fault;
 use crate::{FilterSettings, Scenario, Sensor};
 
-/// The posterior Cramér-Rao bound for one filter of a scenario. No unbiased filter with the same initial belief and
-/// process noise has smaller covariances. The bound uses the truth's plant and delays, the true noise of the sensors (with the
-/// disturbance that an accelerometer feels), the readings' own times and no fading. It takes an augmentation of the truth that the filter lacks
-/// as known.
+/// The posterior Cramér-Rao bound for one filter: no unbiased filter with its initial belief and process noise has smaller covariances.
 ///
 /// ```text
 /// J⁻ₖ₊₁ = (Φₖ Jₖ⁻¹ Φₖᵀ + Q)⁻¹,  Jₖ₊₁ = J⁻ₖ₊₁ + Hₖ₊₁ᵀ R⁻¹ Hₖ₊₁
 /// ```
 ///
-/// with Φ and H along the true trajectory, in place of the mean over all trajectories. The recursion is that of `J⁻¹`,
-/// computed by the predict and update of a filter with its mean set to the truth at every sample. This is algebraically
-/// the same, and it allows parameters of variance zero. For a linear plant with known parameters the bound is the
-/// Kalman filter's own covariance.
+/// with Φ and H along the true trajectory, by a filter of `J⁻¹` with its mean set to the truth: so variances can be zero.
 ///
 /// Source: Tichavský, Muravchik and Nehorai (1998), Posterior Cramér-Rao bounds for discrete-time nonlinear filtering,
 /// equations 21 and 34.
@@ -41,8 +35,7 @@ pub struct CramerRao {
 }
 
 impl CramerRao {
-    /// The bound for the filter at `place` before the first sample, with `dt` \[s\] between samples. `None` if there is
-    /// no such filter.
+    /// The bound for the filter at `place`, if there is one, before the first sample, with `dt` \[s\] between samples.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
         let settings = bound_settings(scenario, place)?;
         let context = FilterContext::new(scenario, dt, &settings);
@@ -63,15 +56,12 @@ impl CramerRao {
         }
     }
 
-    /// Whether this bound also applies to the filter at `place`: the initial belief and the process noise are equal.
-    /// The rest of the scenario must be the same.
+    /// Whether this bound also applies to the filter at `place`, as the rest of the scenario is the same.
     pub fn is_for(&self, scenario: &Scenario, place: usize) -> bool {
         bound_settings(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
-    /// Takes in the samples of a record of this scenario up to `end` of those that are kept, and forgets those that the record has forgotten.
-    /// There is no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in here.
-    /// Returns whether everything before `end` is done.
+    /// Takes in the samples up to `end` of those that are kept. No bound without the truth. Returns whether all before `end` is done.
     pub fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();

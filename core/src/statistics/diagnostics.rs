@@ -20,31 +20,16 @@ pub use accuracy::ErrorSums;
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
-/// The depth of the diagnostics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Depth {
-    /// NIS, NEES and likelihood, with less memory: no tallies of errors, no whiteness and no diagnosis.
-    Consistency,
-    /// Everything.
-    #[default]
-    All,
-}
-
 /// The accuracy and consistency of one filter, from running sums that are updated sample by sample.
 ///
-/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). The numbers are bit-identical however the
-/// samples are divided into portions.
+/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). Portions change no bit.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), the diagnostics cover the samples that are
-/// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
+/// Indices count from the first sample that is kept. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
-    /// The depth of these diagnostics.
-    pub depth: Depth,
     scores: Scores,
     samples: usize,
     forgotten: usize,
-    /// The squares of the errors of each channel of known truth.
     errors: Vec<RangeSums>,
     nees: Vec<f64>,
     nees_totals: Totals,
@@ -52,18 +37,13 @@ pub struct Diagnostics {
     nis: Totals,
     /// The 95 % quantile of χ² for one and more degrees of freedom.
     limits: Vec<f64>,
-    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
+    /// The whiteness of the innovations, sensor by sensor.
     pub whiteness: Vec<Whiteness>,
     /// Where and why the filter stopped, if it did.
     pub stop: Option<Stop>,
 }
 
 impl Diagnostics {
-    /// Empty diagnostics, for [`Self::restart`].
-    pub fn empty(depth: Depth) -> Self {
-        Self { depth, ..Self::default() }
-    }
-
     /// The diagnostics of all estimates of a filter so far, against the record that it uses.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let mut diagnostics = Self::default();
@@ -71,7 +51,7 @@ impl Diagnostics {
         diagnostics
     }
 
-    /// Begins again with other estimates, at the same depth, and reuses the memory.
+    /// Begins again with other estimates, and reuses the memory.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
         self.clear(estimates, record);
         self.follow_to(estimates.len(), estimates, record);
@@ -79,12 +59,11 @@ impl Diagnostics {
 
     /// Removes what was taken in, and keeps the memory.
     pub fn clear(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { depth, scores, samples, forgotten, errors, nees, nees_totals, inside, nis, limits, .. } = self;
-        let Self { whiteness, stop, .. } = self;
+        let Self { scores, samples, forgotten, errors, nees, nees_totals, inside, nis, limits, whiteness, stop } = self;
         *scores = Scores::new(estimates, record);
         (*samples, *forgotten, *inside, *stop) = (0, estimates.forgotten(), 0, None);
         let known = scores.sums.tracked.len();
-        errors.resize_with(if *depth == Depth::All { known } else { 0 }, RangeSums::default);
+        errors.resize_with(known, RangeSums::default);
         errors.iter_mut().for_each(RangeSums::clear);
         nees.clear();
         nees_totals.clear();
@@ -93,13 +72,10 @@ impl Diagnostics {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
         whiteness.clear();
-        if *depth == Depth::All {
-            whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
-        }
+        whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
     }
 
-    /// Takes in the new samples up to one, each in constant time. `estimates` and `record` must be those that the diagnostics
-    /// began with, grown longer. Where samples have been forgotten since, begins again with those that are kept.
+    /// Takes in the new samples up to one, each in constant time. Where samples have been forgotten, begins again with the rest.
     pub fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
@@ -155,8 +131,7 @@ impl Diagnostics {
     }
 
     fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
-        let Some(errors) = self.errors.get(at) else { return ErrorSums::default() };
-        let (squares, (known, inside)) = errors.within(range, self.scores.sums.tracked[at].total(0).squares);
+        let (squares, (known, inside)) = self.errors[at].within(range, self.scores.sums.tracked[at].total(0).squares);
         ErrorSums { squares, known, inside }
     }
 
@@ -180,15 +155,13 @@ impl Diagnostics {
         Some(self.scores.sums.tracked[self.place(channel)?].error).filter(|error| !error.is_nan())
     }
 
-    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
-    /// [`Depth::Consistency`].
+    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known.
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<ErrorSums> {
         let tally = self.within(self.place(channel)?, range);
         (tally.known > 0).then_some(tally)
     }
 
-    /// Each with its root mean square error over the last fifth in standard deviations and in its unit: more than `limit`
-    /// standard deviations, larger than the truth ever was and than the initial belief allows.
+    /// Channels whose root mean square error over the last fifth exceeds `limit` std, truth and initial belief: it in std, and itself.
     pub fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
@@ -206,17 +179,14 @@ impl Diagnostics {
         (2 * self.samples).div_ceil(3)..self.samples
     }
 
-    /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
-    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, the truth is not known, or the depth is
-    /// [`Depth::Consistency`].
+    /// The sample, from the run's beginning, since which a channel's estimate stays within 5 % of the truth, if it does.
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         let Tracked { settled, known, .. } = self.scores.sums.tracked[self.place(channel)?];
         let (settled, end) = (settled as usize, self.forgotten + self.samples);
-        (self.depth == Depth::All && known > 0.0 && settled < end).then_some(settled)
+        (known > 0.0 && settled < end).then_some(settled)
     }
 
-    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
-    /// factor.
+    /// The normalised estimation error squared of every sample; NaN without a truth or a factor of the covariance.
     ///
     /// ```text
     /// NEES = eᵀ P⁻¹ e
@@ -234,17 +204,14 @@ impl Diagnostics {
         self.nees_totals.within(range)
     }
 
-    /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
-    /// is none.
+    /// For each sample of a range, the NEES of the `window` samples up to it over its expectation; NaN where there is none.
     pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         self.nees_totals.moving_means(window, range)
     }
 
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
     ///
-    /// Errors of one run are strongly correlated from sample to sample, and the number of independent samples is
-    /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
-    /// errors the mean lies inside with a probability above 95 %.
+    /// Errors of one run are correlated from sample to sample, so the interval is that of a single one, which is wide.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
         MeanSquare::new(self.nees_totals.whole, 1)
     }
@@ -260,8 +227,7 @@ impl Diagnostics {
         self.nis.within(range)
     }
 
-    /// For each sample of a range that exists, the NIS of the `window` samples up to it over its expectation; NaN where there
-    /// is none.
+    /// For each sample of a range, the NIS of the `window` samples up to it over its expectation; NaN where there is none.
     pub fn moving_nis(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         self.nis.moving_means(window, range)
     }

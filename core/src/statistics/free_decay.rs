@@ -19,10 +19,8 @@ pub use sweep::Sweep;
 
 /// The free decay of an oscillator along one axis.
 ///
-/// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
-/// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
-/// ends where the readings are noise, or before they grow again. A phone's clock jitters, and a shift by a tenth of a step is as
-/// large as the noise: its file ([`Self::file`]) has the readings at their own times, and its series are carried to equal steps.
+/// Gravity, the mean under a Hann window, is taken away; the axis is that of the largest variance. The decay begins half a swing
+/// after the largest reading and ends in noise, or before it grows. Its file ([`Self::file`]) has readings at their own times.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
 /// Component Analysis*, chapter 1.
@@ -48,7 +46,6 @@ pub struct Decay {
 
 /// The reason why readings have no free decay.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[non_exhaustive]
 pub enum NoDecay {
     /// There are too few readings: their number, the time that they take \[s\], and the time that they take at least \[s\].
     #[error("there are {0} readings over {1:.2} s, but at least {MOST_FEW} over {2:.2} s are needed")]
@@ -101,9 +98,7 @@ impl Decay {
         Self::all(readings)?.into_iter().max_by(longest).ok_or(NoDecay::Short(0.0, SHORTEST))
     }
 
-    /// Every free decay, in the order of time: each pluck has its own. They have their own axis and gravity, so that a device
-    /// that is taken away at the end, or turned, spoils none. They are looked for at the largest reading, then before and after
-    /// what was found, in 64 parts at most.
+    /// Every free decay, in the order of time, with its own axis and gravity; looked for in 64 parts at most.
     ///
     /// # Errors
     /// [`NoDecay`] if there is none.
@@ -173,8 +168,7 @@ impl Decay {
         self.axis[0] * x + self.axis[1] * y + self.axis[2] * z - self.gravity
     }
 
-    /// An empty record for a decay that continues, with the same steps. It takes its readings from [`Self::begin`] on, along the
-    /// axis, and no input.
+    /// An empty record for a decay that continues, with the same steps, for readings along the axis from [`Self::begin`] on.
     pub fn live(&self) -> LiveRecord {
         let n = self.times.len();
         let dt = self.seconds() / n.saturating_sub(1).max(1) as f64;
@@ -182,8 +176,7 @@ impl Decay {
         LiveRecord::new(dt, InputKind::Force, Hold::First, vec![Quantity::ACCELERATION]).smoothing(side)
     }
 
-    /// The longest free decay in readings ([`Self::of`]), and all others along its axis that swing as fast, in the order of time. A hand
-    /// that takes the device away is none of them.
+    /// The longest free decay in readings ([`Self::of`]), and all others along its axis that swing as fast, in the order of time.
     ///
     /// # Errors
     /// [`NoDecay`].
@@ -225,8 +218,7 @@ impl Decay {
         0.5 * f64::from(changes)
     }
 
-    /// Decays of one oscillator as a CSV file that the importer reads: each reading with its own time after the beginning of the first one.
-    /// The motion by the hand in between is left out.
+    /// Decays of one oscillator as a CSV file that the importer reads, each reading with its time after the first one's beginning.
     pub fn file(decays: &[Self]) -> String {
         let mut text = "t [s],acceleration [m/s²]\n".to_owned();
         let Some(first) = decays.first() else { return text };
@@ -298,7 +290,6 @@ impl Pace {
     }
 }
 
-/// The end of the free decay from a place on, and whether nothing swings there.
 fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
     let mut before = (begin, 0.0);

@@ -4,15 +4,13 @@
 //! H(iω) = C (iω I - A)⁻¹ B
 //! ```
 //!
-//! is the transfer function from the force over mass \[m/s²\] to the displacement \[m\] of the first mass, so that |H|
-//! is in s². A and B are those of the plant at rest, so that for a Duffing or Bouc-Wen oscillator the response holds
-//! for small motion. It does not depend on the cubic stiffness or the shape of the hysteresis.
+//! is that from the force over mass \[m/s²\] to the displacement \[m\] of the first mass at rest, for small motion.
 
 use std::f64::consts::TAU;
 
 use kalmanscope_filters::Channel;
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
-use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::lists::{mapped, numbers, sort_numbers};
 use kalmanscope_records::Record;
 
 use crate::{Estimates, Model, PlantKind};
@@ -45,22 +43,17 @@ pub fn true_transfer_function(plant: &PlantKind, record: &Record, k: usize) -> O
 
 /// The estimate of |H| and its band at sample `k`, at frequencies \[rad/s\] that must be positive.
 ///
-/// The band comes from draws from the normal distribution of the parameters in canonical form
-/// ([`Estimates::canonical_mean`]). The draws are the same at every sample, so that the band moves as smoothly as the
-/// belief. A filter of logarithms reports its belief in the parameters' own units to first order, and its band has the
-/// same accuracy.
+/// The band comes from draws from the normal distribution of the parameters in canonical form, the same at every sample.
 pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believed {
     let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
         let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
         for batch in draws.chunks(DRAWS) {
-            let mut extremes = Extremes::new(frequencies.len());
-            for draw in batch {
-                extremes.push(&draw.magnitude(frequencies));
-            }
-            let (low, high) = extremes.quantiles();
-            for (mean, quantile) in band.0.iter_mut().zip(low).chain(band.1.iter_mut().zip(high)) {
-                *mean += quantile / BATCHES as f64;
+            let magnitudes: Vec<Vec<f64>> = mapped(batch, &|draw| draw.magnitude(frequencies));
+            for place in 0..frequencies.len() {
+                let [low, high] = quantiles(&mut numbers(batch.len(), &|draw| magnitudes[draw][place]));
+                band.0[place] += low / BATCHES as f64;
+                band.1[place] += high / BATCHES as f64;
             }
         }
         band
@@ -123,42 +116,11 @@ fn normal(i: usize, j: usize, d: usize) -> f64 {
 /// Source: Hyndman and Fan (1996), Sample quantiles in statistical packages, definition 5.
 const BEYOND_SECOND: f64 = 0.025 * DRAWS as f64 + 0.5 - 2.0;
 
-struct Extremes {
-    least: [Vec<f64>; 3],
-    most: [Vec<f64>; 3],
-}
-
-impl Extremes {
-    fn new(frequencies: usize) -> Self {
-        let all = |value: f64| std::array::from_fn(|_| vec![value; frequencies]);
-        Self { least: all(f64::INFINITY), most: all(f64::NEG_INFINITY) }
-    }
-
-    fn push(&mut self, values: &[f64]) {
-        insert(&mut self.least, values, |a, b| if a < b { (a, b) } else { (b, a) });
-        insert(&mut self.most, values, |a, b| if a > b { (a, b) } else { (b, a) });
-    }
-
-    fn quantiles(&self) -> (Vec<f64>, Vec<f64>) {
-        (quantile(&self.least), quantile(&self.most))
-    }
-}
-
-/// Keeps the three smallest values; `sorted` orders two of them.
-#[inline]
-fn insert([first, second, third]: &mut [Vec<f64>; 3], values: &[f64], sorted: impl Fn(f64, f64) -> (f64, f64)) {
-    for (((first, second), third), &value) in first.iter_mut().zip(second).zip(third).zip(values) {
-        let rest;
-        (*first, rest) = sorted(*first, value);
-        let (before, rest) = sorted(*second, rest);
-        *second = before;
-        *third = sorted(*third, rest).0;
-    }
-}
-
-fn quantile([_, second, third]: &[Vec<f64>; 3]) -> Vec<f64> {
-    let between = |(&a, &b): (&f64, &f64)| if a == b { a } else { a + BEYOND_SECOND * (b - a) };
-    second.iter().zip(third).map(between).collect()
+fn quantiles(values: &mut [f64]) -> [f64; 2] {
+    sort_numbers(values);
+    let between = |a: f64, b: f64| if a == b { a } else { a + BEYOND_SECOND * (b - a) };
+    let last = values.len() - 1;
+    [between(values[1], values[2]), between(values[last - 1], values[last - 2])]
 }
 
 /// The transfer function of a plant at rest, as a ratio of polynomials.
@@ -167,8 +129,7 @@ fn quantile([_, second, third]: &[Vec<f64>; 3]) -> Vec<f64> {
 /// H(s) = C (s I - A)⁻¹ B = b(s) / a(s),  a(s) = det(s I - A)
 /// ```
 ///
-/// The polynomials are those of `s / unit`. The unit is a frequency near those of the plant, so that the coefficients
-/// of a high degree neither overflow nor underflow.
+/// The polynomials are those of `s / unit`, so that coefficients of a high degree neither overflow nor underflow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     /// Coefficients of b, that of s⁰ first, padded with a zero to an even number; in s².
@@ -208,8 +169,7 @@ impl TransferFunction {
         Self { numerator, denominator, degree, unit }
     }
 
-    /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
-    /// \[s²\].
+    /// |H(iω)| at positive frequencies \[rad/s\]; infinite at a resonance without damping \[s²\].
     pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
@@ -218,8 +178,7 @@ impl TransferFunction {
         mapped(frequencies, &|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) })
     }
 
-    /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
-    /// \[rad/s\]; `None` without a natural frequency.
+    /// Two frequencies that enclose all natural frequencies, close to the ends where damping is small, if there are some \[rad/s\].
     ///
     /// ```text
     /// a(s) = Π (s² + 2ζᵢωᵢ s + ωᵢ²),  a₂ ≥ Σ ωᵢ²,  a₂' ≥ Σ 1/ωᵢ²
@@ -252,7 +211,6 @@ fn unit_of(motion: &Matrix) -> f64 {
 }
 
 /// |p(iω)|²: even powers of iω are real, odd ones are not.
-#[inline]
 fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
     let square = -frequency * frequency;
     let (mut even, mut odd) = (0.0, 0.0);
@@ -284,17 +242,5 @@ mod tests {
                 assert!(product.abs() < 0.08, "correlation {product} of {j} and {other}");
             }
         }
-    }
-
-    #[test]
-    fn quantiles_are_those_of_the_sorted_values() {
-        let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0, 5)).collect();
-        let mut extremes = Extremes::new(2);
-        values.iter().for_each(|&x| extremes.push(&[x, f64::INFINITY]));
-        values.sort_by(f64::total_cmp);
-        let (low, high) = extremes.quantiles();
-        assert!((low[0] - (values[1] + 0.9 * (values[2] - values[1]))).abs() < 1e-15);
-        assert!((high[0] - (values[DRAWS - 2] - 0.9 * (values[DRAWS - 2] - values[DRAWS - 3]))).abs() < 1e-15);
-        assert_eq!((low[1], high[1]), (f64::INFINITY, f64::INFINITY));
     }
 }

@@ -59,8 +59,7 @@ impl Evidence {
         self.sums.is_empty()
     }
 
-    /// The log evidence at sample `k`; from the sample on at which the filter stopped, minus infinity. `None` for a sample
-    /// that is still to come.
+    /// The log evidence at sample `k`; minus infinity once the filter has stopped, and `None` for a sample to come.
     pub fn at(&self, k: usize) -> Option<f64> {
         self.sums.get(k).copied().or(self.is_stopped.then_some(f64::NEG_INFINITY))
     }
@@ -97,8 +96,7 @@ impl ModelClasses {
         self.possible().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(class, _)| class)
     }
 
-    /// Mean and variance of a number over all classes that have it, each of which has its own mean and variance. `None` where no
-    /// possible class has it.
+    /// Mean and variance of a number over all possible classes that have it, each with its own mean and variance.
     ///
     /// ```text
     /// m = Σ Pᵢ mᵢ,  v = Σ Pᵢ (vᵢ + (mᵢ - m)²)

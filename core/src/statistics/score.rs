@@ -13,21 +13,7 @@ use crate::statistics::diagnostics::{ErrorSums, Total};
 use crate::{Estimates, Pass, RunError, Scenario};
 use lane_sums::ScoreSums;
 
-/// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
-/// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
-///
-/// ```
-/// use kalmanscope_core::{Pass, Run, Scenario, Scores};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-/// let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
-/// run.finish();
-/// let mut scores = Scores::new(&Pass::history(&scenario, 0)?, run.record());
-/// Pass::new(&scenario, 0, run.record())?.follow(run.record(), run.samples(), &mut scores.against(run.record()));
-/// assert_eq!(scores.outcome().samples, 2001);
-/// # Ok(())
-/// # }
-/// ```
+/// Running sums over the samples of one filter, in constant memory, with the bits of [`Diagnostics`](crate::Diagnostics).
 #[derive(Clone, Debug)]
 pub struct Scores {
     pub(crate) sums: ScoreSums<f64>,
@@ -72,11 +58,6 @@ impl Scores {
     /// The sink for samples of this record, which must be the one given to [`Self::new`].
     pub fn against<'a>(&'a mut self, record: &'a Record) -> Scoring<'a> {
         Scoring { scores: self, record, history: None }
-    }
-
-    /// The filter at the last sample.
-    pub fn sample_score(&self) -> SampleScore {
-        self.sums.sample_score(0)
     }
 
     /// All scores at once.
@@ -135,8 +116,7 @@ pub struct Outcome {
     pub log_likelihood: f64,
     /// Where and why the filter stopped, if it did.
     pub stop: Option<Stop>,
-    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
-    /// the largest truth and the initial uncertainty.
+    /// Whether it has stopped or lost the truth: in the last fifth an error exceeds 10σ, the truth and the initial σ.
     pub diverged: bool,
     /// The accuracy of each channel with a known truth, in the filter's order.
     pub channels: Vec<(Channel, ChannelScore)>,
@@ -201,8 +181,7 @@ pub struct SampleScore {
     pub nees: f64,
     /// NIS; NaN without a measurement.
     pub nis: f64,
-    /// Error, mean minus truth, and standard deviation of every channel, in its unit and in the filter's order; NaN where the
-    /// truth is not known.
+    /// Error and standard deviation of every channel in its unit, in the filter's order; NaN without a known truth.
     pub channels: Vec<[f64; 2]>,
 }
 
@@ -216,8 +195,7 @@ pub struct ScoredPass {
 }
 
 impl ScoredPass {
-    /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
-    /// order. It keeps all estimates if its scores need the history.
+    /// The filter at `place` before the first sample, to be scored after these samples, which are in order.
     ///
     /// # Errors
     /// Those of [`Pass::new`].
@@ -240,8 +218,7 @@ impl ScoredPass {
         self.pass.done()
     }
 
-    /// Continues until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
-    /// same in all calls. Returns whether the end is reached.
+    /// Continues until `samples` samples, counted from the record's beginning, are done. Returns whether the end is reached.
     pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, scores, samples: asked, sample_scores, history } = self;
         let mut sink = Scoring { scores, record, history: history.as_mut() };
@@ -251,7 +228,7 @@ impl ScoredPass {
                 asked.truncate(sample_scores.len());
                 break;
             }
-            sample_scores.push(sink.scores.sample_score());
+            sample_scores.push(sink.scores.sums.sample_score(0));
         }
         pass.follow(record, samples, &mut sink);
         pass.done() >= record.forgotten() + record.len()
@@ -265,19 +242,6 @@ impl ScoredPass {
 
 impl Outcome {
     /// Runs the filter at `place` of a scenario over the whole of a record, with the scores at each of these samples, which are in order.
-    ///
-    /// ```
-    /// use kalmanscope_core::score::Outcome;
-    /// use kalmanscope_core::{Run, Scenario};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
-    /// let mut run = Run::new(&scenario)?;
-    /// run.finish();
-    /// let outcome = Outcome::at(&scenario, 0, run.record(), &[])?;
-    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
-    /// # Ok(())
-    /// # }
-    /// ```
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

@@ -25,12 +25,35 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor, before its first window. `None` if there are too few. A missing
-    /// measurement repeats the one before it.
+    /// The spectrogram of a sensor's first `samples` measurements, before its first window. `None` if there are too few.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
-        Windows::new(record, sensor, samples, WINDOWS)
+        let mut last = 0.0;
+        let measured = record.measured(sensor).iter().take(samples);
+        let values = measured.map(|&value| {
+            if !value.is_nan() {
+                last = value;
+            }
+            last
+        });
+        let values: Vec<f64> = values.collect();
+        let [shortest, longest] = WINDOW;
+        let length =
+            (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * WINDOWS <= values.len())?;
+        let hop = (length / 4).max(values.len() / COLUMNS);
+        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
+        Some(Windows {
+            start: record.time(0),
+            dt: record.dt(),
+            values,
+            length,
+            hop,
+            weights: numbers(length, &weight),
+            transform: Transform::new(length),
+            buffer: vec![(0.0, 0.0); length],
+            power: Vec::new(),
+        })
     }
 }
 
@@ -47,51 +70,6 @@ pub struct Windows {
     transform: Transform,
     buffer: Vec<(f64, f64)>,
     power: Vec<Vec<f64>>,
-}
-
-impl Windows {
-    /// Windows of the first `samples` measurements of a sensor, none computed yet. They are short enough for `count` of
-    /// them side by side; they overlap, so that there are more. `None` if there are too few samples. A missing
-    /// measurement repeats the one before it.
-    pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
-        let mut last = 0.0;
-        let measured = record.measured(sensor).iter().take(samples);
-        let values = measured.map(|&value| {
-            if !value.is_nan() {
-                last = value;
-            }
-            last
-        });
-        let values: Vec<f64> = values.collect();
-        let [shortest, longest] = WINDOW;
-        let length = (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * count <= values.len())?;
-        let hop = (length / 4).max(values.len() / COLUMNS);
-        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
-        Some(Self {
-            start: record.time(0),
-            dt: record.dt(),
-            values,
-            length,
-            hop,
-            weights: numbers(length, &weight),
-            transform: Transform::new(length),
-            buffer: vec![(0.0, 0.0); length],
-            power: Vec::new(),
-        })
-    }
-
-    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
-    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
-    ///
-    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
-    /// Audio and Electroacoustics* 15(2).
-    pub fn density(&self) -> Vec<[f64; 2]> {
-        let Self { dt, length, weights, power, .. } = self;
-        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
-        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
-        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
-        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
-    }
 }
 
 impl Task for Windows {

@@ -4,10 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use kalmanscope_filters::lists::mapped;
 
+type Complex = nalgebra::Complex<f64>;
+
 /// The number of cycles in a window, unless the longest window is shorter.
 const CYCLES: f64 = 8.0;
 const FEWEST: usize = 4;
-/// The number of frequencies that share a window, so that the compiler can vectorise over them.
+/// The number of frequencies that share a window.
 const LANES: usize = 8;
 
 /// The one-sided power spectral density of a series at some frequencies, from running sums.
@@ -16,15 +18,9 @@ const LANES: usize = 8;
 /// S(ω) = Δt/(πn) · Σ |Σₖ wₖ fₖ exp(-iωkΔt)|²,  ∫ S dω = mean of fₖ²
 /// ```
 ///
-/// over half-sine windows that overlap by half, the outer sum over windows; in the series' unit squared per rad/s. The
-/// squares of the two weights of each of the n samples add up to one, so that an impulse has the same power at any
-/// time. White noise of standard deviation s has `S = s² Δt / π` up to the Nyquist frequency `π / Δt`. This is the
-/// density of the samples; a force held between them has `(sin(ωΔt/2) / (ωΔt/2))²` times that density.
+/// over half-sine windows that overlap by half; in the series' unit squared per rad/s. White noise has `S = s² Δt / π`.
 ///
-/// A window is eight cycles long, so that a spectral line has the same width everywhere on a logarithmic axis, but at
-/// most `longest`. The first window peaks at the first sample, and incomplete windows count, so that there is a density
-/// from the first sample on. The numbers are bit-identical however the samples are divided into portions, and the
-/// memory is constant.
+/// A window is eight cycles long, but at most `longest`; the first one peaks at the first sample. Portions change no bit.
 ///
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Harris (1978), On the use of
 /// windows for harmonic analysis with the discrete Fourier transform, section V.C; Brown (1991), Calculation of a constant Q
@@ -39,8 +35,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// An empty spectrum at `frequencies` \[rad/s\] in ascending order, with `dt` \[s\] between samples and windows of
-    /// at most `longest` \[s\].
+    /// An empty spectrum at ascending `frequencies` \[rad/s\], with `dt` \[s\] between samples, windows of at most `longest` \[s\].
     pub fn new(frequencies: Vec<f64>, dt: f64, longest: f64) -> Self {
         let groups = frequencies.chunks(LANES).map(|chunk| Group::new(chunk, dt, longest)).collect();
         Self { frequencies, dt, samples: 0, groups }
@@ -67,72 +62,32 @@ impl Spectrum {
 #[derive(Clone, Debug)]
 struct Group {
     frequencies: [f64; LANES],
-    turn: Phasors,
+    turn: [Complex; LANES],
     half: usize,
     halves: usize,
     samples: usize,
-    phase: Phasors,
+    phase: [Complex; LANES],
     /// Cosine and sine of an angle from 0 to π/2 within a half, the falling and rising weights; and of its step.
-    window: (f64, f64),
-    window_turn: (f64, f64),
-    rising: Sum,
-    falling: Sum,
-    risen: Sum,
+    window: Complex,
+    window_turn: Complex,
+    rising: [Complex; LANES],
+    falling: [Complex; LANES],
+    risen: [Complex; LANES],
     squares: [f64; LANES],
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Phasors {
-    cos: [f64; LANES],
-    sin: [f64; LANES],
+fn phasor(angle: f64) -> Complex {
+    let (sin, cos) = libm::sincos(angle);
+    Complex::new(cos, sin)
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    re: [f64; LANES],
-    im: [f64; LANES],
-}
-
-#[inline]
-fn turned((cos, sin): (f64, f64), (by_cos, by_sin): (f64, f64)) -> (f64, f64) {
-    (cos * by_cos - sin * by_sin, cos * by_sin + sin * by_cos)
-}
-
-impl Phasors {
-    fn new(angles: [f64; LANES]) -> Self {
-        let both = angles.map(libm::sincos);
-        Self { cos: both.map(|(_, cos)| cos), sin: both.map(|(sin, _)| sin) }
-    }
-
-    #[inline]
-    fn turn(&mut self, by: &Self) {
-        for i in 0..LANES {
-            (self.cos[i], self.sin[i]) = turned((self.cos[i], self.sin[i]), (by.cos[i], by.sin[i]));
-        }
-    }
-}
-
-impl Sum {
-    #[inline]
-    fn add(&mut self, phase: &Phasors, share: f64) {
-        for i in 0..LANES {
-            self.re[i] += share * phase.cos[i];
-            self.im[i] += share * phase.sin[i];
-        }
-    }
-
-    fn squares_with(&self, other: &Self) -> [f64; LANES] {
-        std::array::from_fn(|i| {
-            let (re, im) = (self.re[i] + other.re[i], self.im[i] + other.im[i]);
-            re * re + im * im
-        })
-    }
+fn squares(one: &[Complex; LANES], other: &[Complex; LANES]) -> [f64; LANES] {
+    std::array::from_fn(|i| (one[i] + other[i]).norm_sqr())
 }
 
 /// Samples stand in the middle of their intervals of the window.
-fn start_of_half(half: usize) -> (f64, f64) {
-    let (sin, cos) = libm::sincos(0.25 * PI / half as f64);
-    (cos, sin)
+fn start_of_half(half: usize) -> Complex {
+    phasor(0.25 * PI / half as f64)
 }
 
 impl Group {
@@ -141,19 +96,19 @@ impl Group {
         let frequencies = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)]);
         let length = (CYCLES * TAU / chunk[chunk.len() / 2]).min(longest);
         let half = (libm::round(0.5 * length / dt) as usize).max(FEWEST);
-        let (sin, cos) = libm::sincos(0.5 * PI / half as f64);
+        let nothing = [Complex::ZERO; LANES];
         Self {
             frequencies,
-            turn: Phasors::new(frequencies.map(|w| w * dt)),
+            turn: frequencies.map(|w| phasor(w * dt)),
             half,
             halves: 0,
             samples: 0,
-            phase: Phasors::new([0.0; LANES]),
+            phase: [Complex::ONE; LANES],
             window: start_of_half(half),
-            window_turn: (cos, sin),
-            rising: Sum::default(),
-            falling: Sum::default(),
-            risen: Sum::default(),
+            window_turn: phasor(0.5 * PI / half as f64),
+            rising: nothing,
+            falling: nothing,
+            risen: nothing,
             squares: [0.0; LANES],
         }
     }
@@ -172,31 +127,32 @@ impl Group {
     fn extend_half(&mut self, samples: &[f64]) {
         let Self { turn, phase, window, window_turn, rising, falling, .. } = self;
         for &sample in samples {
-            falling.add(phase, window.0 * sample);
-            rising.add(phase, window.1 * sample);
-            phase.turn(turn);
-            *window = turned(*window, *window_turn);
+            let Complex { re: falls, im: rises } = *window * sample;
+            for i in 0..LANES {
+                falling[i] += phase[i] * falls;
+                rising[i] += phase[i] * rises;
+                phase[i] *= turn[i];
+            }
+            *window *= *window_turn;
         }
         self.samples += samples.len();
     }
 
     /// Ends a half. Phases are computed from the time again, so that rounding does not accumulate.
     fn finish_half(&mut self, dt: f64) {
-        for (sum, square) in self.squares.iter_mut().zip(self.risen.squares_with(&self.falling)) {
-            *sum += square;
-        }
+        let ended = squares(&self.risen, &self.falling);
+        self.squares.iter_mut().zip(ended).for_each(|(sum, square)| *sum += square);
         self.risen = std::mem::take(&mut self.rising);
-        self.falling = Sum::default();
+        self.falling = [Complex::ZERO; LANES];
         self.samples = 0;
         self.window = start_of_half(self.half);
         self.halves += 1;
         let time = (self.halves * self.half) as f64 * dt;
-        self.phase = Phasors::new(self.frequencies.map(|w| w * time));
+        self.phase = self.frequencies.map(|w| phasor(w * time));
     }
 
     fn sums(&self) -> [f64; LANES] {
-        let falling = self.risen.squares_with(&self.falling);
-        let rising = self.rising.squares_with(&Sum::default());
+        let (falling, rising) = (squares(&self.risen, &self.falling), squares(&self.rising, &Default::default()));
         std::array::from_fn(|i| self.squares[i] + falling[i] + rising[i])
     }
 }

@@ -84,11 +84,6 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
 }
 
 impl Suggestion {
-    fn new(scenario: Scenario) -> Self {
-        let replaceable = vec![String::new(); scenario.sensors.len() + 1];
-        Self { scenario, reasons: Vec::new(), problem: None, replaceable }
-    }
-
     fn simulate_with(&mut self, channel: Channel, value: f64) {
         if self.scenario.plant.parameter(channel).is_some() {
             self.scenario.plant.set(channel, Signal::Constant(value));
@@ -135,7 +130,6 @@ impl Suggestion {
         self.replaceable[place] = format!("R of the {}: {noise} {unit}, {why}", measures.name());
     }
 
-    /// R of each sensor, so that innovations of these sizes over their expected ones are as large as expected.
     fn resize_noise(&mut self, sizes: &[f64]) {
         let why = "the size of the innovations, likelier than the noise at the highest frequencies";
         for (place, size) in sizes.iter().enumerate().take(self.scenario.sensors.len()) {
@@ -238,11 +232,8 @@ impl Suggestion {
 
     fn process_noise(&mut self, share: f64) {
         set_share(&mut self.scenario, share);
-        self.reasons.push(format!(
-            "Q of the motion: {} of its size a step, the likeliest of {} trials",
-            if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") },
-            SHARES.len()
-        ));
+        let (part, trials) = (if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") }, SHARES.len());
+        self.reasons.push(format!("Q of the motion: {part} of its size a step, the likeliest of {trials} trials"));
     }
 
     /// Once nothing moves any more, rounding makes a covariance without process noise singular.

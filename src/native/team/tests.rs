@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use kalmanscope::session::{Budget, Mode, ModelTime, Session};
 use kalmanscope::team::{CellBatch, Dispatch, Finding, Lost, Precision, Priority};
-use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source};
 use kalmanscope_diagnosis::{Measure, Wanted};
@@ -92,7 +91,7 @@ fn causes_free_runs_and_spectrograms_come_from_threads_as_from_the_frames() {
         session.pause();
         team.into_iter().for_each(|team| session.work_with(team));
         session.set_mode(Mode::Whole);
-        session.want(Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+        session.want(Wanted { diagnostics: true, ..Wanted::default() });
         session.want_trials(vec![id]);
         session.want_free_runs(Some(ModelTime::Last));
         session.want_spectrogram(true);

@@ -63,10 +63,7 @@ impl Estimates {
         }
     }
 
-    /// Drops the covariances and gains of all samples so far but the last, which is more than half of the memory. Diagnostics must
-    /// have followed before; a diagnosis, its causes and a free run need only the rest: means, variances, innovations
-    /// and their covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on;
-    /// [`Self::checksum`] leaves them out.
+    /// Drops the covariances and gains of all samples but the last, after their diagnostics; [`Self::checksum`] leaves them out.
     pub fn drop_matrices(&mut self) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         self.history.cov.drain(..self.history.cov.len().saturating_sub(n * n));
@@ -132,7 +129,6 @@ impl Estimates {
     }
 }
 
-#[inline]
 fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
     for (values, value) in columns.iter_mut().zip(sample) {
         values.push(value);
@@ -160,49 +156,30 @@ impl Piecewise for Estimates {
 
 /// Each column begins with the first sample that is kept, and has [`Estimates::len`] numbers. `channel` and `sensor` are
 /// places in [`Estimates::channels`] and [`Estimates::sensors`]: like an index into a slice, one beyond the last panics.
-///
-/// ```
-/// use kalmanscope_core::{Channel, Run, Scenario};
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mut run = Run::new(&Scenario { duration: 1.0, ..Scenario::default() })?;
-/// run.finish();
-/// let ekf = &run.estimates()[0];
-/// let wn = ekf.place(Channel::NATURAL_FREQUENCY).ok_or("the filter estimates it")?;
-/// let upper: Vec<f64> = ekf.means(wn).zip(ekf.stds(wn)).map(|(mean, std)| mean + 2.0 * std).collect();
-/// assert_eq!(upper.len(), 101);
-/// assert_eq!(upper[100], ekf.mean(100)[wn] + 2.0 * ekf.std(100, wn));
-/// # Ok(())
-/// # }
-/// ```
 impl Estimates {
     /// The mean of one channel, as in [`Self::mean`]. [`Self::canonical_means`] has those in canonical form.
-    pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn means(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(move |k| self.mean(k)[channel])
     }
 
     /// The standard deviation of one channel. [`Self::variances`] has the squares.
-    pub fn stds(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn stds(&self, channel: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         self.variances(channel).iter().map(|variance| variance.sqrt())
     }
 
     /// The innovation e of one sensor in its unit; NaN where it measured nothing.
-    pub fn innovations(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn innovations(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(move |k| self.innovation(k)[sensor])
     }
 
     /// The standard deviation of the innovation of one sensor, by S; NaN where it measured nothing.
-    pub fn innovation_stds(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn innovation_stds(&self, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         let diagonal = sensor * (self.sensors.len() + 1);
         (0..self.len()).map(move |k| self.innovation_cov(k)[diagonal].sqrt())
     }
 
-    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation. NaN where matrices have
-    /// been dropped ([`Self::drop_matrices`]).
-    pub fn gains(
-        &self,
-        channel: usize,
-        sensor: usize,
-    ) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation; NaN where it has been dropped.
+    pub fn gains(&self, channel: usize, sensor: usize) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         let n = self.channels.len();
         (0..self.len()).map(move |k| match self.gain(k) {
             [] => f64::NAN,
@@ -211,7 +188,7 @@ impl Estimates {
     }
 
     /// The log likelihood of the measurements, as in [`Self::log_likelihood`]; NaN where there was none.
-    pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator + '_ {
+    pub fn log_likelihoods(&self) -> impl ExactSizeIterator<Item = f64> + DoubleEndedIterator {
         (0..self.len()).map(|k| self.log_likelihood(k))
     }
 }

@@ -58,7 +58,6 @@ impl<L: Level> EngineSteps for L {
 }
 
 /// The noise that a filter learns, for all sensors: one that the model lacks keeps its R.
-#[derive(Clone)]
 struct LearntNoise {
     process: Vec<f64>,
     sensors: Vec<f64>,
@@ -135,10 +134,9 @@ impl FollowedEngine {
         mirror(Baseline, &mut prior.cov, prior.mean.len());
     }
 
-    fn condition(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn clear(&mut self) {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
-        self.add(level, force, readings)
     }
 
     fn add(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
@@ -177,20 +175,11 @@ impl FollowedEngine {
         push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
-    fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, places, update, in_units, learnt, .. } = self;
-        let mut learnt = learnt.clone();
-        let sample = learnt.extend(update.sample(&filter.belief.mean, &filter.belief.cov), filter, places);
-        let sample = if sink.wants_prior() { sample.with_prior(&filter.belief) } else { sample };
-        push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
-    }
-
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, level: &dyn EngineSteps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let mut whole = if parts.times.is_none() { self.next_sample() } else { [0.0; 2] };
         let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
-        self.update.clear();
-        self.learnt.weights.fill(f64::NAN);
+        self.clear();
         for (place, (part, readings)) in parts.iter().enumerate() {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
@@ -222,11 +211,13 @@ impl FollowedEngine {
 }
 
 impl<L: Level + Send> Estimator for AtLevel<L> {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let followed = &mut self.followed;
         if let Some(passages) = sink.passages() {
-            passages.begin(&self.followed.filter.belief);
+            passages.begin(&followed.filter.belief);
         }
-        self.followed.report_beginning(sink)
+        followed.prior.copy_from(&followed.filter.belief);
+        followed.report(sink.wants_prior(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -238,7 +229,8 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
             followed.keep_prior();
         }
         if followed.filter.has_options() {
-            followed.condition(level, force, measured)?;
+            followed.clear();
+            followed.add(level, force, measured)?;
             pass(&mut followed.filter, sink)?;
             return followed.report(wants_prior, sink);
         }
@@ -328,9 +320,16 @@ fn condition(
 }
 
 #[inline(always)]
-fn push(sample: Sample<'_>, in_units: Option<&mut InUnits<f64>>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+pub(super) fn push(
+    sample: Sample<'_>,
+    in_units: Option<&mut InUnits<f64>>,
+    sink: &mut dyn Sink,
+) -> Result<(), FilterError> {
     match in_units {
-        Some(in_units) => sink.push(&in_units.convert_finite(sample).ok_or(FilterError::NotFinite)?),
+        Some(in_units) => match in_units.take(sample) {
+            (sample, true) => sink.push(&sample),
+            (_, false) => return Err(FilterError::NotFinite),
+        },
         None => sink.push(&sample),
     }
     Ok(())

@@ -1,20 +1,21 @@
 //! A filter whose belief is a random sample, or your own, reporting its samples.
 
 use kalmanscope_filters::filter::{Begin, Correction, Filter, FilterError, Gaussian, Noise};
-use kalmanscope_filters::linalg::{Matrix, Vector};
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::random::{Normal, Purpose};
 use kalmanscope_records::record::Parts;
 
+use super::engine::push;
 use super::setup::Beginning;
+use super::update::InUnits;
 use super::{Estimator, Failed, FilterContext};
+use crate::FilterSettings;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
-use crate::{FilterSettings, Model};
 
 struct FollowedBelief {
-    model: Model,
     filter: Filter,
     correction: Correction,
+    in_units: Option<Box<InUnits<f64>>>,
 }
 
 pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
@@ -26,33 +27,32 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
         Err(FilterError::NotFinite) => return Box::new(Failed(FilterError::TooLarge)),
         Err(error) => return Box::new(Failed(error)),
     };
-    let (n, steps) = (model.size(), context.steps(settings));
-    let (state, readings) = (model.state.clone(), mapped(&context.sensors, &|sensor| model.reading(*sensor)));
-    let filter = Filter::new(state, belief, context.dt, context.hold, noise, readings, settings.adaptation);
+    let (n, sensors, steps) = (model.size(), context.sensors.len(), context.steps(settings));
+    let in_units = InUnits::new(&model.state.logarithms, n, sensors);
+    let readings = mapped(&context.sensors, &|sensor| model.reading(*sensor));
+    let filter = Filter::new(model.state, belief, context.dt, context.hold, noise, readings, settings.adaptation);
     let filter = filter.with_options(steps, white, settings.jump);
-    Box::new(FollowedBelief { model, filter, correction: Correction::nothing(n, context.sensors.len()) })
+    Box::new(FollowedBelief { filter, correction: Correction::nothing(n, sensors), in_units })
 }
 
 impl Estimator for FollowedBelief {
-    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { model, filter, correction } = self;
-        let belief = filter.belief.gaussian();
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units } = self;
         // An update checks that a belief is finite; nothing has checked the initial one.
-        if !filter.noise.is_finite()
-            || !belief.is_finite()
-            || report((model, filter), correction, sink.wants_prior().then_some(&belief), sink).is_err()
-        {
+        if !filter.noise.is_finite() {
             return Err(FilterError::TooLarge);
         }
-        Ok(())
+        let belief = filter.belief.gaussian();
+        let prior = sink.wants_prior().then_some(&*belief);
+        report(filter, correction, prior, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { model, filter, correction } = self;
+        let Self { filter, correction, in_units } = self;
         filter.predict([before, force])?;
         let prior = sink.wants_prior().then(|| filter.belief.gaussian().into_owned());
         filter.update(force, measured, correction)?;
-        report((model, filter), correction, prior.as_ref(), sink)
+        report(filter, correction, prior.as_ref(), in_units.as_deref_mut(), sink)
     }
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -69,17 +69,16 @@ impl Estimator for FollowedBelief {
     }
 }
 
+/// In the channels' units, to first order.
 fn report(
-    (model, filter): (&Model, &Filter),
+    filter: &Filter,
     correction: &Correction,
     prior: Option<&Gaussian>,
+    in_units: Option<&mut InUnits<f64>>,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
-    let (belief, unit) = in_units(model, &filter.belief.gaussian());
-    let prior = prior.map(|prior| in_units(model, prior).0);
-    let mut gain = correction.gain.clone();
-    gain.column_iter_mut().for_each(|mut column| column.component_mul_assign(&unit));
-    if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
+    let belief = filter.belief.gaussian();
+    if !belief.is_finite() || correction.gain.iter().any(|k| !k.is_finite()) {
         return Err(FilterError::NotFinite);
     }
     let Noise { process, sensors, .. } = &filter.noise;
@@ -91,13 +90,13 @@ fn report(
         uncertainty: filter.noise_uncertainty(),
         process_scale: [f64::NAN; 2],
     });
-    let of = |of: fn(&Gaussian) -> &[f64]| prior.as_ref().map_or(&[][..], of);
-    sink.push(&Sample {
+    let of = |of: fn(&Gaussian) -> &[f64]| prior.map_or(&[][..], of);
+    let sample = Sample {
         prior_mean: of(|prior| prior.mean.as_slice()),
         prior_cov: of(|prior| prior.cov.as_slice()),
         innovation: correction.innovation.as_slice(),
         innovation_cov: correction.innovation_cov.as_slice(),
-        gain: gain.as_slice(),
+        gain: correction.gain.as_slice(),
         nis: correction.nis,
         determinant: correction.determinant,
         log_likelihood: correction.log_likelihood,
@@ -105,15 +104,6 @@ fn report(
         noise,
         has_widened: filter.has_widened(),
         ..Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice())
-    });
-    Ok(())
-}
-
-/// A belief over a model's state in the channels' units, to first order, and the size of each component's unit in them.
-fn in_units(model: &Model, belief: &Gaussian) -> (Gaussian, Vector) {
-    let (mut belief, mut unit) = (belief.clone(), Vector::zeros(belief.size()));
-    model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
-    let by: Matrix = &unit * unit.transpose();
-    belief.cov.component_mul_assign(&by);
-    (belief, unit)
+    };
+    push(sample, in_units, sink)
 }

@@ -14,10 +14,9 @@ use kalmanscope_records::record::Delays;
 
 use crate::plant::dynamics::EnginePlant;
 use crate::run::estimator::FilterContext;
-use crate::run::run_error::sensor_places;
+use crate::run::pass::sensor_places;
 use crate::{FilterSettings, Model, RunError, Scenario, Values};
 
-/// A filter of the engine over a plant, in its options.
 pub(crate) type PlantFilter<T> = Wrapped<T, EnginePlant>;
 
 /// Limits the components of filters side by side: beyond ten masses, eight lanes of a matrix leave the caches.
@@ -57,9 +56,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
-    /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers.
+    /// The filter at `place` over a record, if lanes serve it: a KF, EKF, UKF or CKF of up to [`MOST`] components that is alone.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -67,8 +64,7 @@ impl Setup {
         Self::unless(scenario, place, record, |settings, _| !settings.is_single())
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times, and
-    /// whose Q is diagonal.
+    /// The same for filters with a textbook's update and a diagonal Q, without logarithms, over readings at the samples' times.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -139,9 +135,7 @@ impl Setup {
             of_batch: settings.of_batch(),
         })
     }
-}
 
-impl Setup {
     fn in_options<T: Number>(&self, mut filter: GaussianFilter<T, EnginePlant>) -> PlantFilter<T> {
         let Self { settings, channels, start, .. } = self;
         let mut plucks = mapped(&settings.plucks, &|time| time - start);
@@ -222,7 +216,6 @@ fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
     Vector::from_iterator(model.size(), model.channels().iter().map(of))
 }
 
-/// The white force of a filter with this model, whose standard deviation is `std` \[m/s²\], and these sensors, if it has one.
 fn white_force(model: &Model, std: f64, hold: Hold, sensors: &[Quantity]) -> Option<White> {
     let place = model.place(Channel::WHITE_FORCE)?;
     let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());

@@ -150,7 +150,6 @@ impl<T: Number> InUnits<T> {
 }
 
 impl InUnits<f64> {
-    /// Converts a belief in the channels' units to those of the state.
     pub(super) fn back(&mut self, mean: &[f64], cov: &[f64]) -> &GaussianBelief<f64> {
         let Self { logarithms, unit, belief, .. } = self;
         belief.mean.copy_from_slice(mean);
@@ -163,12 +162,6 @@ impl InUnits<f64> {
             column.iter_mut().zip(&*unit).for_each(|(entry, unit)| *entry /= unit * by);
         }
         belief
-    }
-
-    #[cold]
-    pub(super) fn convert_finite<'a>(&'a mut self, sample: Sample<'a>) -> Option<Sample<'a>> {
-        let (sample, is_finite) = self.take(sample);
-        is_finite.then_some(sample)
     }
 
     /// Converts to the channels' units. Returns whether the numbers are finite in them.

@@ -13,7 +13,7 @@ use crate::Model;
 pub(crate) const HALVED: u64 = 400;
 
 pub(crate) struct Response {
-    state: Vector,
+    pub(crate) state: Vector,
     /// The largest absolute value of each component so far.
     size: Vector,
     /// The constant components of the last step and their exact integrals, which seldom change.
@@ -45,16 +45,7 @@ impl Response {
         }
     }
 
-    pub(crate) fn state(&self) -> &[f64] {
-        self.state.as_slice()
-    }
-
-    pub(crate) fn set(&mut self, place: usize, value: f64) {
-        self.state[place] = value;
-    }
-
-    /// Moves on by `dt` \[s\]. The recorded force over mass is linear between the two of `forces`, an unrecorded one is held \[m/s²\].
-    /// Returns whether the step is done; otherwise the next call, with the same arguments, continues it.
+    /// Moves on by `dt` \[s\] under a force linear between `forces` and a held one \[m/s²\]. Returns whether the step is done.
     pub(crate) fn advance(
         &mut self,
         model: &Model,
@@ -95,7 +86,7 @@ impl Response {
         model.motion_rate_under_into(state.as_slice(), acting, rate.as_mut_slice());
         integrals.constant.mul_to(rate, change);
         if begin != end {
-            let by_force = model.by_recorded_force(state.as_slice());
+            let by_force = model.by_force(state.as_slice()) * model.state.gain.map_or(1.0, |place| state[place]);
             *change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
         }
         for i in 0..motion {

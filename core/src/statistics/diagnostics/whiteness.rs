@@ -22,9 +22,8 @@ pub struct Whiteness {
     samples: u32,
     square: f64,
     products: [f64; LAGS],
-    /// The last innovations, from the newest at `newest` to the oldest; stored twice, so that they are contiguous.
-    past: [f64; 2 * LAGS],
-    newest: usize,
+    /// The last innovations, the newest first.
+    past: [f64; LAGS],
 }
 
 /// The test of Ljung and Box: one number for the autocorrelation at all lags.
@@ -37,8 +36,7 @@ pub struct LjungBox {
 }
 
 impl Whiteness {
-    pub(super) const NEW: Self =
-        Self { samples: 0, square: 0.0, products: [0.0; LAGS], past: [0.0; 2 * LAGS], newest: 0 };
+    pub(super) const NEW: Self = Self { samples: 0, square: 0.0, products: [0.0; LAGS], past: [0.0; LAGS] };
 
     /// That of a filter's innovations of one sensor over some samples.
     pub fn over(estimates: &Estimates, sensor: usize, samples: Range<usize>) -> Self {
@@ -51,20 +49,16 @@ impl Whiteness {
         whiteness
     }
 
-    #[inline]
     pub(super) fn push(&mut self, innovation: f64) {
-        let Self { samples, square, products, past, newest } = self;
+        let Self { samples, square, products, past } = self;
         if innovation.is_nan() {
             return;
         }
-        if let Some(before) = past[*newest..].first_chunk() {
-            add_products(products, innovation, before);
-        }
+        products.iter_mut().zip(&*past).for_each(|(sum, before)| *sum += innovation * before);
         *square += innovation * innovation;
         *samples += 1;
-        *newest = newest.checked_sub(1).unwrap_or(LAGS - 1);
-        past[*newest] = innovation;
-        past[*newest + LAGS] = innovation;
+        past.rotate_right(1);
+        past[0] = innovation;
     }
 
     /// r at the lags 1 to [`LAGS`]; zero at lags without enough measurements, and where all innovations are zero.
@@ -77,8 +71,7 @@ impl Whiteness {
         NORMAL_95 / f64::from(self.samples).sqrt()
     }
 
-    /// The test of Ljung and Box over all lags, if there are more measurements than lags. The degrees of freedom are
-    /// the number of lags, because the filter's settings were not fitted to the innovations.
+    /// The test of Ljung and Box over all lags, if there are more measurements than lags.
     ///
     /// Source: Ljung and Box (1978), On a measure of lack of fit in time series models, *Biometrika* 65.
     pub fn ljung_box(&self) -> Option<LjungBox> {
@@ -86,14 +79,6 @@ impl Whiteness {
         let terms = self.autocorrelation().into_iter().zip(1..).map(|(r, lag)| r * r / (n - f64::from(lag)));
         let statistic = n * (n + 2.0) * terms.sum::<f64>();
         Some(LjungBox { statistic, p_value: chi_squared::upper_tail(statistic, LAGS as u32)? })
-    }
-}
-
-/// A separate function: the compiler then knows that sums and factors do not alias, and vectorises the loop.
-#[inline]
-fn add_products(sums: &mut [f64; LAGS], innovation: f64, before: &[f64; LAGS]) {
-    for (sum, before) in sums.iter_mut().zip(before) {
-        *sum += innovation * before;
     }
 }
 
@@ -107,17 +92,13 @@ mod tests {
         whiteness
     }
 
-    fn mixed(n: u32, share: f64) -> Vec<f64> {
+    fn sequence(n: u32, share: f64) -> Vec<f64> {
         (0..n).map(|k| libm::sin(f64::from(k * k)) + share * libm::cos(0.2 * f64::from(k))).collect()
-    }
-
-    fn sequence(n: u32) -> Vec<f64> {
-        mixed(n, 0.3)
     }
 
     #[test]
     fn the_autocorrelation_is_the_direct_one() {
-        let values = sequence(100);
+        let values = sequence(100, 0.3);
         let whiteness = of(values.iter().copied());
         let square: f64 = values.iter().map(|x| x * x).sum();
         for (i, r) in whiteness.autocorrelation().into_iter().enumerate() {
@@ -134,7 +115,7 @@ mod tests {
             (0.3, 6.792_385_485_956_311, 0.997_312_460_443_071_6),
             (0.6, 47.829_881_777_267_88, 4.494_060_018_126_006e-4),
         ] {
-            let test = of(mixed(100, share)).ljung_box().unwrap();
+            let test = of(sequence(100, share)).ljung_box().unwrap();
             assert!((test.statistic / statistic - 1.0).abs() < 1e-12, "{test:?}");
             assert!((test.p_value / p_value - 1.0).abs() < 1e-9, "{test:?}");
         }
@@ -142,13 +123,13 @@ mod tests {
 
     #[test]
     fn missing_measurements_are_left_out() {
-        let with_gaps = sequence(60).into_iter().flat_map(|x| [x, f64::NAN]);
-        assert_eq!(of(with_gaps).autocorrelation(), of(sequence(60)).autocorrelation());
+        let with_gaps = sequence(60, 0.3).into_iter().flat_map(|x| [x, f64::NAN]);
+        assert_eq!(of(with_gaps).autocorrelation(), of(sequence(60, 0.3)).autocorrelation());
     }
 
     #[test]
     fn too_few_measurements_have_no_test() {
-        assert_eq!(of(sequence(20)).ljung_box(), None);
+        assert_eq!(of(sequence(20, 0.3)).ljung_box(), None);
         assert_eq!(of([0.0; 30]).ljung_box(), Some(LjungBox { statistic: 0.0, p_value: 1.0 }));
         assert_eq!(of([1.0]).autocorrelation(), [0.0; LAGS]);
     }

@@ -23,8 +23,7 @@ pub struct Mode {
 
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Limits from below the log likelihood that another mode gains for each number, over ln of the readings' number: a stricter
-/// limit leaves out modes that move others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
+/// Limits from below the log likelihood that another mode gains for each number, over ln of the readings' number (Schwarz 1978).
 const GAIN: f64 = 0.5;
 /// Limits a first half swing, in mean squares of the rest (a larger one is forced), and the number of those that are left out.
 const FORCED: f64 = 2.0;
@@ -41,8 +40,7 @@ impl Decay {
     /// y = Σ exp(-σₖt) (aₖ cos ωₖt + bₖ sin ωₖt) + c,  fₖ = √(ωₖ² + σₖ²) / 2π,  ζₖ = σₖ / √(ωₖ² + σₖ²)
     /// ```
     ///
-    /// Readings at the beginning that a force still moves are left out. The standard deviations are those of white noise of the size of
-    /// what is left. Empty if modes leave more than noise.
+    /// Forced readings at the beginning are left out. Standard deviations are those of white noise. Empty if more than noise is left.
     ///
     /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
     /// Testing*, section 4.4 (time domain).
@@ -73,8 +71,7 @@ impl Decay {
         None
     }
 
-    /// The modes of the longest of some decays of one oscillator, as means over all of them by their standard deviations, which are larger
-    /// where the decays differ by more.
+    /// The modes of the longest of some decays of one oscillator, as means over all by their standard deviations.
     pub fn modes_of(decays: &[Self]) -> Vec<Mode> {
         let all: Vec<Vec<Mode>> = decays.iter().map(Self::modes).filter(|modes| !modes.is_empty()).collect();
         let surest = all.iter().min_by(|a, b| a[0].std[0].total_cmp(&b[0].std[0])).cloned().unwrap_or_default();
@@ -182,7 +179,6 @@ impl<const N: usize> ModeFit<N> {
         (cost, equations)
     }
 
-    /// The least squares from a start on.
     pub(crate) fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
         let step = |at: &[f64; N], by: [f64; N]| {
             let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);

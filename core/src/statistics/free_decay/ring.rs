@@ -6,10 +6,7 @@ use kalmanscope_records::import::{Mapping, Table};
 
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
 ///
-/// A blow is the loudest block. The pitch is the strongest line after it that was not there before. The ring begins some swings
-/// after the blow, and ends where its line is lost in the noise or grows again. The band leaves
-/// other lines out: a filter that runs forward and backward leaves a decay what it is. At least five samples a swing are
-/// kept.
+/// The pitch is the strongest line after the loudest block that was not there before; the band leaves others out.
 ///
 /// Source: Ewins (2000), *Modal Testing*, section 4.3 (one mode in a band); Harris (1978), On the use of windows for harmonic
 /// analysis with the discrete Fourier transform.
@@ -60,8 +57,7 @@ impl Ring {
         Self::in_samples(rate, values)
     }
 
-    /// Sets the part, the band and the samples of a mapping of a table that is a sound to those of its ring. Returns a sentence about
-    /// it, or that nothing rings. `None` for any other table.
+    /// Sets part, band and samples of a sound's mapping to those of its ring. Returns a sentence; `None` for another table.
     pub fn choose(table: &Table, mapping: &mut Mapping) -> Option<String> {
         table.sound()?;
         let Some(Self { pitch, part, band, every }) = Self::of(table) else {
@@ -198,9 +194,7 @@ impl RingSpectrum {
         for k in low..high.min(self.powers.len() - 1) {
             if k >= until {
                 until = (k + k / 4).max(k + 16);
-                let mut about = self.powers[k..until.min(self.powers.len())].to_vec();
-                let middle = about.len() / 2;
-                usual = *about.select_nth_unstable_by(middle, f64::total_cmp).1;
+                usual = median(self.powers[k..until.min(self.powers.len())].to_vec()).unwrap_or(0.0);
             }
             let [left, here, right] = [self.powers[k - 1], self.powers[k], self.powers[k + 1]];
             if !(here >= left && here > right) {

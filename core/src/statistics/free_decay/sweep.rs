@@ -155,27 +155,17 @@ impl Sweep {
 
     fn fit(&self) -> Option<Vec<Mode>> {
         let count = 2.0 * self.windows.len() as f64;
-        let mut peak = (0.0, 0.0);
-        for (time, seen) in self.times().zip(&self.windows) {
-            let f = self.frequency(time);
-            let size = seen.norm_sqr() / (f * f);
-            if size > peak.1 {
-                peak = (f, size);
-            }
-        }
+        let sizes = self.times().map(|time| self.frequency(time)).zip(&self.windows);
+        let sizes = sizes.map(|(f, seen)| (f, seen.norm_sqr() / (f * f)));
+        let (peak, _) = sizes.fold((0.0, 0.0), |peak, one| if one.1 > peak.1 { one } else { peak });
         let start = |of: [f64; 2]| {
             let mut numbers = [0.0; FIRST + 4];
             numbers[FIRST..FIRST + 2].copy_from_slice(&of);
             (of, self.column(&numbers, FIRST + 2))
         };
         let ratio = WIDER * self.range[1] / LOWEST;
-        let mut starts: Vec<Start> = Vec::new();
-        for k in 0..=GRID {
-            let f = if k < GRID { LOWEST * libm::pow(ratio, k as f64 / GRID as f64) } else { peak.0 };
-            for zeta in DAMPING {
-                starts.push(start([TAU * f, zeta]));
-            }
-        }
+        let grid = (0..GRID).map(|k| LOWEST * libm::pow(ratio, k as f64 / GRID as f64)).chain([peak]);
+        let starts: Vec<Start> = grid.flat_map(|f| DAMPING.map(|zeta| start([TAU * f, zeta]))).collect();
         let alone: Vec<[&Start; 2]> = mapped(&starts, &|one| [one; 2]);
         let one = self.descend(1, self.likeliest(1, &alone)?);
         let first = start([one.1[FIRST], one.1[FIRST + 1]]);

@@ -25,8 +25,7 @@ pub struct SetupRun<'a> {
 }
 
 impl SetupRun<'_> {
-    /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth; and
-    /// readings at times of their own, if they have such, are those of one record.
+    /// Whether two runs can go side by side: design, length and known channels are the same, and times of their own those of one record.
     pub fn goes_with(&self, other: &Self) -> bool {
         let knows = |record: &Record, channel| record.truth(channel).is_some();
         self.record.len() == other.record.len()
@@ -44,8 +43,7 @@ impl SetupRun<'_> {
     }
 }
 
-/// The outcomes of some runs, at most as many as there are lanes, with the scores at these samples, which are in
-/// order. All must [go with](SetupRun::goes_with) the first.
+/// The outcomes of at most as many runs as there are lanes, which [go with](SetupRun::goes_with) the first, scored at some samples.
 pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
     let [first, ..] = runs else { return Vec::new() };
     let channels = &first.setup.channels;

@@ -1,5 +1,4 @@
-//! Records without an input: a white force moves the plant, and its size is one more thing to be found. An oscillator under such a force
-//! is fitted to the spectrum of one sensor.
+//! Records without an input: an oscillator under a white force is fitted to the spectrum of one sensor.
 
 use kalmanscope_filters::least_squares::{NormalEquations, descend};
 use kalmanscope_filters::lists::{numbers, sort_numbers};
@@ -31,7 +30,6 @@ pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// Filters that take a white force for the cause of the motion.
 pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
     sizes: Sizes,
@@ -53,7 +51,6 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    /// The likeliest sizes of force and noises, and their log likelihood.
     pub(super) async fn best(&self, record: &Record, samples: usize, progress: impl Fn(f64)) -> Option<(Sizes, f64)> {
         let mut trials = 0..MOST;
         let trial = |factors: Vec<f64>| {
@@ -63,10 +60,8 @@ impl Ambient {
         let (factors, likelihood) = climbed(1 + self.suggestion.scenario.sensors.len(), trial).await.best?;
         let sizes = self.sizes.times(&factors);
         let held = Sizes { hold: Hold::Zero, ..sizes.clone() };
-        match self.likelihood(held.clone(), record, samples).await.filter(|of_held| *of_held > likelihood) {
-            Some(of_held) => Some((held, of_held)),
-            None => Some((sizes, likelihood)),
-        }
+        let of_held = self.likelihood(held.clone(), record, samples).await.filter(|of_held| *of_held > likelihood);
+        Some(of_held.map_or((sizes, likelihood), |of_held| (held, of_held)))
     }
 
     async fn likelihood(&self, sizes: Sizes, record: &Record, samples: usize) -> Option<f64> {
@@ -164,7 +159,6 @@ impl Suggestion {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 struct AmbientFit {
     found: MeasuredResponse,
     force: f64,

@@ -1,5 +1,4 @@
-//! What a record needs before its spectra and trials: without means, with its lost readings filled, of several plucks the longest part,
-//! and its input between samples linear, held or band-limited, the likeliest of them.
+//! A record for trials: without means, lost readings filled, of several plucks the longest part, its input's course the likeliest.
 
 use kalmanscope_filters::lists::{mapped, places, sort_items};
 use kalmanscope_filters::{Channel, Hold};
@@ -72,7 +71,6 @@ pub(super) const FILLING: f64 = 1e-3;
 /// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;
 
-#[derive(Clone, Debug)]
 pub(super) struct LostReadings(Vec<Vec<usize>>);
 
 impl LostReadings {
@@ -98,7 +96,6 @@ impl LostReadings {
         }
     }
 
-    /// Replaces lost readings by predictions of the first filter. `None` if that filter does not follow the motion.
     pub(super) fn filled(&self, run: &Run, raw: &Record) -> Option<Record> {
         let (scenario, record) = (run.scenario(), run.record());
         let (settings, estimates) = (scenario.filters.first()?, run.estimates().first()?);
@@ -259,7 +256,6 @@ pub(super) fn has_open_course(record: &Record, given: &Scenario) -> bool {
         && !has_no_input(record)
 }
 
-/// The likeliest course of the input between samples, and a sentence about it.
 pub(super) async fn likeliest_course(
     suggestion: &Suggestion,
     record: &Record,

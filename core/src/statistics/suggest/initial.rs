@@ -1,5 +1,4 @@
-//! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
-//! all over their ranges, and continues from the end of the likeliest run.
+//! The belief that filters begin with, the gain of the input, and the search for parameters of an equation.
 
 use crate::equation::Equation;
 use kalmanscope_filters::channel::{Role, Sign};
@@ -110,11 +109,6 @@ impl Suggestion {
         kind.parameters()
             .any(|channel| !FROM_SPECTRA.contains(&channel))
             .then(|| (equation, kind.parameters().collect()))
-    }
-
-    /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
     }
 
     /// Lets every filter expect a motion of some masses of the size that a quantity shows. Returns that of the displacement \[m\].
@@ -248,7 +242,6 @@ impl Search {
         Some(Self { kind: kind.clone(), channels, ranges, points, ends: Likeliest::new() })
     }
 
-    /// Runs a filter from all points, and again from the end of the likeliest run.
     pub(super) async fn run(&mut self, of: &Scenario, record: &Record, samples: usize, progress: impl Fn(f64)) {
         while self.ends.trials < self.points + if self.ends.best.is_some() { AGAIN } else { 0 } {
             progress(self.ends.trials as f64 / (self.points + AGAIN) as f64);

@@ -13,7 +13,6 @@ const FREE: usize = 16_384;
 
 const CHUNK: usize = 200;
 
-/// A run on the first samples of a record. `None` where it is impossible.
 pub(super) async fn tried(scenario: &Scenario, record: &Record, samples: usize) -> Option<Run> {
     let part = record.part(0..record.len().min(samples));
     let mut run = Run::on_record(scenario, part.into()).ok()?;
@@ -91,7 +90,6 @@ pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
     Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
 }
 
-#[derive(Clone, Debug)]
 pub(super) struct Likeliest<P> {
     pub(super) best: Option<(P, f64)>,
     pub(super) trials: usize,

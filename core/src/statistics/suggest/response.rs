@@ -207,7 +207,7 @@ pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64
     Some(MeasuredResponse { natural_frequency, damping_ratio, gain: None })
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct DecayFit {
     pub(super) found: MeasuredResponse,
     /// The standard deviation of what it leaves, in the sensor's unit; and those of ωₙ and ζ, if that is white.

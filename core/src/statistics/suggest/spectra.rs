@@ -31,7 +31,6 @@ pub(super) enum GapTreatment {
 }
 
 /// Power of the input and of a measurement, and their product, at the frequencies `j / (L dt)`.
-#[derive(Clone, Debug)]
 pub(super) struct Spectra {
     length: usize,
     windows: usize,

@@ -28,17 +28,16 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 
 /// Begins to suggest settings for a scenario's filters on a measured record.
 ///
-/// R comes from the high frequencies that the input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the
-/// spectrum), the initial belief from these, and Q from the likelihood of the innovations. So do the course of an input between its
-/// samples, linear as it was taken, held or band-limited, and the exponent of a Bouc-Wen spring. R takes the size of the innovations
-/// where that is likelier. Without an input, a white force that moves the plant ([`kalmanscope_filters::filter::White`]) is tried too.
-/// Where the scenario has a mapping, means are removed and a large gain goes into the mapping; the record is then to be read again.
+/// R comes from high frequencies, ωₙ, ζ and gain from the response to the input or the peak of the spectrum, the initial belief from
+/// these, and Q from the likelihood of innovations; so do an input's course between samples and the exponent of a Bouc-Wen spring.
+/// With a mapping, means and a large gain go there: read the record again then.
 ///
-/// Of an equation that a user typed, the parameters that spectra do not give are searched where there is an input: a filter begins
-/// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
+/// Other parameters of a typed equation are searched if there is an input. Other plants without a natural frequency get R and Q.
 pub fn begin(scenario: &Scenario, record: Record) -> Work<Suggestion> {
     let (longest, plucked) = Plucked::of(&record).unzip();
-    let (suggestion, record) = (Suggestion::new(scenario.clone()), longest.unwrap_or(record));
+    let (scenario, record) = (scenario.clone(), longest.unwrap_or(record));
+    let replaceable = vec![String::new(); scenario.sensors.len() + 1];
+    let suggestion = Suggestion { scenario, reasons: Vec::new(), problem: None, replaceable };
     Work::new(|progress| Maker { suggestion, record, plucked, course: None, ambient: None, progress }.made())
 }
 
@@ -115,7 +114,7 @@ impl Maker {
 
     fn begin(&mut self, lost: Option<&LostReadings>) -> bool {
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
-        if self.suggestion.knows_zero() {
+        if self.suggestion.own_parameters().is_some_and(|(equation, _)| !equation.is_linear()) {
             let reason = "the means of input and readings stay: a nonlinear equation defines its own zero";
             self.suggestion.reasons.push(reason.to_owned());
         } else {
@@ -127,10 +126,8 @@ impl Maker {
         let decay = self.suggestion.motion(&mut self.record, steps);
         self.suggestion.substeps(self.record.dt() / steps as f64, None);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
-            Ambient::new(
-                Suggestion { reasons: before.reasons, replaceable: before.replaceable, ..self.suggestion.clone() },
-                &mut self.record,
-            )
+            let Suggestion { reasons, replaceable, .. } = before;
+            Ambient::new(Suggestion { reasons, replaceable, ..self.suggestion.clone() }, &mut self.record)
         });
         if let Some(record) = as_it_is {
             self.record = record;
@@ -163,7 +160,6 @@ impl Maker {
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// The likeliest share of the motion for its process noise, its log likelihood, and the sizes of the innovations.
     async fn likeliest_share(&self) -> Option<(f64, f64, Vec<f64>)> {
         let mut all = Vec::new();
         for (place, share) in SHARES.into_iter().enumerate() {
