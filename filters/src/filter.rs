@@ -100,12 +100,6 @@ pub struct MethodSettings {
     pub ensemble_size: usize,
 }
 
-impl MethodSettings {
-    fn members(&self) -> f64 {
-        self.ensemble_size.max(1) as f64
-    }
-}
-
 /// The time of a prediction and an update by linearisation \[ns\].
 fn time_of_linearised(n: usize) -> f64 {
     let n = n as f64;
@@ -196,14 +190,6 @@ impl Eq for FilterKind {}
 
 keyed!(FilterKind, also read);
 
-/// A Jacobian counts as n evaluations, one a column, as by differences.
-fn evaluations(settings: &MethodSettings, n: usize) -> usize {
-    match settings.propagation {
-        Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
-        Propagation::RungeKutta => 4 * (1 + n),
-    }
-}
-
 const LINEARISED: FilterInfo = FilterInfo {
     key: "ekf",
     name: "EKF",
@@ -211,7 +197,8 @@ const LINEARISED: FilterInfo = FilterInfo {
     reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
     is_sampled: false,
     has_own_likelihood: false,
-    evaluations,
+    // A Jacobian counts as n evaluations, one a column, as by differences.
+    evaluations: |settings, n| if settings.propagation == Propagation::RungeKutta { 4 * (1 + n) } else { 1 + n },
     time: |_, n| time_of_linearised(n),
     has_propagation: true,
     algorithm: Algorithm::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),

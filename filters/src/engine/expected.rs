@@ -22,7 +22,7 @@ pub(super) struct ExpectedReadings<T> {
     pub(super) are_components: bool,
     /// The rows of H of sensors that read more than components, n numbers for each.
     pub(super) rows: Vec<T>,
-    derivatives: Derivatives<T>,
+    pub(super) derivatives: Derivatives<T>,
     /// Memory for points.
     root: Vec<T>,
     state: Vec<T>,
@@ -109,20 +109,6 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
-    pub(super) fn take_at<L: Level>(
-        &mut self,
-        level: L,
-        design: &Design<impl Dynamics>,
-        belief: &GaussianBelief<T>,
-        active: &[usize],
-        force: T,
-        at: &[T],
-    ) {
-        self.derivatives.take(level, &design.model, at, force);
-        self.linearise(level, active.len(), design, belief, active, force, Some(at));
-    }
-
     /// H of a sensor, n numbers, written over `out`.
     pub(super) fn row_into<'a>(&self, reading: &Reading, row: usize, out: impl Iterator<Item = &'a mut T>)
     where
@@ -141,10 +127,10 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// The prediction of an EKF: h at the mean, or from another state, and H.
+    /// The prediction of an EKF: h at the mean, or from another state, `h(at) + H (y⁻ - at)`, and H.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
-    fn linearise<L: Level, C: Count>(
+    pub(super) fn linearise<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
