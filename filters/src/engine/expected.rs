@@ -164,7 +164,7 @@ impl<T: Number> ExpectedReadings<T> {
         for row in 0..m {
             let (reading, h) = (&readings[active[row]], &rows[row * n..(row + 1) * n]);
             for column in 0..=row {
-                cov[column * m + row] = times(reading, h, &cross[column * n..(column + 1) * n]);
+                cov[column * m + row] = times(model, reading, h, &cross[column * n..(column + 1) * n]);
             }
         }
     }
@@ -227,19 +227,13 @@ impl<T: Number> ExpectedReadings<T> {
 
 /// `h x` of a sensor's row h of H, which counts where the sensor reads more than components, with n numbers x.
 #[inline(always)]
-fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
-    if let Some(place) = reading.component {
-        return x[place];
+fn times<T: Number>(model: &StateModel<impl Dynamics>, reading: &Reading, h: &[T], x: &[T]) -> T {
+    if reading.is_of_components() {
+        return read(model, reading, x, &[], T::of(0.0));
     }
     let mut sum = T::of(0.0);
-    if reading.is_of_components() {
-        for &(place, factor) in &reading.components {
-            sum = sum + x[place] * factor;
-        }
-    } else {
-        for k in 0..x.len() {
-            sum = sum + h[k] * x[k];
-        }
+    for k in 0..x.len() {
+        sum = sum + h[k] * x[k];
     }
     sum
 }

@@ -13,15 +13,7 @@ pub(crate) struct ShaderText<'a> {
 impl ShaderText<'_> {
     /// `NAME(y, f)`: numbers at their places in an array, zeros elsewhere. `None` if a constant does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
-        for place in self.needed(outputs) {
-            writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
-        }
-        for (to, node) in outputs {
-            writeln!(text, "  out[{to}] = {};", self.name(*node)?).ok()?;
-        }
-        text.push_str("  return out;\n}\n");
-        Some(text)
+        self.function(&format!("{name}(y: array<f32, N>, f: f32)"), array, outputs, false)
     }
 
     /// The changes from y to y + d, without a difference of numbers that are almost the same:
@@ -29,21 +21,22 @@ impl ShaderText<'_> {
     /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
     /// ```
     pub(crate) fn differences(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        let mut text = format!("fn {name}(y: array<f32, N>, d: array<f32, N>, f: f32) -> {array} {{\n");
-        writeln!(text, "  var out: {array};").ok()?;
+        self.function(&format!("{name}(y: array<f32, N>, d: array<f32, N>, f: f32)"), array, outputs, true)
+    }
+
+    fn function(&self, head: &str, array: &str, outputs: &[(usize, Node)], changes: bool) -> Option<String> {
+        let mut text = format!("fn {head} -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
             writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
-            if self.change_name(Node::at(place)).is_some() {
+            if changes && self.change_name(Node::at(place)).is_some() {
                 writeln!(text, "  let d{place} = {};", self.change(place)?).ok()?;
             }
         }
-        for (to, node) in outputs {
-            if let Some(change) = self.change_name(*node) {
-                writeln!(text, "  out[{to}] = {change};").ok()?;
-            }
+        for &(to, node) in outputs {
+            let out = if changes { self.change_name(node) } else { Some(self.name(node)?) };
+            out.into_iter().for_each(|out| _ = writeln!(text, "  out[{to}] = {out};"));
         }
-        text.push_str("  return out;\n}\n");
-        Some(text)
+        Some(text + "  return out;\n}\n")
     }
 
     fn operation(&self, place: usize) -> Operation {
