@@ -126,7 +126,8 @@ impl TuneSearch {
         let (Self { cost, runs, .. }, path) = (&self, self.path().clone());
         let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
         let scenario = cost.with_values(&values);
-        let verdict = cost.verdict(&scenario);
+        let verdict = cost.numbers(&scenario, &[Measure::VERDICT]).filter(|row| row[0] >= 0.0);
+        let verdict = verdict.and_then(|row| VerdictKind::ALL.get(row[0] as usize).copied());
         let remarks = information::remarks(cost, &path, verdict);
         Tuned { scenario, path, bands, verdict, remarks, runs: *runs }
     }
@@ -279,11 +280,6 @@ impl Cost {
         let Some(row) = self.numbers(scenario, &measures) else { return FORBIDDEN };
         let cost = -self.goal.score(row[1]);
         if row[0] == 0.0 && cost.is_finite() { cost.min(FORBIDDEN) } else { FORBIDDEN }
-    }
-
-    fn verdict(&self, scenario: &Scenario) -> Option<VerdictKind> {
-        let row = self.numbers(scenario, &[Measure::VERDICT])?;
-        VerdictKind::ALL.get(row[0] as usize).copied().filter(|_| row[0] >= 0.0)
     }
 
     fn numbers(&self, scenario: &Scenario, measures: &[Measure]) -> Option<Vec<f64>> {
