@@ -101,7 +101,7 @@ impl Tuner {
         let path = Arc::new(Mutex::new(vec![Try { values, score: -cost.of_scenario(&cost.scenario) }]));
         let mut search = TuneSearch { cost, best, path: Arc::clone(&path), runs: 1 };
         if let Some(guess) = guess.filter(|guess| guess.len() == search.best.len()) {
-            search.attempt(search.cost.shares(guess));
+            search.attempt(&search.cost.shares(guess));
         }
         Ok(Self { work: Work::new(|progress| search.tuned(progress)), path })
     }
@@ -137,7 +137,7 @@ impl TuneSearch {
         for at in 0..axes * SCAN {
             let mut shares = self.best.clone();
             shares[at / SCAN] = (at % SCAN) as f64 / (SCAN - 1) as f64;
-            self.attempt(shares);
+            self.attempt(&shares);
             progress.set(0.2 * (at + 1) as f64 / (axes * SCAN) as f64);
             pause().await;
         }
@@ -198,10 +198,10 @@ impl TuneSearch {
         self.keep(point, *cost);
     }
 
-    fn attempt(&mut self, shares: Vec<f64>) {
-        let cost = self.cost.of(&shares);
+    fn attempt(&mut self, shares: &[f64]) {
+        let cost = self.cost.of(shares);
         self.runs += 1;
-        self.keep(&shares, cost);
+        self.keep(shares, cost);
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {
