@@ -240,8 +240,7 @@ const PIECE: f64 = 1e6;
 /// The time to simulate one sample of an ordinary plant, to within a factor of three \[ns\].
 const OF_SAMPLE: f64 = 500.0;
 
-/// The run of a cell, which pauses about every millisecond. Its row has the bits of [`Runner::rows`], into whatever slices the work is
-/// divided.
+/// The run of a cell, which pauses about every millisecond. However it is divided, its row has the bits of [`Runner::rows`].
 pub fn cell_task(runner: Arc<Runner>, cell: usize) -> Work<Vec<f64>> {
     Work::new(move |progress| async move { runner.row(cell, &progress).await })
 }

@@ -25,8 +25,7 @@ const SIMPLEX: f64 = 0.08;
 /// The search ends when the scores of the simplex differ by less than this, relative to their size or absolutely.
 const TOLERANCE: f64 = 1e-7;
 
-/// A search for the settings of a filter with the best score, in small portions: first along each axis alone, then by the
-/// method of Nelder and Mead.
+/// A search for the settings of a filter with the best score: first along each axis alone, then by the method of Nelder and Mead.
 ///
 /// Source: Nelder and Mead (1965), A simplex method for function minimization.
 pub struct Tuner {

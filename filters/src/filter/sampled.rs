@@ -176,10 +176,9 @@ const SAMPLED: FilterInfo = FilterInfo {
 
 pub(super) static ENKF: FilterInfo = SAMPLED;
 
-/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
-/// weighted by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles,
-/// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
-/// have a single value left. Fading stretches the sample about its mean.
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
+/// likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled
+/// systematically and spread by a normal kernel: without it, constant parameters would soon have a single value left.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments; the log likelihood is the particles' own.
 ///

@@ -31,8 +31,7 @@ impl Gpu {
     /// Looks for a graphics processor and prepares it: that takes some tenths of a second.
     ///
     /// # Errors
-    /// [`GpuError::None`] if there is none, [`GpuError::Software`] if there is only a software adapter and it is not
-    /// accepted, [`GpuError::Failed`] if it rejects the filters' programs.
+    /// [`GpuError::None`], [`GpuError::Software`] if that is not accepted, [`GpuError::Failed`] if it rejects the filters' programs.
     pub async fn find(software: Software) -> Result<Self, GpuError> {
         let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
         let adapter = choose(&instance, software).await?;
