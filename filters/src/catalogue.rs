@@ -36,8 +36,7 @@ thread_local! {
     static KNOWN: RefCell<Vec<Channel>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Until this is dropped, this thread also reads the keys of these channels: serde has no room for a context. Where two have a
-/// key, those that were added last count, and the first of these.
+/// Until this is dropped, this thread also reads the keys of these channels: serde has no context. The last ones that were added count.
 pub struct KnownChannels {
     before: usize,
 }

@@ -5,8 +5,7 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 //!
-//! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`] with its prediction and its update, and
-//! [`Filter`], in `recursion.rs`, has the part that these share. The registry below lists the kinds.
+//! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`], and [`Filter`] is what these share.
 
 mod belief;
 pub mod kalman;
@@ -71,8 +70,7 @@ pub struct FilterInfo {
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
     pub evaluations: fn(&MethodSettings, usize) -> usize,
-    /// The time that a filter with these settings takes for a prediction and an update of an n-component state on an ordinary
-    /// processor, to within a factor of three \[ns\]. It affects the order and the portions of the work, never the results.
+    /// The time of a prediction and an update of an n-component state, to within a factor of three \[ns\]: for portions of the work.
     pub time: fn(&MethodSettings, usize) -> f64,
     /// Whether the belief moves as the setting `propagation` says. By local linearisation that is exact on a linear plant.
     pub has_propagation: bool,
@@ -98,12 +96,6 @@ pub struct MethodSettings {
     pub iterations: usize,
     /// The number of members of an EnKF, or of particles of a PF.
     pub ensemble_size: usize,
-}
-
-impl MethodSettings {
-    fn members(&self) -> f64 {
-        self.ensemble_size.max(1) as f64
-    }
 }
 
 /// The time of a prediction and an update by linearisation \[ns\].
@@ -196,14 +188,6 @@ impl Eq for FilterKind {}
 
 keyed!(FilterKind, also read);
 
-/// A Jacobian counts as n evaluations, one a column, as by differences.
-fn evaluations(settings: &MethodSettings, n: usize) -> usize {
-    match settings.propagation {
-        Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
-        Propagation::RungeKutta => 4 * (1 + n),
-    }
-}
-
 const LINEARISED: FilterInfo = FilterInfo {
     key: "ekf",
     name: "EKF",
@@ -211,7 +195,8 @@ const LINEARISED: FilterInfo = FilterInfo {
     reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
     is_sampled: false,
     has_own_likelihood: false,
-    evaluations,
+    // A Jacobian counts as n evaluations, one a column, as by differences.
+    evaluations: |settings, n| if settings.propagation == Propagation::RungeKutta { 4 * (1 + n) } else { 1 + n },
     time: |_, n| time_of_linearised(n),
     has_propagation: true,
     algorithm: Algorithm::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),

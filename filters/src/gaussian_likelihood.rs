@@ -12,8 +12,7 @@ pub fn log_likelihood(nis: f64, ln_determinant: f64, measured: u32) -> f64 {
     -0.5 * (nis + ln_determinant + f64::from(measured) * LN_2_PI)
 }
 
-/// ln det S of a sample, from the determinant. Where that has overflowed or underflowed, it is computed from S, m × m, in which
-/// the rows and columns of sensors without a measurement are NaN.
+/// ln det S from det S or, if that is beyond numbers, from S, m × m, which is NaN at sensors without a measurement.
 pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64 {
     if determinant.is_normal() {
         return libm::log(determinant);
@@ -30,8 +29,7 @@ pub fn part_of(matrix: &[f64], m: usize, places: &[usize]) -> Vec<f64> {
     numbers(count * count, &|at| matrix[places[at / count] * m + places[at % count]])
 }
 
-/// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of
-/// `f64`.
+/// A sum of logarithms. It multiplies factors, and takes a logarithm only when their product nears the limits of `f64`.
 #[derive(Clone, Copy, Debug)]
 pub struct LogSum {
     pub taken: f64,

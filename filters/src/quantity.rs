@@ -172,31 +172,20 @@ pub struct AspectInfo {
 #[derive(Clone, Copy)]
 pub struct Aspect(&'static AspectInfo);
 
-macro_rules! bias {
-    ($key:literal, $name:literal, $symbol:literal, $unit:literal, $noise:literal) => {
+macro_rules! of_sensors {
+    ($key:literal, $name:literal, $symbol:literal, $unit:literal, $usual:expr) => {
         ChannelInfo::augmentation(
             [by_mass!($key, "_"), by_mass!($name, " "), symbols_by_mass!($symbol, $symbol)],
             $unit,
-            Usual {
-                mean: 0.0,
-                std: 5.0 * $noise,
-                process: 0.0,
-                truth: &[0.0],
-                slider: (-20.0 * $noise, 20.0 * $noise),
-                decimals: 4,
-            },
+            $usual,
         )
     };
 }
 
-macro_rules! gain {
-    ($key:literal, $name:literal, $symbol:literal) => {
-        ChannelInfo::augmentation(
-            [by_mass!($key, "_"), by_mass!($name, " "), symbols_by_mass!($symbol, $symbol)],
-            "",
-            Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (-2.0, 3.0), decimals: 4 },
-        )
-    };
+const GAIN: Usual = Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (-2.0, 3.0), decimals: 4 };
+
+const fn bias(noise: f64) -> Usual {
+    Usual { std: 5.0 * noise, slider: (-20.0 * noise, 20.0 * noise), mean: 0.0, truth: &[0.0], ..GAIN }
 }
 
 static DISPLACEMENT: AspectInfo = AspectInfo {
@@ -206,8 +195,8 @@ static DISPLACEMENT: AspectInfo = AspectInfo {
     usual_noise: 0.01,
     reads: |mass| vec![(Term::State(Channel::displacement(mass)), 1.0)],
     streams: (16, 3),
-    bias: bias!("bias_displacement", "bias of the displacement", "bˣ", "m", 0.01),
-    gain: gain!("sensor_gain_displacement", "sensor gain of the displacement", "gˣ"),
+    bias: of_sensors!("bias_displacement", "bias of the displacement", "bˣ", "m", bias(0.01)),
+    gain: of_sensors!("sensor_gain_displacement", "sensor gain of the displacement", "gˣ", "", GAIN),
 };
 
 static VELOCITY: AspectInfo = AspectInfo {
@@ -217,8 +206,8 @@ static VELOCITY: AspectInfo = AspectInfo {
     usual_noise: 0.06,
     reads: |mass| vec![(Term::State(Channel::velocity(mass)), 1.0)],
     streams: (17, 3),
-    bias: bias!("bias_velocity", "bias of the velocity", "bᵛ", "m/s", 0.06),
-    gain: gain!("sensor_gain_velocity", "sensor gain of the velocity", "gᵛ"),
+    bias: of_sensors!("bias_velocity", "bias of the velocity", "bᵛ", "m/s", bias(0.06)),
+    gain: of_sensors!("sensor_gain_velocity", "sensor gain of the velocity", "gᵛ", "", GAIN),
 };
 
 static ACCELERATION: AspectInfo = AspectInfo {
@@ -228,8 +217,8 @@ static ACCELERATION: AspectInfo = AspectInfo {
     usual_noise: 0.3,
     reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0)],
     streams: (18, 3),
-    bias: bias!("bias_acceleration", "bias of the acceleration", "bᵃ", "m/s²", 0.3),
-    gain: gain!("sensor_gain_acceleration", "sensor gain of the acceleration", "gᵃ"),
+    bias: of_sensors!("bias_acceleration", "bias of the acceleration", "bᵃ", "m/s²", bias(0.3)),
+    gain: of_sensors!("sensor_gain_acceleration", "sensor gain of the acceleration", "gᵃ", "", GAIN),
 };
 
 static TOTAL_ACCELERATION: AspectInfo = AspectInfo {
@@ -239,8 +228,8 @@ static TOTAL_ACCELERATION: AspectInfo = AspectInfo {
     usual_noise: 0.3,
     reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0), (Term::Ground, 1.0)],
     streams: (1 << 32, 1),
-    bias: bias!("bias_total_acceleration", "bias of the total acceleration", "bᵗ", "m/s²", 0.3),
-    gain: gain!("sensor_gain_total_acceleration", "sensor gain of the total acceleration", "gᵗ"),
+    bias: of_sensors!("bias_total_acceleration", "bias of the total acceleration", "bᵗ", "m/s²", bias(0.3)),
+    gain: of_sensors!("sensor_gain_total_acceleration", "sensor gain of the total acceleration", "gᵗ", "", GAIN),
 };
 
 static DRIFT: AspectInfo = AspectInfo {
@@ -254,8 +243,8 @@ static DRIFT: AspectInfo = AspectInfo {
         std::iter::once(above).chain(below).collect()
     },
     streams: (2 << 32, 1),
-    bias: bias!("bias_drift", "bias of the drift", "bᵈ", "m", 0.01),
-    gain: gain!("sensor_gain_drift", "sensor gain of the drift", "gᵈ"),
+    bias: of_sensors!("bias_drift", "bias of the drift", "bᵈ", "m", bias(0.01)),
+    gain: of_sensors!("sensor_gain_drift", "sensor gain of the drift", "gᵈ", "", GAIN),
 };
 
 impl Aspect {

@@ -61,8 +61,7 @@ impl Ensemble {
     /// An ensemble of a scenario.
     ///
     /// # Errors
-    /// [`EnsembleError`] where the scenario is impossible or lacks a filter, an axis is impossible or varies no number of the
-    /// scenario, or there are too many cells.
+    /// [`EnsembleError`] for an impossible scenario, filter, measure or axis, and for too many cells.
     pub fn new(mut scenario: Scenario, plan: Plan) -> Result<Self, EnsembleError> {
         scenario.number_filters();
         scenario.validate().map_err(RunError::from)?;
@@ -276,9 +275,8 @@ pub struct Plan {
     pub axes: Vec<Axis>,
 }
 
-/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and
-/// error and standard deviation of each of the filter's channels. NaN without a value, for example after a filter has
-/// stopped.
+/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and error and std of
+/// each channel. NaN without a value, for example after a filter has stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     begin: usize,

@@ -104,7 +104,8 @@ impl Runner {
         for at in order {
             let scenario = self.ensemble.at(cells[at]);
             if scenario.validate().is_ok() {
-                let record = self.record(cells[at], &scenario);
+                let record = self.record_at_hand(cells[at], &scenario);
+                let record = record.unwrap_or_else(|| self.keep(cells[at], simulate(&scenario)));
                 runs[at] = Some(CellRun { scenario, record });
             }
         }
@@ -175,18 +176,10 @@ impl Runner {
         self.ensemble.trace().fill(nth, &outcome.sample_scores, row);
     }
 
-    /// On the input of a given record, which was imported with the gain of the ensemble's scenario.
-    fn input_factor(&self, scenario: &Scenario) -> f64 {
-        let [gain, own] = [scenario, self.ensemble.scenario()].map(RECORD_GAIN.get);
-        if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own }
-    }
-
-    fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
-        self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
-    }
-
     fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
-        let factor = self.input_factor(scenario);
+        // A given record was imported with the gain of the ensemble's scenario.
+        let [gain, own] = [scenario, self.ensemble.scenario()].map(RECORD_GAIN.get);
+        let factor = if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own };
         if let Some(record) = self.source.record()
             && factor == 1.0
         {
@@ -247,8 +240,7 @@ const PIECE: f64 = 1e6;
 /// The time to simulate one sample of an ordinary plant, to within a factor of three \[ns\].
 const OF_SAMPLE: f64 = 500.0;
 
-/// The run of a cell, which pauses about every millisecond. Its row has the bits of [`Runner::rows`], into whatever slices the work is
-/// divided.
+/// The run of a cell, which pauses about every millisecond. However it is divided, its row has the bits of [`Runner::rows`].
 pub fn cell_task(runner: Arc<Runner>, cell: usize) -> Work<Vec<f64>> {
     Work::new(move |progress| async move { runner.row(cell, &progress).await })
 }

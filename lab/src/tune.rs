@@ -25,8 +25,7 @@ const SIMPLEX: f64 = 0.08;
 /// The search ends when the scores of the simplex differ by less than this, relative to their size or absolutely.
 const TOLERANCE: f64 = 1e-7;
 
-/// A search for the settings of a filter with the best score, in small portions: first along each axis alone, then by the
-/// method of Nelder and Mead.
+/// A search for the settings of a filter with the best score: first along each axis alone, then by the method of Nelder and Mead.
 ///
 /// Source: Nelder and Mead (1965), A simplex method for function minimization.
 pub struct Tuner {
@@ -101,7 +100,7 @@ impl Tuner {
         let path = Arc::new(Mutex::new(vec![Try { values, score: -cost.of_scenario(&cost.scenario) }]));
         let mut search = TuneSearch { cost, best, path: Arc::clone(&path), runs: 1 };
         if let Some(guess) = guess.filter(|guess| guess.len() == search.best.len()) {
-            search.attempt(search.cost.shares(guess));
+            search.attempt(&search.cost.shares(guess));
         }
         Ok(Self { work: Work::new(|progress| search.tuned(progress)), path })
     }
@@ -126,7 +125,8 @@ impl TuneSearch {
         let (Self { cost, runs, .. }, path) = (&self, self.path().clone());
         let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
         let scenario = cost.with_values(&values);
-        let verdict = cost.verdict(&scenario);
+        let verdict = cost.numbers(&scenario, &[Measure::VERDICT]).filter(|row| row[0] >= 0.0);
+        let verdict = verdict.and_then(|row| VerdictKind::ALL.get(row[0] as usize).copied());
         let remarks = information::remarks(cost, &path, verdict);
         Tuned { scenario, path, bands, verdict, remarks, runs: *runs }
     }
@@ -136,7 +136,7 @@ impl TuneSearch {
         for at in 0..axes * SCAN {
             let mut shares = self.best.clone();
             shares[at / SCAN] = (at % SCAN) as f64 / (SCAN - 1) as f64;
-            self.attempt(shares);
+            self.attempt(&shares);
             progress.set(0.2 * (at + 1) as f64 / (axes * SCAN) as f64);
             pause().await;
         }
@@ -197,10 +197,10 @@ impl TuneSearch {
         self.keep(point, *cost);
     }
 
-    fn attempt(&mut self, shares: Vec<f64>) {
-        let cost = self.cost.of(&shares);
+    fn attempt(&mut self, shares: &[f64]) {
+        let cost = self.cost.of(shares);
         self.runs += 1;
-        self.keep(&shares, cost);
+        self.keep(shares, cost);
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {
@@ -279,11 +279,6 @@ impl Cost {
         let Some(row) = self.numbers(scenario, &measures) else { return FORBIDDEN };
         let cost = -self.goal.score(row[1]);
         if row[0] == 0.0 && cost.is_finite() { cost.min(FORBIDDEN) } else { FORBIDDEN }
-    }
-
-    fn verdict(&self, scenario: &Scenario) -> Option<VerdictKind> {
-        let row = self.numbers(scenario, &[Measure::VERDICT])?;
-        VerdictKind::ALL.get(row[0] as usize).copied().filter(|_| row[0] >= 0.0)
     }
 
     fn numbers(&self, scenario: &Scenario, measures: &[Measure]) -> Option<Vec<f64>> {

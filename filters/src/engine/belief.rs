@@ -135,8 +135,7 @@ impl<T: Number> GaussianBelief<T> {
     }
 }
 
-/// Converts mean and covariance to first order: the mean of θ is `exp` of the mean of `ln θ`, its standard deviation θ times that of
-/// `ln θ`. The size of each component's unit in its channel's goes to `unit`, which is one for all that are no logarithms.
+/// Converts mean and covariance to first order: the mean of θ is `exp` of that of `ln θ`, its std θ times that of `ln θ`. `unit` gets θ.
 pub fn convert<T: Number>(
     logarithms: &[usize],
     unit: &mut [T],

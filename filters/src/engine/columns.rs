@@ -336,20 +336,4 @@ mod tests {
         assert_eq!([0, 1, 2, 3].map(|lane| holds.lane(lane)), [true, true, false, false]);
         assert_eq!([2, 3].map(|lane| is_finite.lane(lane)), [true, false], "indefinite, and not a number");
     }
-
-    #[test]
-    fn a_factor_divides_and_squares() {
-        let s = [4.0, 2.0, 0.0, 5.0];
-        let mut lower = s;
-        let (determinant, holds) = factor(&mut lower, 2);
-        assert_eq!((determinant, holds), (16.0, true));
-        let mut x = [1.0, 3.0, -2.0, 0.5];
-        divide(&lower, 2, &mut x, 2);
-        for (row, expected) in [(0, [1.0, -2.0]), (1, [3.0, 0.5])] {
-            let [a, b] = [x[row], x[2 + row]];
-            assert_eq!([4.0 * a + 2.0 * b, 2.0 * a + 5.0 * b], expected);
-        }
-        assert_eq!(square(&lower, 2, &mut [1.0, -2.0]), (5.0 + 8.0 + 16.0) / 16.0);
-        assert!(!factor(&mut [1.0, 2.0, 0.0, 1.0], 2).1, "indefinite");
-    }
 }

@@ -285,6 +285,7 @@ mod tests {
     use super::*;
     use crate::engine::exponential::Exponential;
     use crate::engine::lanes::Lanes;
+    use crate::engine::lanes::tests::is_same;
     use crate::engine::level::Baseline;
 
     const SIZES: [f64; 8] = [1e-3, 0.07, 0.1, 0.25, 3.0, f64::NAN, 40.0, 1e61];
@@ -315,16 +316,11 @@ mod tests {
             for (lane, size) in SIZES.into_iter().enumerate() {
                 let single = of::<f64>(&[size], with_slope, reach);
                 assert_eq!(single.value.iter().all(|h| h.is_finite()), size < 100.0, "{size}");
-                let parts = [&lanes.value, &lanes.integral, &lanes.second].into_iter().zip([
-                    &single.value,
-                    &single.integral,
-                    &single.second,
-                ]);
-                for (lanes, single) in parts.chain(lanes.products.iter().zip(&single.products)) {
-                    for (lanes, single) in lanes.iter().zip(single) {
-                        let same = lanes.lane(lane).to_bits() == single.to_bits();
-                        assert!(same || (lanes.lane(lane).is_nan() && single.is_nan()), "{size}");
-                    }
+                let pairs = lanes.value.iter().zip(&single.value).chain(lanes.integral.iter().zip(&single.integral));
+                let pairs = pairs.chain(lanes.second.iter().zip(&single.second));
+                let products = lanes.products.iter().flatten().zip(single.products.iter().flatten());
+                for (lanes, single) in pairs.chain(products) {
+                    assert!(is_same(*lanes, lane, *single), "{size}");
                 }
             }
         }

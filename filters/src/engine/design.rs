@@ -24,12 +24,10 @@ impl Propagation {
 /// The course of a white force between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
-    /// It is held from its sample to the next, as a simulated disturbance is: where the input is held
-    /// ([`Hold::Zero`](crate::Hold::Zero)).
+    /// It is held from its sample to the next, as a simulated disturbance is: where the input is held.
     Held,
-    /// It is continuous white noise, and w its mean from a sample to the next: where the input is not held
-    /// ([`Hold::First`](crate::Hold::First)) and no sensor feels the force. Its deviation from the mean moves x too,
-    /// and completes the process noise:
+    /// It is continuous white noise, and w its mean from a sample to the next: where the input is not held and no sensor feels the force.
+    /// Its deviation from the mean moves x too, and completes the process noise:
     ///
     /// ```text
     /// Q = q [dt³/12, 0; 0, 0],  Q + Γ Γᵀ s² = q [dt³/3, dt²/2; dt²/2, dt]
@@ -74,8 +72,7 @@ impl Rule {
     /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
     pub const UNSCENTED: Self = Self { spread: 3.0, offset: 1.0 };
 
-    /// The third-degree spherical-radial cubature rule: 2n points √n standard deviations away, none in the centre,
-    /// `o = -1`.
+    /// The third-degree spherical-radial cubature rule: 2n points √n standard deviations away, no centre, `o = -1`.
     ///
     /// Source: Arasaratnam and Haykin (2009), Cubature Kalman filters.
     pub fn cubature(n: usize) -> Self {

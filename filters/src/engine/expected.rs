@@ -22,7 +22,7 @@ pub(super) struct ExpectedReadings<T> {
     pub(super) are_components: bool,
     /// The rows of H of sensors that read more than components, n numbers for each.
     pub(super) rows: Vec<T>,
-    derivatives: Derivatives<T>,
+    pub(super) derivatives: Derivatives<T>,
     /// Memory for points.
     root: Vec<T>,
     state: Vec<T>,
@@ -109,20 +109,6 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
-    pub(super) fn take_at<L: Level>(
-        &mut self,
-        level: L,
-        design: &Design<impl Dynamics>,
-        belief: &GaussianBelief<T>,
-        active: &[usize],
-        force: T,
-        at: &[T],
-    ) {
-        self.derivatives.take(level, &design.model, at, force);
-        self.linearise(level, active.len(), design, belief, active, force, Some(at));
-    }
-
     /// H of a sensor, n numbers, written over `out`.
     pub(super) fn row_into<'a>(&self, reading: &Reading, row: usize, out: impl Iterator<Item = &'a mut T>)
     where
@@ -141,10 +127,10 @@ impl<T: Number> ExpectedReadings<T> {
         }
     }
 
-    /// The prediction of an EKF: h at the mean, or from another state, and H.
+    /// The prediction of an EKF: h at the mean, or from another state, `h(at) + H (y⁻ - at)`, and H.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
-    fn linearise<L: Level, C: Count>(
+    pub(super) fn linearise<L: Level, C: Count>(
         &mut self,
         level: L,
         count: C,
@@ -178,7 +164,7 @@ impl<T: Number> ExpectedReadings<T> {
         for row in 0..m {
             let (reading, h) = (&readings[active[row]], &rows[row * n..(row + 1) * n]);
             for column in 0..=row {
-                cov[column * m + row] = times(reading, h, &cross[column * n..(column + 1) * n]);
+                cov[column * m + row] = times(model, reading, h, &cross[column * n..(column + 1) * n]);
             }
         }
     }
@@ -241,19 +227,13 @@ impl<T: Number> ExpectedReadings<T> {
 
 /// `h x` of a sensor's row h of H, which counts where the sensor reads more than components, with n numbers x.
 #[inline(always)]
-fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
-    if let Some(place) = reading.component {
-        return x[place];
+fn times<T: Number>(model: &StateModel<impl Dynamics>, reading: &Reading, h: &[T], x: &[T]) -> T {
+    if reading.is_of_components() {
+        return read(model, reading, x, &[], T::of(0.0));
     }
     let mut sum = T::of(0.0);
-    if reading.is_of_components() {
-        for &(place, factor) in &reading.components {
-            sum = sum + x[place] * factor;
-        }
-    } else {
-        for k in 0..x.len() {
-            sum = sum + h[k] * x[k];
-        }
+    for k in 0..x.len() {
+        sum = sum + h[k] * x[k];
     }
     sum
 }

@@ -305,6 +305,7 @@ impl<T: Number> Impulse<T> {
 mod tests {
     use super::*;
     use crate::engine::lanes::Lanes;
+    use crate::engine::lanes::tests::is_same;
     use crate::engine::level::Baseline;
     use nalgebra::DMatrix;
 
@@ -328,13 +329,10 @@ mod tests {
             let lanes = of_lanes::<Lanes<8>>(&SIZES, with_slope);
             for (lane, size) in SIZES.into_iter().enumerate() {
                 let single = of_lanes::<f64>(&[size], with_slope);
-                let parts = [(&lanes.transition, &single.transition), (&lanes.constant, &single.constant)];
-                for (lanes, single) in parts {
-                    for (lanes, single) in lanes.iter().zip(single) {
-                        let same = lanes.lane(lane).to_bits() == single.to_bits();
-                        assert!(same || (lanes.lane(lane).is_nan() && single.is_nan()), "{size}");
-                        assert!(single.is_finite() == (size < 100.0), "{size}: {single}");
-                    }
+                let constants = lanes.constant.iter().zip(&single.constant);
+                for (lanes, single) in lanes.transition.iter().zip(&single.transition).chain(constants) {
+                    assert!(is_same(*lanes, lane, *single), "{size}");
+                    assert!(single.is_finite() == (size < 100.0), "{size}: {single}");
                 }
             }
         }
@@ -374,8 +372,7 @@ mod tests {
         for lane in 0..8 {
             let single = Impulse::new(Baseline, a[lane], b[lane], DT, true);
             for (lanes, single) in [(lanes.h, single.h), (lanes.q, single.q), (lanes.p, single.p)] {
-                let lanes = lanes.lane(lane);
-                assert!(lanes.to_bits() == single.to_bits() || (lanes.is_nan() && single.is_nan()), "{}", a[lane]);
+                assert!(is_same(lanes, lane, single), "{}", a[lane]);
             }
             if a[lane].is_finite() {
                 let mut any = Exponential::new(2);

@@ -19,7 +19,7 @@ use crate::{FilterError, Hold};
 pub struct GaussianFilter<T: Number, P> {
     pub design: Design<P>,
     pub noise: FilterNoise<T>,
-    of_share: NoiseShare<T>,
+    pub(super) of_share: NoiseShare<T>,
     /// The variance of the white force.
     pub white: T,
     pub belief: GaussianBelief<T>,
@@ -179,10 +179,6 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
 
     pub(super) fn root_rows(&mut self) -> Option<&mut Vec<T>> {
         self.root.as_mut().filter(|_| const { may_have_root::<T, Baseline>() }).map(|root| &mut root.rows)
-    }
-
-    pub(super) fn belief_and_noise(&mut self, share: f64) -> (&mut GaussianBelief<T>, &FilterNoise<T>) {
-        (&mut self.belief, self.of_share.of(share, &self.noise))
     }
 
     pub(super) fn fill_process_noise(&mut self) {

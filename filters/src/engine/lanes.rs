@@ -251,8 +251,13 @@ impl Number for f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Whether a lane has the bits of a single number; all NaNs count as equal.
+    pub(in crate::engine) fn is_same<const L: usize>(lanes: Lanes<L>, lane: usize, single: f64) -> bool {
+        lanes.lane(lane).to_bits() == single.to_bits() || (lanes.lane(lane).is_nan() && single.is_nan())
+    }
 
     #[test]
     fn each_lane_has_the_operations_of_a_single_number() {
@@ -272,10 +277,7 @@ mod tests {
                 (a.max(b), Number::max(x, y)),
             ];
             for (lanes, single) in pairs {
-                assert!(
-                    lanes.lane(lane).to_bits() == single.to_bits() || single.is_nan(),
-                    "{lane}: {lanes:?} {single}"
-                );
+                assert!(is_same(lanes, lane, single), "{lane}: {lanes:?} {single}");
             }
             assert_eq!((a.lt(b).lane(lane), a.le(b).lane(lane)), (x < y, x <= y));
             assert_eq!((a.is_finite().lane(lane), a.is_number().lane(lane)), (x.is_finite(), !x.is_nan()));

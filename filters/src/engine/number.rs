@@ -40,8 +40,7 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn lane(self, lane: usize) -> bool;
 }
 
-/// A number of a filter: that of one run, or those of several runs side by side, each in its lane. Where runs differ, both
-/// ways are computed and each lane [selects](Self::select) its own.
+/// The number of one run, or of several, each in its lane. Where runs differ, both ways are computed and each lane selects its own.
 pub trait Number: Real + Send + 'static {
     type Mask: Mask;
 

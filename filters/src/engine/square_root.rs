@@ -388,8 +388,7 @@ fn dot<T: Number>(a: &[T], b: &[T], [lead, base]: [usize; 2]) -> T {
 /// The lower triangular root of `A Aᵀ`, row by row. A has `count` rows of `lead + base` numbers and is overwritten. `reach`
 /// limits those of the `base` numbers of a row, and of all rows before it, that are not zero.
 ///
-/// The reflections are those of `[0, A]`, with a column of zeros for each of the triangle. For a row d and another row x
-/// below it they give
+/// The reflections are those of `[0, A]`, with a column of zeros for each of the triangle. A row d and another row x below it give
 ///
 /// ```text
 /// [0, d] → [|d|, 0],   [0, x] → [d·x / |d|, x - d (d·x / d·d)]

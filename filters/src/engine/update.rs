@@ -58,7 +58,7 @@ pub struct Update<T> {
     pub(super) white: Vec<T>,
     variances: Vec<T>,
     /// K, n × m.
-    gain: Vec<T>,
+    pub(super) gain: Vec<T>,
     excess: Vec<T>,
     descent: Option<Box<Descent<T>>>,
     /// Of a filter whose beliefs are smoothed later.
@@ -315,29 +315,11 @@ impl<T: Number> Update<T> {
         subtract_products(&mut belief.cov[..n * n], excess, gain, n, m);
     }
 
-    /// K, n × m, to be changed.
-    pub(super) fn gain_mut(&mut self) -> &mut [T] {
-        let m = self.active.len();
-        let n = self.expected.size();
-        &mut self.gain[..m * n]
-    }
-
     /// e, m numbers; S, m × m, in lanes only its lower triangle; K, n × m.
     pub fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
         let n = self.expected.size();
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
-    }
-
-    /// H, m × n, written over `out`; false if there is none.
-    pub(super) fn jacobian_into(&self, design: &Design<impl Dynamics>, out: &mut [T]) -> bool {
-        if self.expected.is_linear {
-            let m = self.active.len();
-            for (row, &sensor) in self.active.iter().enumerate() {
-                self.expected.row_into(&design.readings[sensor], row, out.iter_mut().skip(row).step_by(m));
-            }
-        }
-        self.expected.is_linear
     }
 
     pub(super) fn innovations(&self) -> Innovations<'_, T> {

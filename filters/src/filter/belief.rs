@@ -129,9 +129,8 @@ impl Noise {
     }
 }
 
-/// A force over mass that is not recorded and is independent from sample to sample: wind, traffic, ground noise. It is
-/// the component w of the state w of the model, so that a sensor that feels it, such as an accelerometer,
-/// reads the same force that moves the plant.
+/// A force over mass that is not recorded and is independent from sample to sample: wind, traffic, ground noise. It is the component w of
+/// the state, so that a sensor that feels it, such as an accelerometer, reads the same force that moves the plant.
 ///
 /// ```text
 /// w ~ N(0, s²) drawn again for each sample,  s² = q / dt

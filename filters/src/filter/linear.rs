@@ -30,14 +30,12 @@ pub struct KalmanFilter {
     pub belief: Gaussian,
     /// The belief before the last update. Since the last prediction, if no update has followed it, this is the prediction.
     pub prior: Gaussian,
-    /// The last update: `e = z - H x⁻`, `S = H P⁻ Hᵀ + R`, `K = P⁻ Hᵀ S⁻¹`, NIS and the log likelihood of the readings,
-    /// `-(NIS + ln det S + m ln 2π) / 2`.
+    /// The last update: `e = z - H x⁻`, S, K, NIS and the log likelihood of the readings, `-(NIS + ln det S + m ln 2π) / 2`.
     pub correction: Correction,
 }
 
 impl KalmanFilter {
-    /// The filter of the system with A, B, H, Q and R, before its first prediction. A system without an input has a B of
-    /// n × 0. `initial` has the mean and the covariance P of the state.
+    /// The filter before its first prediction. B is n × 0 without an input. `initial` has the mean and the covariance P of the state.
     ///
     /// # Errors
     /// [`SystemError`]: the shape of a matrix does not fit, a number is not finite, or Q, R or P is no covariance.
@@ -91,8 +89,7 @@ impl KalmanFilter {
     /// Moves the belief by a step: `x ← A x + B u`, `P ← A P Aᵀ + Q`. The results of the last update stay.
     ///
     /// # Errors
-    /// [`SystemError::Length`] where the input has not p numbers, [`SystemError::NotFinite`] where one of them is not finite,
-    /// and [`SystemError::Filter`] where the prediction is not: the belief is then as it was.
+    /// [`SystemError::Length`] without p inputs, [`SystemError::NotFinite`], [`SystemError::Filter`]: the belief is then as it was.
     pub fn predict(&mut self, input: &[f64]) -> Result<(), SystemError> {
         check_column("the input", input, self.input.ncols(), "a number for each column of B")?;
         let Self { transition, input: by_input, noise, belief, prior, .. } = self;

@@ -41,23 +41,19 @@ impl Ensemble {
         members.gemm(1.0, &lower_root(&belief.cov)?, &draws, 1.0);
         Ok(Self { members, normal, origin: Some(belief) })
     }
-
-    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
-        let Self { members, normal, .. } = self;
-        if *fading != 1.0 {
-            stretch(members, &mean(members), fading.sqrt());
-        }
-        let draws = centred_draws(members.nrows(), members.ncols(), normal);
-        members.gemm(1.0, &lower_root(process)?, &draws, 1.0);
-        Ok(())
-    }
 }
 
 impl Belief for Ensemble {
     fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
-        self.origin = None;
-        system.advance(self.members.as_mut_slice(), step);
-        self.spread(noise)
+        let Self { members, normal, origin } = self;
+        *origin = None;
+        system.advance(members.as_mut_slice(), step);
+        if noise.fading != 1.0 {
+            stretch(members, &mean(members), noise.fading.sqrt());
+        }
+        let draws = centred_draws(members.nrows(), members.ncols(), normal);
+        members.gemm(1.0, &lower_root(&noise.process)?, &draws, 1.0);
+        Ok(())
     }
 
     fn condition(
@@ -171,7 +167,7 @@ const SAMPLED: FilterInfo = FilterInfo {
     is_sampled: true,
     has_own_likelihood: false,
     evaluations: |settings, _| 4 * settings.ensemble_size,
-    time: |settings, n| settings.members() * 75.0 * n as f64,
+    time: |settings, n| settings.ensemble_size.max(1) as f64 * 75.0 * n as f64,
     has_propagation: false,
     algorithm: Algorithm::Belief(|initial, settings, normal| {
         Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?))
@@ -180,10 +176,9 @@ const SAMPLED: FilterInfo = FilterInfo {
 
 pub(super) static ENKF: FilterInfo = SAMPLED;
 
-/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
-/// weighted by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles,
-/// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
-/// have a single value left. Fading stretches the sample about its mean.
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
+/// likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled
+/// systematically and spread by a normal kernel: without it, constant parameters would soon have a single value left.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments; the log likelihood is the particles' own.
 ///
@@ -260,15 +255,6 @@ impl Particles {
         weights.fill(1.0 / count as f64);
     }
 
-    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
-        if *fading != 1.0 {
-            let mean = self.mean();
-            stretch(&mut self.particles, &mean, fading.sqrt());
-        }
-        add_draws(&mut self.particles, &lower_root(process)?, &mut self.normal);
-        Ok(())
-    }
-
     fn weigh(&mut self, readings: &Matrix, observation: &Observation) -> Result<f64, FilterError> {
         let log_likelihood = |reading: &[f64]| {
             let errors = observation.values.iter().zip(reading).map(|(value, reading)| value - reading);
@@ -313,7 +299,12 @@ impl Belief for Particles {
         if lost {
             self.normalise()?;
         }
-        self.spread(noise)
+        if noise.fading != 1.0 {
+            let mean = self.mean();
+            stretch(&mut self.particles, &mean, noise.fading.sqrt());
+        }
+        add_draws(&mut self.particles, &lower_root(&noise.process)?, &mut self.normal);
+        Ok(())
     }
 
     fn condition(

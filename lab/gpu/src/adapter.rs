@@ -31,13 +31,19 @@ impl Gpu {
     /// Looks for a graphics processor and prepares it: that takes some tenths of a second.
     ///
     /// # Errors
-    /// [`GpuError::None`] if there is none, [`GpuError::Software`] if there is only a software adapter and it is not
-    /// accepted, [`GpuError::Failed`] if it rejects the filters' programs.
+    /// [`GpuError::None`], [`GpuError::Software`] if that is not accepted, [`GpuError::Failed`] if it rejects the filters' programs.
     pub async fn find(software: Software) -> Result<Self, GpuError> {
         let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
         let adapter = choose(&instance, software).await?;
         let name = name_of(&info_of(&adapter).await);
-        let descriptor = DeviceDescriptor { required_limits: limits(&adapter), ..DeviceDescriptor::default() };
+        let own = adapter.limits();
+        // The least that every adapter has, but with buffers as large as this one has them.
+        let required_limits = Limits {
+            max_buffer_size: own.max_buffer_size.min(LARGEST_BUFFER),
+            max_storage_buffer_binding_size: own.max_storage_buffer_binding_size.min(LARGEST_BUFFER),
+            ..Limits::downlevel_defaults()
+        };
+        let descriptor = DeviceDescriptor { required_limits, ..DeviceDescriptor::default() };
         let device = adapter.request_device(&descriptor).await;
         let (device, queue) = device.map_err(|error| GpuError::Failed(error.to_string()))?;
         let trouble = AdapterFault::default();
@@ -132,16 +138,6 @@ pub fn is_software(info: &AdapterInfo) -> bool {
 fn name_of(info: &AdapterInfo) -> String {
     let name = info.name.trim();
     if name.is_empty() { "a graphics processor".to_owned() } else { name.to_owned() }
-}
-
-/// The least that every adapter has, but with buffers as large as this one has them.
-fn limits(adapter: &Adapter) -> Limits {
-    let own = adapter.limits();
-    Limits {
-        max_buffer_size: own.max_buffer_size.min(LARGEST_BUFFER),
-        max_storage_buffer_binding_size: own.max_storage_buffer_binding_size.min(LARGEST_BUFFER),
-        ..Limits::downlevel_defaults()
-    }
 }
 
 /// Limits a buffer \[bytes\].

@@ -18,10 +18,9 @@ const MOST_SAMPLES: usize = 2_000_000;
 /// Limits the smallest variance other than zero.
 const SMALLEST: f64 = 1e-30;
 
-/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
-/// program has or that is an equation, with all settings that the engine serves ([`Setup::of_any`]), sensors with
-/// noise, and numbers that single precision can hold. A record has the truth of the first components of the state, or
-/// of none.
+/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that is a list of operations,
+/// with all settings of the engine ([`Setup::of_any`]), sensors with noise, and numbers that single precision can hold. A record has
+/// the truth of the first components of the state, or of none.
 pub fn serves(run: &LaneRun<'_>) -> bool {
     program(run).is_some()
 }
@@ -106,12 +105,10 @@ impl Gpu {
         Ok((served, rows.concat()))
     }
 
-    /// The outcomes of some runs, in their order; `None` for a run that is not served. It calls `is_wanted` now and
-    /// then.
+    /// The outcomes of some runs, in their order; `None` for a run that is not served. It calls `is_wanted` at times.
     ///
     /// # Errors
-    /// [`GpuError::Failed`] where the graphics processor fails or is lost, [`GpuError::Unwanted`] where the results are not
-    /// wanted any more.
+    /// [`GpuError::Failed`] where the graphics processor fails or is lost, [`GpuError::Unwanted`] where no result is wanted.
     pub async fn outcomes(
         &self,
         runs: &[LaneRun<'_>],

@@ -13,15 +13,7 @@ pub(crate) struct ShaderText<'a> {
 impl ShaderText<'_> {
     /// `NAME(y, f)`: numbers at their places in an array, zeros elsewhere. `None` if a constant does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
-        for place in self.needed(outputs) {
-            writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
-        }
-        for (to, node) in outputs {
-            writeln!(text, "  out[{to}] = {};", self.name(*node)?).ok()?;
-        }
-        text.push_str("  return out;\n}\n");
-        Some(text)
+        self.function(&format!("{name}(y: array<f32, N>, f: f32)"), array, outputs, false)
     }
 
     /// The changes from y to y + d, without a difference of numbers that are almost the same:
@@ -29,21 +21,22 @@ impl ShaderText<'_> {
     /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
     /// ```
     pub(crate) fn differences(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        let mut text = format!("fn {name}(y: array<f32, N>, d: array<f32, N>, f: f32) -> {array} {{\n");
-        writeln!(text, "  var out: {array};").ok()?;
+        self.function(&format!("{name}(y: array<f32, N>, d: array<f32, N>, f: f32)"), array, outputs, true)
+    }
+
+    fn function(&self, head: &str, array: &str, outputs: &[(usize, Node)], changes: bool) -> Option<String> {
+        let mut text = format!("fn {head} -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
             writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
-            if self.change_name(Node::at(place)).is_some() {
+            if changes && self.change_name(Node::at(place)).is_some() {
                 writeln!(text, "  let d{place} = {};", self.change(place)?).ok()?;
             }
         }
-        for (to, node) in outputs {
-            if let Some(change) = self.change_name(*node) {
-                writeln!(text, "  out[{to}] = {change};").ok()?;
-            }
+        for &(to, node) in outputs {
+            let out = if changes { self.change_name(node) } else { Some(self.name(node)?) };
+            out.into_iter().for_each(|out| _ = writeln!(text, "  out[{to}] = {out};"));
         }
-        text.push_str("  return out;\n}\n");
-        Some(text)
+        Some(text + "  return out;\n}\n")
     }
 
     fn operation(&self, place: usize) -> Operation {
@@ -132,28 +125,24 @@ impl ShaderText<'_> {
     }
 }
 
-fn called(function: Function) -> Option<(&'static str, &'static str, String)> {
-    let (of, apart) = match function {
-        Function::Sin => ("sin", "sin_apart"),
-        Function::Cos => ("cos", "cos_apart"),
-        Function::Tan => ("tan", "tan_apart"),
-        Function::Exp => ("exp", "exp_apart"),
-        Function::Log => ("log_of", "log_apart"),
-        Function::Sqrt => ("root_of", "sqrt_apart"),
-        Function::Abs => ("abs", "abs_apart"),
-        Function::Sign => ("sign", "sign_apart"),
-        Function::Tanh => ("tanh_of", "tanh_apart"),
-        Function::Power(exponent) => {
-            let exponent = f64::from_bits(exponent);
-            let parity = match exponent {
-                whole if whole.fract() != 0.0 => 2,
-                even if even % 2.0 == 0.0 => 0,
-                _ => 1,
-            };
-            return Some(("power_of", "power_apart", format!(", {}, {parity}u", literal(exponent)?)));
-        }
+fn called(function: Function) -> Option<(&'static str, String, String)> {
+    if let Function::Power(exponent) = function {
+        let exponent = f64::from_bits(exponent);
+        let parity = match exponent {
+            whole if whole.fract() != 0.0 => 2,
+            even if even % 2.0 == 0.0 => 0,
+            _ => 1,
+        };
+        return Some(("power_of", "power_apart".to_owned(), format!(", {}, {parity}u", literal(exponent)?)));
+    }
+    let (_, name) = Function::NAMED.into_iter().find(|(other, _)| *other == function)?;
+    let of = match function {
+        Function::Log => "log_of",
+        Function::Sqrt => "root_of",
+        Function::Tanh => "tanh_of",
+        _ => name,
     };
-    Some((of, apart, String::new()))
+    Some((of, format!("{name}_apart"), String::new()))
 }
 
 /// A number in single precision. `None` if it overflows there.
@@ -245,13 +234,9 @@ impl Unroller {
         if self.variables.is_empty() {
             return line.to_owned();
         }
-        let mut named = String::with_capacity(line.len());
-        for word in words(line) {
-            match self.variables.iter().rev().find(|(name, _)| name == word) {
-                Some((_, value)) => write!(named, "{value}u").unwrap_or_default(),
-                None => named.push_str(word),
-            }
-        }
+        let value = |word: &str| self.variables.iter().rev().find(|(name, _)| name == word).map(|(_, value)| value);
+        let named = |word: &str| value(word).map_or_else(|| word.to_owned(), |value| format!("{value}u"));
+        let named: String = words(line).map(named).collect();
         let mut out = String::with_capacity(named.len());
         let mut pieces = named.split('[');
         out.push_str(pieces.next().unwrap_or_default());
@@ -268,15 +253,11 @@ impl Unroller {
 
 fn body(lines: &[&str]) -> usize {
     let mut depth = 1;
-    for (length, line) in lines.iter().enumerate() {
-        for c in line.chars() {
-            depth += i32::from(c == '{') - i32::from(c == '}');
-            if depth == 0 {
-                return length;
-            }
-        }
-    }
-    lines.len()
+    let mut closes = |c: char| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        depth == 0
+    };
+    lines.iter().position(|line| line.chars().any(&mut closes)).unwrap_or(lines.len())
 }
 
 fn words(line: &str) -> impl Iterator<Item = &str> {

@@ -1,5 +1,4 @@
-//! Filters side by side: eight runs at a time in the lanes of vector registers, two in a browser, each with the bits of the
-//! single filter.
+//! Filters side by side: eight runs in the lanes of vector registers, two in a browser, each with the bits of the single filter.
 //!
 //! ```text
 //! runs ──alike──▶ batches ──steps in lanes──▶ outcomes
@@ -48,8 +47,7 @@ pub struct LaneRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether lanes serve a run: any that the [engine](Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
-/// filter.
+/// Whether lanes serve a run: any that the [engine](Setup::new) serves. [`outcomes`] runs others too, like a single filter.
 ///
 /// # Errors
 /// Those of [`Setup::new`].

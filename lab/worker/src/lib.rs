@@ -1,5 +1,4 @@
-//! The conversation between a page and one of its workers: the worker is given tasks, then asked for portions of them, and
-//! answers with the parts that are done.
+//! The conversation between a page and one of its workers, which is given tasks, and answers portions of them with parts.
 //!
 //! | from the page | from the worker |
 //! |---|---|

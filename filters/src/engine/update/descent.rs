@@ -67,7 +67,9 @@ impl<T: Number> Update<T> {
                 let Target { design, belief, checks, .. } = &mut *target;
                 descent.at.copy_from_slice(&belief.mean);
                 belief.copy_from(&descent.prior);
-                self.expected.take_at(level, design, belief, &self.active, observation.force, &descent.at);
+                let Self { expected, active, .. } = self;
+                expected.derivatives.take(level, &design.model, &descent.at, observation.force);
+                expected.linearise(level, m, design, belief, active, observation.force, Some(&descent.at));
                 let number = self.compare(level, m, observation);
                 result.holds = self.correct(level, m, design, belief, number, checks).holds;
                 // No component has moved by more than 1e-6 of its standard deviation.
@@ -104,9 +106,12 @@ impl<T: Number> Update<T> {
             own.extend_from_slice(part);
         }
         passage.jacobian.clear();
-        passage.jacobian.resize(gain.len(), T::of(0.0));
-        if !self.jacobian_into(design, &mut passage.jacobian) {
-            passage.jacobian.clear();
+        if self.expected.is_linear {
+            passage.jacobian.resize(gain.len(), T::of(0.0));
+            for (row, &sensor) in self.active.iter().enumerate() {
+                let out = passage.jacobian.iter_mut().skip(row).step_by(self.active.len());
+                self.expected.row_into(&design.readings[sensor], row, out);
+            }
         }
         self.passage = Some(passage);
     }

@@ -22,8 +22,7 @@ use crate::lists::mapped;
 /// accelerometers, it is the residual of the linearised sensor, not `z - h(y⁺)`; these differ by the curvature of h. R
 /// stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
-/// R has its own uncertainty. `ε²` has the variance `2 (s R)²` where `s = R S⁻¹`, and R comes back in ε, which slows the
-/// forgetting down:
+/// `ε²` has the variance `2 (s R)²` where `s = R S⁻¹`, and R comes back in ε, which slows the forgetting down:
 ///
 /// ```text
 /// var R ← c² var R + 2 ((1 - a) s R)²,  c = 1 - (1 - a) s²

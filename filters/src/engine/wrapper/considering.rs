@@ -33,7 +33,8 @@ impl<T: Number> Considering<T> {
     }
 
     fn take_fading_back(&self, filter: &mut GaussianFilter<T, impl Dynamics>, share: f64) {
-        let (belief, noise) = filter.belief_and_noise(share);
+        let GaussianFilter { belief, noise, of_share, .. } = filter;
+        let noise = of_share.of(share, noise);
         let (n, scale) = (belief.size(), T::of(1.0) / noise.fading.sqrt());
         let is_considered = |i: usize| self.places.contains(&i);
         for j in 0..n {
@@ -67,13 +68,13 @@ impl<T: Number, P: Dynamics> Wrapper<T, P> for Considering<T> {
         before.copy_from(&filter.belief);
         let mut result = inner.update(readings);
         let filter = inner.filter();
-        let (n, gain) = (before.size(), filter.update.gain_mut());
+        let n = before.size();
         for &i in &*places {
             filter.belief.mean[i] = before.mean[i];
             for &j in places.iter().filter(|j| **j <= i) {
                 filter.belief.cov[j * n + i] = before.cov[j * n + i];
             }
-            gain.iter_mut().skip(i).step_by(n).for_each(|gain| *gain = T::of(0.0));
+            filter.update.gain.iter_mut().skip(i).step_by(n).for_each(|gain| *gain = T::of(0.0));
         }
         let rooted = filter.take_root();
         result.holds = result.holds & rooted.holds;

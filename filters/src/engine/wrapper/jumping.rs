@@ -103,9 +103,8 @@ impl<T: Number, P: Dynamics> Wrapper<T, P> for Restarting {
 /// the mean of NIS/m before, if that is above 1 by more than chance: a filter with too small R or Q from the beginning
 /// does not jump over and over.
 ///
-/// P₀ is the initial covariance: the filter keeps its mean and gets its initial uncertainty. After a jump it has 50
-/// samples to learn before the next one can be found. Another one within 150 samples says that P₀ was too small: then
-/// a, which is 1, becomes four times what it was, twice the standard deviation.
+/// P₀ is the initial covariance: the filter keeps its mean. After a jump it has 50 samples to learn before the next one can be found.
+/// Another one within 150 samples shows that P₀ was too small: then a, which is 1, becomes four times what it was.
 ///
 /// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution
 /// (the time between false alarms); Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and
