@@ -387,12 +387,7 @@ impl Path {
         }
         let mut named = self.steps.iter().map(|step| &step.likely).filter(|likely| !likely.sentence.is_empty());
         let likely = named.next()?.clone();
-        Some(Remedy {
-            first: likely,
-            then: named.cloned().collect(),
-            edits,
-            gain: self.gain,
-            after: self.after.clone(),
-        })
+        let (then, after) = (named.cloned().collect(), self.after.clone());
+        Some(Remedy { first: likely, then, edits, gain: self.gain, after })
     }
 }

@@ -98,19 +98,8 @@ impl Trials {
         origin: FilterSettings,
         likely_causes: Option<Vec<LikelyCause>>,
     ) -> Self {
-        Self {
-            record,
-            steps,
-            scenario,
-            origin,
-            likely_causes,
-            current: None,
-            first: 0,
-            unturned: None,
-            before: None,
-            outcomes: Vec::new(),
-            own: None,
-        }
+        let (current, first, unturned, before, outcomes, own) = Default::default();
+        Self { record, steps, scenario, origin, likely_causes, current, first, unturned, before, outcomes, own }
     }
 
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {

@@ -109,17 +109,8 @@ pub(super) enum MeasureSubject {
 }
 
 pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: MeasureSubject) -> MeasureInfo {
-    MeasureInfo {
-        word,
-        name,
-        kind,
-        best: Best::None,
-        needs_truth: false,
-        needs_others: false,
-        is_special: false,
-        of,
-        whole: None,
-    }
+    let [needs_truth, needs_others, is_special] = [false; 3];
+    MeasureInfo { word, name, kind, best: Best::None, needs_truth, needs_others, is_special, of, whole: None }
 }
 
 impl MeasureInfo {

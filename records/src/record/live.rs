@@ -76,19 +76,11 @@ impl LiveRecord {
     /// Before the first reading, with `dt` \[s\] between samples.
     pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
         let clocks = Clocks { input: None, readings: vec![Timed::default(); sensors.len()] };
-        Self {
-            tracks: mapped(&sensors, &|_| Track::default()),
-            latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
-            prompt: false,
-            record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
-            begin: None,
-            newest: f64::NEG_INFINITY,
-            input: Track::default(),
-            wait: 0.0,
-            side: 0,
-            repeated: 0,
-            spare: None,
-        }
+        let (tracks, newest) = (mapped(&sensors, &|_| Track::default()), f64::NEG_INFINITY);
+        let latest = vec![newest; sensors.len() + 1];
+        let record = Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) };
+        let (begin, input, prompt, wait, side, repeated, spare) = Default::default();
+        Self { record, begin, newest, tracks, input, latest, prompt, wait, side, repeated, spare }
     }
 
     /// The same, where a sample waits this many seconds for late readings.
