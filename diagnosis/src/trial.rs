@@ -131,10 +131,6 @@ impl Trials {
         (done as f64 / (1 + all) as f64).min(1.0)
     }
 
-    pub(super) fn before(&self) -> Option<&Verdict> {
-        self.before.as_ref()?.verdict.as_ref()
-    }
-
     pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &TrialOutcome)> {
         self.likely_causes.iter().flatten().zip(&self.outcomes)
     }

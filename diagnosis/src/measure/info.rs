@@ -167,10 +167,7 @@ impl Value {
         match self {
             Self::Number(number) => *number,
             Self::Flag(flag) => f64::from(u8::from(*flag)),
-            Self::Verdict(kind) => {
-                let place = kind.and_then(|kind| VerdictKind::ALL.iter().position(|other| *other == kind));
-                place.map_or(f64::NAN, |place| place as f64)
-            }
+            Self::Verdict(kind) => kind.map_or(f64::NAN, |kind| kind as usize as f64),
             Self::Cause(place) => place.map_or(f64::NAN, |place| place as f64),
             Self::Words(_) => f64::NAN,
         }
