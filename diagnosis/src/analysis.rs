@@ -34,7 +34,7 @@ pub struct Analysis {
     chosen: bool,
     all_bounded: bool,
     spare: Vec<Diagnostics>,
-    waste: Waste,
+    pub(crate) waste: Waste,
 }
 
 /// What is known of a filter beside its diagnostics.
@@ -147,10 +147,6 @@ impl Analysis {
     pub(crate) fn forget_before(&mut self, sample: usize) {
         self.smoothing.forget_before(sample);
         self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
-    }
-
-    pub(crate) fn free_one(&mut self) -> bool {
-        self.waste.free_one()
     }
 
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {

@@ -147,12 +147,6 @@ impl<'a> Case<'a> {
         ranges
     }
 
-    pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
-        let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
-        let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
-        Some(self.part(first).start..self.part(last).end)
-    }
-
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
         let total = |of: fn(kalmanscope_core::diagnostics::Total) -> f64| {
             sum_over(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))

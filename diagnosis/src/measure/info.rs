@@ -122,10 +122,6 @@ impl MeasureInfo {
         Self { needs_truth: true, ..self }
     }
 
-    pub(super) const fn with_others(self) -> Self {
-        Self { needs_others: true, ..self }
-    }
-
     pub(super) const fn special(self) -> Self {
         Self { is_special: true, ..self }
     }
