@@ -136,23 +136,17 @@ impl Section {
 
 /// Passes `low` (0: a low-pass) to `high` (½: a high-pass), shares of the sample rate, without a shift. All values must be finite.
 pub fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
-    let mut all = Vec::new();
-    if low > 0.0 {
-        all.extend(sections(false, low.min(0.499)));
-    }
-    if high < 0.5 {
-        all.extend(sections(true, high));
-    }
+    let high_pass = (low > 0.0).then(|| sections(false, low.min(0.499)));
+    let all: Vec<Section> = high_pass.into_iter().chain((high < 0.5).then(|| sections(true, high))).flatten().collect();
     let slowest = [low, high].into_iter().filter(|&cut| cut > 0.0).fold(0.5, f64::min);
     let margin = (libm::ceil(3.0 / slowest) as usize).min(values.len().saturating_sub(1));
     if all.is_empty() || values.len() < 2 {
         return;
     }
-    let mut extended = Vec::with_capacity(values.len() + 2 * margin);
-    let (first, last) = (values[0], values[values.len() - 1]);
-    extended.extend(values[1..=margin].iter().rev().map(|value| 2.0 * first - value));
-    extended.extend_from_slice(values);
-    extended.extend(values[values.len() - 1 - margin..values.len() - 1].iter().rev().map(|value| 2.0 * last - value));
+    let end = values.len() - 1;
+    let turned = |part: &[f64], about: f64| part.iter().rev().map(|value| 2.0 * about - value).collect::<Vec<f64>>();
+    let (front, back) = (turned(&values[1..=margin], values[0]), turned(&values[end - margin..end], values[end]));
+    let mut extended = [&front, &values[..], &back].concat();
     for _ in 0..2 {
         all.iter().for_each(|section| section.run(&mut extended));
         extended.reverse();

@@ -341,11 +341,8 @@ impl Track {
         }
         let timed = into.get_or_insert_with(|| {
             // The input was zero before: from the first sample on, and on a line up to the last one.
-            let mut times = vec![0.0];
-            if hold == Hold::First && sample > 1.0 {
-                times.push(sample - 1.0);
-            }
-            times.retain(|zero| *zero < self.times[0]);
+            let last = (hold == Hold::First && sample > 1.0).then(|| sample - 1.0);
+            let times: Vec<f64> = [0.0].into_iter().chain(last).filter(|zero| *zero < self.times[0]).collect();
             Timed { values: vec![0.0; times.len()], times }
         });
         let next = self.take_until(sample, timed).end;
