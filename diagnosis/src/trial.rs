@@ -73,13 +73,9 @@ impl Trials {
         if record.forgotten() + first > 0 && !estimates.is_empty() {
             begin_at(&mut filter, estimates, first);
         }
-        let mut own = None;
-        if filter.kind.is_sampled() {
-            filter.kind = FilterKind::UKF;
-            own = Some(
-                (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),
-            );
-        }
+        let likelihoods = (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k));
+        let own = filter.kind.is_sampled().then(|| likelihoods.filter(|x| !x.is_nan()).sum());
+        filter.kind = if own.is_some() { FilterKind::UKF } else { filter.kind };
         let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         scenario.dt = record.dt();
         let record = record.part(first..estimates.len().min(record.len()));
