@@ -20,11 +20,7 @@ pub fn anti_alias(values: &mut Vec<f64>, every: usize) {
 }
 
 pub fn keep_every(values: &mut Vec<f64>, every: usize) {
-    let mut place = 0;
-    values.retain(|_| {
-        place += 1;
-        (place - 1) % every.max(1) == 0
-    });
+    *values = values.iter().step_by(every.max(1)).copied().collect();
 }
 
 /// A sinc under a Kaiser window; the original values stay; all must be finite. Source: Smith and Gossett (1984), A flexible
@@ -230,14 +226,10 @@ pub fn side(values: &[f64], noise: f64) -> usize {
 }
 
 pub fn half_swing(values: &[f64], noise: f64) -> f64 {
-    let (mut turns, mut side) = (Vec::new(), 0.0);
-    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
-        if x.signum() != side {
-            side = x.signum();
-            turns.push(k);
-        }
-    }
-    median(turns.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect()).unwrap_or(0.0)
+    let clear = values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise);
+    let mut turns: Vec<(usize, f64)> = clear.map(|(k, x)| (k, x.signum())).collect();
+    turns.dedup_by_key(|(_, side)| *side);
+    median(turns.windows(2).map(|pair| (pair[1].0 - pair[0].0) as f64).collect()).unwrap_or(0.0)
 }
 
 /// A part has at least one reading: above 2⁵³ s, adding a second changes nothing.

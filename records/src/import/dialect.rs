@@ -164,11 +164,9 @@ impl TextForm {
     fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
         let mut thousands = false;
         let mut count = |line: &&str| {
-            if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
-                return Counts::default();
-            }
+            let is_row = !line.trim_start().starts_with(REMARKS) && !line.trim().is_empty();
             // A comma cannot be both, except with cells in quotes.
-            if delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
+            if !is_row || delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
                 return Counts::default();
             }
             let mut counts = Counts::default();

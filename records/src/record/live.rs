@@ -341,7 +341,7 @@ impl Track {
         }
         let timed = into.get_or_insert_with(|| {
             // The input was zero before: from the first sample on, and on a line up to the last one.
-            let last = (hold == Hold::First && sample > 1.0).then(|| sample - 1.0);
+            let last = (hold == Hold::First && sample > 1.0).then_some(sample - 1.0);
             let times: Vec<f64> = [0.0].into_iter().chain(last).filter(|zero| *zero < self.times[0]).collect();
             Timed { values: vec![0.0; times.len()], times }
         });
