@@ -2,7 +2,7 @@
 
 mod smoothing;
 
-use kalmanscope_core::internals::{Bank, Waste, mapped};
+use kalmanscope_core::internals::{Bank, Waste};
 use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
 use crate::Diagnosis;
@@ -23,9 +23,7 @@ const DIAGNOSTICS_COST: f64 = 60.0;
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
-    filters: Vec<u32>,
-    begun: Vec<bool>,
-    diagnoses: Vec<(Option<Diagnosis>, usize)>,
+    judged: Vec<Judged>,
     pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
@@ -35,7 +33,16 @@ pub struct Analysis {
     chosen: bool,
     all_bounded: bool,
     spare: Vec<Diagnostics>,
-    waste: Waste,
+    pub(crate) waste: Waste,
+}
+
+/// What is known of a filter beside its diagnostics.
+#[derive(Default)]
+struct Judged {
+    id: u32,
+    begun: bool,
+    diagnosis: Option<Diagnosis>,
+    samples: usize,
 }
 
 pub(crate) struct AnalysisSubject<'a> {
@@ -71,7 +78,7 @@ impl Analysis {
     /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, it is computed again after half as
     /// many samples as are kept, and at the end; while diagnoses are put off, it is that of an earlier run with as many samples.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
-        self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
+        self.judged.get(place).filter(|_| self.diagnosed)?.diagnosis.as_ref()
     }
 
     /// The smoothed estimates of the filters that have a smoother. Those with a fixed look-ahead go along with the run, and end
@@ -99,8 +106,7 @@ impl Analysis {
         if self.wanted.diagnostics != wanted.diagnostics {
             let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
             self.waste.extend(diagnostics);
-            self.begun.clear();
-            self.diagnoses.clear();
+            self.judged.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
@@ -121,11 +127,11 @@ impl Analysis {
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
     }
 
-    fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
-        let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
-        let is_as_long = self.diagnostics.get(place).is_some_and(|diagnostics| diagnostics.len() == samples);
-        if let Some((present @ None, _)) = self.diagnoses.get_mut(place).filter(|_| self.waits && is_as_long) {
-            *present = diagnosis;
+    fn keep_until_due(&mut self, old: Judged, samples: usize) {
+        let mut all = self.judged.iter_mut().zip(&self.diagnostics);
+        let same = all.find(|(one, _)| one.id == old.id).filter(|(_, diagnostics)| diagnostics.len() == samples);
+        if let Some((one, _)) = same.filter(|_| self.waits) {
+            one.diagnosis = one.diagnosis.take().or(old.diagnosis);
         }
     }
 
@@ -142,45 +148,35 @@ impl Analysis {
         self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
     }
 
-    pub(crate) fn free_one(&mut self) -> bool {
-        self.waste.free_one()
-    }
-
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
         if self.wanted != old.wanted {
             self.want(old.wanted);
         }
         let Update::Filters(changed) = update else {
-            for ((id, diagnostics), (diagnosis, _)) in
-                old.filters.iter().zip(&old.diagnostics).zip(old.diagnoses.drain(..))
-            {
-                self.keep_until_due(*id, diagnostics.len(), diagnosis);
+            for (one, diagnostics) in old.judged.drain(..).zip(&old.diagnostics) {
+                self.keep_until_due(one, diagnostics.len());
             }
             self.recycle(old);
             return;
         };
-        let ids: Vec<u32> = mapped(&run.scenario().filters, &|filter| filter.id);
+        let filters = &run.scenario().filters;
         if self.wanted.diagnostics {
-            self.diagnostics.resize_with(ids.len(), Diagnostics::default);
-            self.begun.resize(ids.len(), false);
-            self.diagnoses.resize(ids.len(), (None, 0));
-            self.filters.clone_from(&ids);
+            self.diagnostics.resize_with(filters.len(), Diagnostics::default);
+            self.judged.resize_with(filters.len(), Judged::default);
+            self.judged.iter_mut().zip(filters).for_each(|(one, filter)| one.id = filter.id);
         }
-        let of_filters = old.diagnostics.drain(..).zip(old.begun.drain(..)).zip(old.diagnoses.drain(..));
-        for (id, ((diagnostics, begun), diagnosis)) in old.filters.iter().zip(of_filters) {
-            let place = ids.iter().position(|new| new == id && !changed.contains(id));
+        for (one, diagnostics) in old.judged.drain(..).zip(old.diagnostics.drain(..)) {
+            let place = filters.iter().position(|filter| filter.id == one.id && !changed.contains(&one.id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
-                self.diagnostics[place] = diagnostics;
-                self.begun[place] = begun;
-                self.diagnoses[place] = diagnosis;
+                (self.judged[place], self.diagnostics[place]) = (one, diagnostics);
             } else {
-                self.keep_until_due(*id, diagnostics.len(), diagnosis.0);
+                self.keep_until_due(one, diagnostics.len());
                 self.spare.push(diagnostics);
             }
         }
         let smoothed = std::mem::take(&mut old.smoothing);
-        self.smoothing.take_over(smoothed, &run.scenario().filters, changed, &mut self.waste);
+        self.smoothing.take_over(smoothed, filters, changed, &mut self.waste);
         (self.evidences, self.all_evident) = (Vec::new(), false);
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
@@ -206,21 +202,18 @@ impl Analysis {
     }
 
     fn diagnose(&mut self, subject: &AnalysisSubject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
+        let Self { diagnostics, judged, waits, spare, .. } = self;
         let AnalysisSubject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
-        ids.clear();
-        ids.extend(bank.estimates.iter().map(Estimates::id));
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
         diagnostics.resize_with(filters, || spare.pop().unwrap_or_default());
-        begun.resize(filters, false);
-        diagnoses.resize(filters, (None, 0));
+        judged.resize_with(filters, Judged::default);
+        judged.iter_mut().zip(&bank.estimates).for_each(|(one, estimates)| one.id = estimates.id());
         for place in (0..filters).filter(|&place| !is_known(known, place)) {
-            let (estimates, diagnostics) = (&bank.estimates[place], &mut diagnostics[place]);
-            if !begun[place] {
+            let (one, estimates, diagnostics) = (&mut judged[place], &bank.estimates[place], &mut diagnostics[place]);
+            if !one.begun {
                 diagnostics.clear(estimates, record);
-                begun[place] = true;
-                diagnoses[place] = (None, 0);
+                *one = Judged { id: one.id, begun: true, ..Judged::default() };
             }
             let mut follow = || {
                 diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
@@ -229,12 +222,10 @@ impl Analysis {
             if !in_time(&mut follow, while_time) {
                 return false;
             }
-            let (diagnosis, of) = &mut diagnoses[place];
             let done = estimates.forgotten() + estimates.len();
-            let is_old = done >= *of + estimates.len() / 2 || subject.whole;
-            if !*waits && *of != done && (diagnosis.is_none() || is_old) {
-                *diagnosis = Diagnosis::new(diagnostics, estimates, record);
-                *of = done;
+            let is_old = done >= one.samples + estimates.len() / 2 || subject.whole;
+            if !*waits && one.samples != done && (one.diagnosis.is_none() || is_old) {
+                (one.diagnosis, one.samples) = (Diagnosis::new(diagnostics, estimates, record), done);
             }
         }
         true
@@ -284,8 +275,9 @@ impl Analysis {
         let samples = *done as f64;
         let (mut so_far, mut all) = (0.0, 0.0);
         for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
-            if self.wanted.diagnostics {
-                let followed = self.diagnostics.get(place).filter(|_| self.begun[place]).map_or(0, Diagnostics::len);
+            if self.wanted.diagnostics.is_some() {
+                let followed =
+                    self.diagnostics.get(place).filter(|_| self.judged[place].begun).map_or(0, Diagnostics::len);
                 so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);
                 all += DIAGNOSTICS_COST * samples;
             }

@@ -136,21 +136,9 @@ impl<'a> Case<'a> {
     }
 
     pub(super) fn ranges(&self, is_chosen: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-        let mut ranges: Vec<Range<usize>> = Vec::new();
-        for part in (0..PARTS).filter(|&part| is_chosen(part)) {
-            let next = self.part(part);
-            match ranges.last_mut() {
-                Some(before) if before.end == next.start => before.end = next.end,
-                _ => ranges.push(next),
-            }
-        }
-        ranges
-    }
-
-    pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
-        let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
-        let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
-        Some(self.part(first).start..self.part(last).end)
+        let all: Vec<_> = (0..PARTS).filter(|&part| is_chosen(part)).map(|part| self.part(part)).collect();
+        let runs = all.chunk_by(|one, next| one.end == next.start);
+        runs.map(|run| run[0].start..run[run.len() - 1].end).collect()
     }
 
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {

@@ -87,17 +87,9 @@ impl Evidence {
     }
 
     pub(crate) fn over(test: &'static Test, subject: Subject, span: &Span) -> Self {
-        Self {
-            test,
-            subject,
-            statistic: f64::NAN,
-            p_value: 1.0,
-            effect: 0.0,
-            speaks_for: VerdictKind::Consistent,
-            counts: false,
-            samples: span.samples.clone(),
-            sentence: String::new(),
-        }
+        let (speaks_for, samples) = (VerdictKind::Consistent, span.samples.clone());
+        let (effect, counts, sentence) = Default::default();
+        Self { test, subject, statistic: f64::NAN, p_value: 1.0, effect, speaks_for, counts, samples, sentence }
     }
 
     pub(crate) fn certain(self, kind: VerdictKind, effect: f64, statistic: f64, sentence: String) -> Self {

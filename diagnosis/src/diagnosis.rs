@@ -48,9 +48,7 @@ impl Diagnosis {
         }
         let case = Case::new(samples.clone(), diagnostics, estimates, record);
         let mut evidence = Vec::new();
-        for test in TESTS {
-            (test.run)(&case, test, &mut evidence);
-        }
+        TESTS.iter().for_each(|test| (test.run)(&case, test, &mut evidence));
         checks::decide(&mut evidence);
         let verdict = Verdict::of(&case, &evidence);
         let bad_parts = case.ranges(|part| case.bad[part] || case.forgiven[part]);
@@ -77,9 +75,7 @@ impl Diagnosis {
             Some(VerdictKind::Recovered) => &ALTERNATIVES[..3],
             _ => CAUSES,
         };
-        for cause in causes {
-            (cause.likely_causes)(&bad, cause, &mut likely_causes);
-        }
+        causes.iter().for_each(|cause| (cause.likely_causes)(&bad, cause, &mut likely_causes));
         sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
         likely_causes
     }

@@ -20,7 +20,7 @@ pub use observed::{Observed, Times, Whole};
 pub use rows::MeasureKind;
 
 use info::MeasureSubject;
-use observed::ObservedSums;
+use observed::{ObservedSums, Part};
 use rows::ROWS;
 
 /// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
@@ -174,7 +174,8 @@ impl Measure {
 
     /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.
     pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
-        self.kind.within(&run.at(self, times))
+        let Self { kind, channel, sensor } = self;
+        kind.within(&Part { run, channel, sensor, times })
     }
 }
 

@@ -155,12 +155,11 @@ impl Trials {
         };
         let mut all: Vec<Ranked> = Vec::new();
         for (likely, outcome) in tried().filter(|(likely, outcome)| !is_explained(likely, outcome)) {
-            let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * likely.fitted;
-            if let Some(own) = self.own.filter(|_| likely.cause.key == "collapsed_sample") {
-                gain = before.log_likelihood - own;
-            }
-            let is_worth = likely.certain || gain > WORTH;
-            if !is_worth {
+            let gain = match self.own.filter(|_| likely.cause.key == "collapsed_sample") {
+                Some(own) => before.log_likelihood - own,
+                None => outcome.log_likelihood - before.log_likelihood - penalty * likely.fitted,
+            };
+            if !(likely.certain || gain > WORTH) {
                 continue;
             }
             let open = open(likely, outcome);

@@ -16,7 +16,7 @@ use super::case::VerdictKind;
 use super::cause::LikelyCause;
 use super::diagnosis::Diagnosis;
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
-use super::trial::Trials;
+use super::trial::{TrialOutcome, Trials};
 use super::verdict::Verdict;
 
 const STEPS: usize = 4;
@@ -41,8 +41,7 @@ pub struct Search {
     trials: Trials,
     stage: Stage,
     alone: Vec<Ranked>,
-    before: Option<Verdict>,
-    likelihood: f64,
+    before: Option<TrialOutcome>,
     origin: Path,
     paths: Vec<Path>,
     filters: usize,
@@ -77,7 +76,7 @@ impl Diagnosis {
         let trials = Trials::new(scenario, place, estimates, record, likely_causes)?;
         let origin = Path::new(&trials.scenario);
         let (stage, alone, paths) = (Stage::Causes(None), Vec::new(), Vec::new());
-        Ok(Search { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters: 1 })
+        Ok(Search { trials, stage, alone, before: None, origin, paths, filters: 1 })
     }
 }
 
@@ -89,7 +88,8 @@ impl Search {
 
     /// The verdict on the unchanged filter over the window, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
-        self.before.as_ref().or_else(|| self.trials.before().filter(|_| matches!(self.stage, Stage::Causes(None))))
+        let is_first = matches!(self.stage, Stage::Causes(None));
+        if is_first { &self.trials.before } else { &self.before }.as_ref()?.verdict.as_ref()
     }
 
     /// The remedies so far: those that end in a good verdict come first, then the likeliest. No two begin with the same cause.
@@ -155,11 +155,10 @@ impl Search {
                     }
                 }
                 if on.is_none() {
-                    self.before = self.trials.before().cloned();
-                    self.likelihood = self.trials.before.as_ref().map_or(f64::NAN, |before| before.log_likelihood);
+                    self.before.clone_from(&self.trials.before);
                     self.alone = ranked;
                     // A filter to be believed is not searched further: it gets the likeliest model alone.
-                    if self.before.as_ref().is_some_and(|before| before.kind.is_good()) {
+                    if self.before.as_ref().is_some_and(TrialOutcome::is_good) {
                         self.alone.truncate(1);
                         return;
                     }
@@ -167,9 +166,9 @@ impl Search {
                 self.try_next();
             }
             Stage::Without { path, step, mut shorter } => {
-                if let Some(outcome) = &self.trials.before {
+                if let (Some(outcome), Some(before)) = (&self.trials.before, &self.before) {
                     let price = self.trials.price() * shorter.fitted();
-                    shorter.gain = outcome.log_likelihood - self.likelihood - price;
+                    shorter.gain = outcome.log_likelihood - before.log_likelihood - price;
                     shorter.after = outcome.verdict.clone();
                     shorter.rank += shorter.gain - self.paths[path].gain;
                 }
@@ -387,12 +386,7 @@ impl Path {
         }
         let mut named = self.steps.iter().map(|step| &step.likely).filter(|likely| !likely.sentence.is_empty());
         let likely = named.next()?.clone();
-        Some(Remedy {
-            first: likely,
-            then: named.cloned().collect(),
-            edits,
-            gain: self.gain,
-            after: self.after.clone(),
-        })
+        let (then, after) = (named.cloned().collect(), self.after.clone());
+        Some(Remedy { first: likely, then, edits, gain: self.gain, after })
     }
 }

@@ -76,7 +76,7 @@ impl Study {
 
     /// Returns unused memory to the system until `while_time`, called after each piece, is false. Returns whether all is done.
     pub fn free(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while self.analysis.free_one() {
+        while self.analysis.waste.free_one() {
             if !while_time() {
                 return false;
             }

@@ -1,5 +1,4 @@
-//! Sums by part of a record, from which the tests take their statistics: of the innovations of each sensor, and of the errors of each
-//! channel with a known truth.
+//! Sums by part of a record, from which the tests take their statistics: of innovations, and of errors where the truth is known.
 
 use std::ops::Range;
 

@@ -73,13 +73,9 @@ impl Trials {
         if record.forgotten() + first > 0 && !estimates.is_empty() {
             begin_at(&mut filter, estimates, first);
         }
-        let mut own = None;
-        if filter.kind.is_sampled() {
-            filter.kind = FilterKind::UKF;
-            own = Some(
-                (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),
-            );
-        }
+        let likelihoods = (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k));
+        let own = filter.kind.is_sampled().then(|| likelihoods.filter(|x| !x.is_nan()).sum());
+        filter.kind = if own.is_some() { FilterKind::UKF } else { filter.kind };
         let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         scenario.dt = record.dt();
         let record = record.part(first..estimates.len().min(record.len()));
@@ -98,19 +94,8 @@ impl Trials {
         origin: FilterSettings,
         likely_causes: Option<Vec<LikelyCause>>,
     ) -> Self {
-        Self {
-            record,
-            steps,
-            scenario,
-            origin,
-            likely_causes,
-            current: None,
-            first: 0,
-            unturned: None,
-            before: None,
-            outcomes: Vec::new(),
-            own: None,
-        }
+        let (current, first, unturned, before, outcomes, own) = Default::default();
+        Self { record, steps, scenario, origin, likely_causes, current, first, unturned, before, outcomes, own }
     }
 
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
@@ -140,10 +125,6 @@ impl Trials {
         let done = usize::from(self.before.is_some()) + self.outcomes.len();
         let all = self.likely_causes.as_ref().map_or(USUAL, Vec::len);
         (done as f64 / (1 + all) as f64).min(1.0)
-    }
-
-    pub(super) fn before(&self) -> Option<&Verdict> {
-        self.before.as_ref()?.verdict.as_ref()
     }
 
     pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &TrialOutcome)> {

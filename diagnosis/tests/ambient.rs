@@ -171,14 +171,6 @@ pub(crate) fn building(rate: f64, sensors: &[Quantity], accelerometer: Accelerom
 }
 
 pub(crate) fn mass(accelerometer: Accelerometer, rate: f64, seed: u64) -> Ambient {
-    Ambient {
-        natural_frequency: 19.478,
-        damping_ratio: 0.02,
-        rate,
-        seconds: 180.0,
-        sensors: vec![Quantity::ACCELERATION],
-        accelerometer,
-        noise: 0.02,
-        seed,
-    }
+    let building = building(rate, &[Quantity::ACCELERATION], accelerometer, seed);
+    Ambient { natural_frequency: 19.478, damping_ratio: 0.02, seconds: 180.0, noise: 0.02, ..building }
 }

@@ -224,14 +224,12 @@ impl fmt::Display for DocumentError {
         if let Some(line) = line {
             write!(f, "line {line}: ")?;
         }
-        let mut keys = String::new();
-        for step in path {
-            match step {
-                Step::Key(key) if keys.is_empty() => keys.push_str(key),
-                Step::Key(key) => keys += &format!(".{key}"),
-                Step::Element(place) => keys += &format!("[{place}]"),
-            }
-        }
+        let step = |step: &Step| match step {
+            Step::Key(key) => format!(".{key}"),
+            Step::Element(place) => format!("[{place}]"),
+        };
+        let keys: String = path.iter().map(step).collect();
+        let keys = keys.strip_prefix('.').unwrap_or(&keys);
         match (path.is_empty(), line) {
             (false, _) => write!(f, "`{keys}`: {reason}"),
             (true, Some(_)) => write!(f, "`.`: {reason}"),

@@ -126,19 +126,9 @@ impl Record {
 
     /// A record without samples.
     pub fn empty(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>, truth_channels: Vec<Channel>) -> Self {
-        Self {
-            dt,
-            start: 0.0,
-            forgotten: 0,
-            kind,
-            hold,
-            input: Vec::new(),
-            measured: vec![Vec::new(); sensors.len()],
-            sensors,
-            truth: vec![Vec::new(); truth_channels.len()],
-            truth_channels,
-            clocks: None,
-        }
+        let (start, forgotten, input, clocks) = Default::default();
+        let [measured, truth] = [sensors.len(), truth_channels.len()].map(|count| vec![Vec::new(); count]);
+        Self { dt, start, forgotten, kind, hold, input, sensors, measured, truth_channels, truth, clocks }
     }
 
     fn columns(&self) -> impl Iterator<Item = &Vec<f64>> {

@@ -20,11 +20,7 @@ pub fn anti_alias(values: &mut Vec<f64>, every: usize) {
 }
 
 pub fn keep_every(values: &mut Vec<f64>, every: usize) {
-    let mut place = 0;
-    values.retain(|_| {
-        place += 1;
-        (place - 1) % every.max(1) == 0
-    });
+    *values = values.iter().step_by(every.max(1)).copied().collect();
 }
 
 /// A sinc under a Kaiser window; the original values stay; all must be finite. Source: Smith and Gossett (1984), A flexible
@@ -136,23 +132,17 @@ impl Section {
 
 /// Passes `low` (0: a low-pass) to `high` (½: a high-pass), shares of the sample rate, without a shift. All values must be finite.
 pub fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
-    let mut all = Vec::new();
-    if low > 0.0 {
-        all.extend(sections(false, low.min(0.499)));
-    }
-    if high < 0.5 {
-        all.extend(sections(true, high));
-    }
+    let high_pass = (low > 0.0).then(|| sections(false, low.min(0.499)));
+    let all: Vec<Section> = high_pass.into_iter().chain((high < 0.5).then(|| sections(true, high))).flatten().collect();
     let slowest = [low, high].into_iter().filter(|&cut| cut > 0.0).fold(0.5, f64::min);
     let margin = (libm::ceil(3.0 / slowest) as usize).min(values.len().saturating_sub(1));
     if all.is_empty() || values.len() < 2 {
         return;
     }
-    let mut extended = Vec::with_capacity(values.len() + 2 * margin);
-    let (first, last) = (values[0], values[values.len() - 1]);
-    extended.extend(values[1..=margin].iter().rev().map(|value| 2.0 * first - value));
-    extended.extend_from_slice(values);
-    extended.extend(values[values.len() - 1 - margin..values.len() - 1].iter().rev().map(|value| 2.0 * last - value));
+    let end = values.len() - 1;
+    let turned = |part: &[f64], about: f64| part.iter().rev().map(|value| 2.0 * about - value).collect::<Vec<f64>>();
+    let (front, back) = (turned(&values[1..=margin], values[0]), turned(&values[end - margin..end], values[end]));
+    let mut extended = [&front, &values[..], &back].concat();
     for _ in 0..2 {
         all.iter().for_each(|section| section.run(&mut extended));
         extended.reverse();
@@ -236,14 +226,10 @@ pub fn side(values: &[f64], noise: f64) -> usize {
 }
 
 pub fn half_swing(values: &[f64], noise: f64) -> f64 {
-    let (mut turns, mut side) = (Vec::new(), 0.0);
-    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
-        if x.signum() != side {
-            side = x.signum();
-            turns.push(k);
-        }
-    }
-    median(turns.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect()).unwrap_or(0.0)
+    let clear = values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise);
+    let mut turns: Vec<(usize, f64)> = clear.map(|(k, x)| (k, x.signum())).collect();
+    turns.dedup_by_key(|(_, side)| *side);
+    median(turns.windows(2).map(|pair| (pair[1].0 - pair[0].0) as f64).collect()).unwrap_or(0.0)
 }
 
 /// A part has at least one reading: above 2⁵³ s, adding a second changes nothing.

@@ -36,10 +36,8 @@ impl Smoothing {
         if !self.estimates.iter().all(wanted_of) {
             self.keep(waste, wanted_of);
         }
-        for (place, filter) in scenario.filters.iter().enumerate() {
-            if is_known(known, place) || !is_wanted(filter, subject, wanted) {
-                continue;
-            }
+        let is_due = |place: usize, filter: &_| !is_known(known, place) && is_wanted(filter, subject, wanted);
+        for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, filter)| is_due(*place, *filter)) {
             let at = self.estimates.iter().position(|of| of.id() == filter.id).or_else(|| {
                 (record.forgotten() == 0).then(|| self.begin(bank.smoother(place, record), bank.smoothed(place), done))
             });

@@ -1,5 +1,6 @@
 //! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late; or the times of all are wrong.
 
+use kalmanscope_core::internals::mapped;
 use kalmanscope_core::{Aspect, Quantity};
 
 use super::sensors::clipped_ends;
@@ -101,8 +102,9 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<SensorPair> {
             return None;
         }
         let part = |place: usize| {
-            let column = case.estimates.measured(case.record, place)?;
-            Some(without_ends(&case.samples.clone().map(column).collect::<Vec<f64>>()))
+            let values: Vec<f64> = case.samples.clone().map(case.estimates.measured(case.record, place)?).collect();
+            let ends = clipped_ends(&values);
+            Some(mapped(&values, &|value| if ends.contains(value) { f64::NAN } else { *value }))
         };
         let (values, rates) = (part(place)?, part(other)?);
         let agreement = Agreement::of(&values, &rates, order, case.record.dt(), bad.filter.sensor_std[other])?;
@@ -206,11 +208,6 @@ fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
     let between = libm::round(delays.of(own)) - libm::round(delays.of(other));
     let delay = delays.of(other) + between + steps;
     if delay.abs() < IN_TIME { 0.0 } else { delay * dt }
-}
-
-fn without_ends(values: &[f64]) -> Vec<f64> {
-    let ends = clipped_ends(values);
-    values.iter().map(|value| if ends.contains(value) { f64::NAN } else { *value }).collect()
 }
 
 /// Two sensors of one mass compared: the changes of one with the integral of the other.

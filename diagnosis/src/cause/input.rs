@@ -160,15 +160,12 @@ pub(super) static STILL_INPUT: Cause = Cause {
 
 /// The longest part of an input that is constant, where the rest moves.
 pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
-    let (mut longest, mut start) = (0..0, 0);
-    for end in 1..=input.len() {
-        if end == input.len() || input[end].to_bits() != input[start].to_bits() {
-            if end - start > longest.len() {
-                longest = start..end;
-            }
-            start = end;
-        }
-    }
+    let mut end = 0;
+    let runs = input.chunk_by(|one, next| one.to_bits() == next.to_bits()).map(|run| {
+        end += run.len();
+        end - run.len()..end
+    });
+    let longest = runs.reduce(|longest, run| if run.len() > longest.len() { run } else { longest }).unwrap_or(0..0);
     let least = SAMPLES.max((STILL * input.len() as f64) as usize);
     let elsewhere = input.len() - longest.len();
     let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();

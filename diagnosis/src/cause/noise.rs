@@ -75,7 +75,8 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         };
         let told = (0..m).filter(|&i| far(since(i)));
         let sentence = told.map(of).collect::<Vec<_>>().join(", ");
-        let weight = changed.iter().map(|&i| far_by(case.sensors[i].level(&case.kept))).fold(0.0, f64::max);
+        let sizes = changed.iter().map(|&i| libm::log(level(i)).abs());
+        let weight = sizes.map(|size| size / (1.0 + size)).fold(0.0, f64::max);
         let edits = vec![bad.edit("sensor_std", turned)];
         let silences = (0..m).any(|i| since(i) > SILENCE);
         found.push(LikelyCause { silences, ..LikelyCause::new(cause, weight, changed.len() as f64, edits, sentence) });
@@ -92,11 +93,6 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
 
 fn far(factor: f64) -> bool {
     factor.is_finite() && libm::log(factor).abs() > libm::log(TOLERANCE)
-}
-
-fn far_by(level: f64) -> f64 {
-    let size = libm::log(level).abs();
-    if size.is_nan() { 0.0 } else { size / (1.0 + size) }
 }
 
 const LEAST_CHANGE: f64 = 1.5;

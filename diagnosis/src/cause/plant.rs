@@ -37,18 +37,17 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     // With the other exponent β and γ have the size of the old ones times or over the displacement.
     let exponents =
         [(PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1, size), (PlantKind::BOUC_WEN_1, PlantKind::BOUC_WEN, 1.0 / size)];
+    let yields = [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA];
     if let Some((_, kind, by)) = exponents.into_iter().find(|(own, ..)| own == believed) {
         let mut edits = vec![bad.edit("plant", kind.key())];
-        for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
+        for channel in yields {
             let [mean, std] = [&bad.filter.initial_mean, &bad.filter.initial_std].map(|of| by * of[channel]);
             edits.extend(bad.begins(channel.key(), mean, std));
         }
         found.push(LikelyCause::new(cause, weight, 0.0, edits, "the spring yields with the other exponent".to_owned()));
     } else {
         let mut edits = vec![bad.edit("plant", PlantKind::BOUC_WEN.key())];
-        for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
-            edits.extend(bad.begins(channel.key(), 0.5 * square, 0.4 * square));
-        }
+        edits.extend(yields.iter().flat_map(|channel| bad.begins(channel.key(), 0.5 * square, 0.4 * square)));
         edits.push(bad.entry("initial_std", Channel::HYSTERETIC_DISPLACEMENT, 0.5 * size));
         edits.push(bad.entry("process_std", Channel::HYSTERETIC_DISPLACEMENT, 1e-3 * size));
         let likely = LikelyCause::new(cause, weight, 2.0, edits, "the spring yields".to_owned());
@@ -75,9 +74,8 @@ pub(super) static MISSING_MODE: Cause = Cause {
                 edits.extend(bad.begins(Channel::stiffness(mass).key(), stiffness, 0.3 * stiffness));
             }
             edits.extend(bad.begins(Channel::STOREY_DAMPING.key(), 0.1 * frequency, 0.1 * frequency));
-            for (first, second) in
-                [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
-            {
+            let second = [Channel::displacement(1), Channel::velocity(1)];
+            for (first, second) in [Channel::DISPLACEMENT, Channel::VELOCITY].into_iter().zip(second) {
                 edits.push(bad.entry("initial_std", second, bad.filter.initial_std[first]));
                 edits.push(bad.entry("process_std", second, bad.filter.process_std[first]));
             }
@@ -149,9 +147,7 @@ fn edits_of(bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Ve
     let plant = [("equation", text(equation)), ("parameters", Value::Table(parameters))];
     let plant = plant.map(|(key, value)| (key.to_owned(), value));
     let mut edits = vec![bad.edit("plant", Table::from_iter(plant))];
-    for Component { key, mean, std, .. } in components {
-        edits.extend(bad.begins(key, *mean, *std));
-    }
+    edits.extend(components.iter().flat_map(|one| bad.begins(one.key, one.mean, one.std)));
     edits
 }
 

@@ -60,12 +60,9 @@ pub(super) static COARSE: Cause = Cause {
         let mut stds = bad.filter.sensor_std.clone();
         let (mut told, mut most) = (Vec::new(), 0.0_f64);
         for (place, one) in bad.case.sensors.iter().enumerate() {
-            let Some(step) = Readings::of(bad.case, place).and_then(|readings| readings.step()) else { continue };
-            let own = stds[place];
+            let (own, step) = (stds[place], Readings::of(bad.case, place).and_then(|readings| readings.step()));
             // A filter that knows of the rounding has a larger σ.
-            if step < LEAST_STEP * own {
-                continue;
-            }
+            let Some(step) = step.filter(|step| *step >= LEAST_STEP * own) else { continue };
             stds[place] = (own * own + step * step / 12.0).sqrt();
             most = most.max(step / own);
             let (name, unit, times) = (one.sensor.key(), length.in_place_of(one.sensor.unit()), short(step / own));
@@ -276,13 +273,10 @@ impl Readings {
         let repeats = |pair: &[f64]| pair[0].to_bits() == pair[1].to_bits() && !is_end(pair[0]);
         let same: Vec<bool> = self.values.windows(2).map(repeats).collect();
         let mut marks = vec![false; self.values.len()];
-        let mut start = 0;
-        while start < same.len() {
-            let end = same[start..].iter().position(|same| !same).map_or(same.len(), |length| start + length);
-            if end - start >= 2 {
-                marks[start + 1..=end].fill(true);
-            }
-            start = end + 1;
+        let mut end = 0;
+        for run in same.chunk_by(|one, next| one == next) {
+            end += run.len();
+            marks[end + 1 - run.len()..=end].fill(run[0] && run.len() > 1);
         }
         let stuck = marks.iter().filter(|mark| **mark).count() as f64;
         let short = same.iter().filter(|same| **same).count() as f64 - stuck;

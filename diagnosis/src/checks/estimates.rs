@@ -240,7 +240,9 @@ pub(super) static RECOVERY: Test = Test {
     source: "Basseville and Nikiforov (1993), Detection of Abrupt Changes",
     reading: "too large for a while only: something changed, and the filter followed",
     run: |case, test, found| {
-        let Some(samples) = case.forgiven_samples() else { return };
+        let forgiven = case.ranges(|part| case.forgiven[part]);
+        let (Some(first), Some(last)) = (forgiven.first(), forgiven.last()) else { return };
+        let samples = first.start..last.end;
         let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
         let (level, of_innovations) = level_of_innovations(case);
         let (off, of_errors) = largest_error(case);

@@ -59,7 +59,7 @@ fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose:
 }
 
 /// The numbers are the statistic, its p-value and the effect.
-fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, numbers: [f64; 3], said: String) -> Evidence {
+fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, numbers: [f64; 3], said: &str) -> Evidence {
     let [statistic, p_value, effect] = numbers;
     let (speaks_for, sentence) = (case.pattern(one), format!("prediction errors of the {} {said}", one.sensor.key()));
     Evidence {
@@ -86,7 +86,7 @@ pub(super) static MEAN: Test = Test {
             if count > 0.0 {
                 let statistic = mean * count.sqrt();
                 let numbers = [statistic, normal_p(statistic), mean.abs() / OFF_ZERO];
-                found.push(pattern(case, test, one, numbers, format!("are {mean:.2}σ on average, not 0")));
+                found.push(pattern(case, test, one, numbers, &format!("are {mean:.2}σ on average, not 0")));
             }
         }
     },
@@ -128,7 +128,7 @@ fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             found.push(Evidence {
                 speaks_for: direction(case, one, telling, one.level(&span.parts)),
                 samples: span.samples,
-                ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], said)
+                ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said)
             });
         }
     }
@@ -153,7 +153,7 @@ fn pairs(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let (statistic, sensor) = (pair.count * sum, earlier.sensor.key());
         let p_value = chi_squared::upper_tail(statistic, 2 * (LAGS as u32 - 1)).unwrap_or(1.0);
         let said = format!("depend on earlier ones of the {sensor} (correlation {r:.2} at lag {lag})");
-        found.push(pattern(case, test, later, [statistic, p_value, r.abs() / CORRELATED], said));
+        found.push(pattern(case, test, later, [statistic, p_value, r.abs() / CORRELATED], &said));
     }
 }
 
@@ -171,7 +171,7 @@ pub(super) static AT_ONCE: Test = Test {
             let sensor = other.sensor.key();
             let said = format!("and the {sensor} are correlated by {r:.2}, not {expected:.2}, within a sample");
             let numbers = [statistic, normal_p(statistic), (r - expected).abs() / CORRELATED];
-            found.push(pattern(case, test, one, numbers, said));
+            found.push(pattern(case, test, one, numbers, &said));
         }
     },
 };
@@ -203,7 +203,7 @@ pub(super) static INPUT: Test = Test {
                 let statistic = largest.abs() * count.sqrt();
                 let p_value = (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0);
                 let said = format!("still depend on the input (correlation {largest:.2} at lag {lag})");
-                found.push(pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], said));
+                found.push(pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said));
             }
         }
     },
@@ -229,7 +229,7 @@ pub(super) static LINES: Test = Test {
             let p_value = (one_p * one.periodogram.power.len() as f64).min(1.0);
             let (times, frequency) = (short(statistic), short(turn / case.record.dt()));
             let said = format!("have a peak of {times} times the mean power at {frequency} rad/s");
-            found.push(pattern(case, test, one, [statistic, p_value, statistic / LINE], said));
+            found.push(pattern(case, test, one, [statistic, p_value, statistic / LINE], &said));
         }
     },
 };

@@ -109,17 +109,8 @@ pub(super) enum MeasureSubject {
 }
 
 pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: MeasureSubject) -> MeasureInfo {
-    MeasureInfo {
-        word,
-        name,
-        kind,
-        best: Best::None,
-        needs_truth: false,
-        needs_others: false,
-        is_special: false,
-        of,
-        whole: None,
-    }
+    let [needs_truth, needs_others, is_special] = [false; 3];
+    MeasureInfo { word, name, kind, best: Best::None, needs_truth, needs_others, is_special, of, whole: None }
 }
 
 impl MeasureInfo {
@@ -129,10 +120,6 @@ impl MeasureInfo {
 
     pub(super) const fn with_truth(self) -> Self {
         Self { needs_truth: true, ..self }
-    }
-
-    pub(super) const fn with_others(self) -> Self {
-        Self { needs_others: true, ..self }
     }
 
     pub(super) const fn special(self) -> Self {
@@ -176,10 +163,7 @@ impl Value {
         match self {
             Self::Number(number) => *number,
             Self::Flag(flag) => f64::from(u8::from(*flag)),
-            Self::Verdict(kind) => {
-                let place = kind.and_then(|kind| VerdictKind::ALL.iter().position(|other| *other == kind));
-                place.map_or(f64::NAN, |place| place as f64)
-            }
+            Self::Verdict(kind) => kind.map_or(f64::NAN, |kind| kind as usize as f64),
             Self::Cause(place) => place.map_or(f64::NAN, |place| place as f64),
             Self::Words(_) => f64::NAN,
         }

@@ -7,8 +7,6 @@ use kalmanscope_core::diagnostics::ErrorSums;
 use kalmanscope_core::score::{ChannelScore, Outcome};
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, FilterSettings, Quantity, Record, Scenario};
 
-use super::Measure;
-
 /// One filter's run over one record, with all its estimates, or the smoothed ones.
 pub struct Observed<'a> {
     pub(super) scenario: &'a Scenario,
@@ -67,15 +65,11 @@ impl<'a> Observed<'a> {
         });
         bound.as_ref()
     }
-
-    pub(super) fn at(&self, measure: Measure, times: Times) -> Part<'_> {
-        Part { run: self, channel: measure.channel, sensor: measure.sensor, times }
-    }
 }
 
 pub(super) struct Part<'a> {
     pub(super) run: &'a Observed<'a>,
-    channel: Option<Channel>,
+    pub(super) channel: Option<Channel>,
     pub(super) sensor: Option<Quantity>,
     pub(super) times: Times,
 }

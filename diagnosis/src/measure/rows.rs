@@ -112,10 +112,10 @@ measures! {
             number(first.max_by(f64::total_cmp))
         };
 
-    Probability = row("probability", "probability among the filters", Share, Filter)
-        .best(Best::Largest)
-        .with_others()
-        .special()
+    Probability = MeasureInfo {
+            needs_others: true,
+            ..row("probability", "probability among the filters", Share, Filter).best(Best::Largest).special()
+        }
         => |part| number(probability(part));
 
     Evaluations = row("evaluations", "evaluations of the rate per step", Size, Filter).special()
@@ -228,7 +228,9 @@ measures! {
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
         .special()
-        => |part| number(coverage_of_learnt_noise(part));
+        => |part| number(part.true_noise().and_then(|truth| {
+            coverage_of(part, |k| part.learnt_noise(k).map(|[std, spread]| (std - truth).abs() <= 2.0 * spread))
+        }));
 
     ProcessScale = row("process_scale", "learnt √Q over the true one", Ratio, Filter)
         .best(Best::One)
@@ -285,12 +287,6 @@ fn gain(part: &Part<'_>) -> Option<f64> {
     let estimates = part.run.estimates;
     let entry = part.place_of_sensor()? * estimates.channels().len() + part.place()?;
     Some(mean(part.range().map(|k| estimates.gain(k)[entry].abs())))
-}
-
-fn coverage_of_learnt_noise(part: &Part<'_>) -> Option<f64> {
-    let truth = part.true_noise()?;
-    let is_inside = |[std, spread]: [f64; 2]| (std - truth).abs() <= 2.0 * spread;
-    coverage_of(part, |k| part.learnt_noise(k).map(is_inside))
 }
 
 fn coverage_of(part: &Part<'_>, is_inside: impl Fn(usize) -> Option<bool>) -> Option<f64> {

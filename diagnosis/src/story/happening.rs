@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use kalmanscope_core::scenario::{Fault, Sensor};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
+use kalmanscope_core::{Channel, Force, InputKind, Run, Scenario, Signal};
 
 use super::{Adjustable, Phrase, Writer};
 use crate::words::plain;
@@ -20,20 +20,11 @@ pub(super) struct TrueChange {
 }
 
 impl TrueChange {
-    pub(super) fn end(&self) -> f64 {
-        match self.signal {
-            Signal::Constant(_) => 0.0,
-            Signal::Step(Step { at, .. }) => at,
-            Signal::Ramp(Ramp { end, .. }) => end,
-            Signal::Sine(_) => f64::INFINITY,
-        }
-    }
-
     pub(super) fn start(&self) -> f64 {
         match self.signal {
+            Signal::Constant(_) | Signal::Sine(_) => 0.0,
+            Signal::Step(Step { at, .. }) => at,
             Signal::Ramp(Ramp { start, .. }) => start,
-            Signal::Sine(_) => 0.0,
-            _ => self.end(),
         }
     }
 
@@ -152,7 +143,9 @@ fn still(scenario: &Scenario) -> Writer {
     let plant = &scenario.plant;
     let named = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     let known = named.into_iter().filter(|channel| plant.kind.parameters().any(|own| own == *channel));
-    let mut text = Writer::default().say(noun(&plant.kind));
+    let name = plant.kind.name().replace(", ", " of ");
+    let noun = if name.starts_with("equation") { "Your own equation".to_owned() } else { format!("A {name}") };
+    let mut text = Writer::default().say(noun);
     for (place, channel) in known.enumerate() {
         let signal = plant.parameter(channel).unwrap_or(Signal::Constant(channel.usual_truth()));
         let before = if place == 0 { " with " } else { " and " };
@@ -161,11 +154,6 @@ fn still(scenario: &Scenario) -> Writer {
         text = text.say(format!("{before}{} ", channel.symbol())).setting(number);
     }
     text.say(format!(" {}; its parameters stay constant", moved(scenario)))
-}
-
-fn noun(kind: &PlantKind) -> String {
-    let name = kind.name().replace(", ", " of ");
-    if name.starts_with("equation") { "Your own equation".to_owned() } else { format!("A {name}") }
 }
 
 fn moved(scenario: &Scenario) -> String {

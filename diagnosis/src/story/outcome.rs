@@ -137,7 +137,8 @@ impl<'a> FilterOutcome<'a> {
         let is_told = |change: &&TrueChange| self.main.as_ref().is_none_or(|main| main.channel == change.channel);
         let change = change.filter(is_told);
         let text = Writer::default().filter(self.filter.id, self.name);
-        let text = self.memory(text, change);
+        let memory = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
+        let text = if change.is_some() { text.say(memory).setting(self.fading()).say("),") } else { text };
         if let Some((stop, at)) = &self.stop {
             return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).done();
         }
@@ -152,15 +153,6 @@ impl<'a> FilterOutcome<'a> {
             }
         };
         text.say(".").done()
-    }
-
-    fn memory(&self, text: Writer, change: Option<&TrueChange>) -> Writer {
-        if change.is_none() {
-            return text;
-        }
-        let fading = self.fading();
-        let words = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
-        text.say(words).setting(fading).say("),")
     }
 
     fn fading(&self) -> Adjustable {

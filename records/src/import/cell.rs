@@ -96,17 +96,11 @@ impl Decimal {
         {
             return Content::Grouped(value);
         }
-        if let Some(value) = self.fortran(cell) {
-            return Content::Number(value);
-        }
-        if is_missing(cell) {
-            return Content::Missing;
-        }
-        if is_word(cell) {
-            return Content::Word;
-        }
-        match clock(cell) {
-            Some((seconds, is_dated)) => Content::Clock { seconds, is_dated },
+        match self.fortran(cell) {
+            Some(value) => Content::Number(value),
+            None if is_missing(cell) => Content::Missing,
+            None if is_word(cell) => Content::Word,
+            None if let Some((seconds, is_dated)) = clock(cell) => Content::Clock { seconds, is_dated },
             None => self.duration(cell).map_or(Content::Text, Content::Number),
         }
     }

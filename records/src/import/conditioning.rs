@@ -136,11 +136,8 @@ pub(super) fn shift(values: &mut [f64], delay: i32) {
     let n = values.len();
     let by = (delay.unsigned_abs() as usize).min(n);
     let gap = if delay > 0 { n - by..n } else { 0..by };
-    if delay > 0 {
-        values.rotate_left(by)
-    } else {
-        values.rotate_right(by)
-    }
+    let rotate = if delay > 0 { <[f64]>::rotate_left } else { <[f64]>::rotate_right };
+    rotate(values, by);
     values[gap].fill(f64::NAN);
 }
 

@@ -49,15 +49,10 @@ impl Encoding {
             };
         }
         let is_control = |byte: &&u8| **byte < b' ' && !matches!(**byte, b'\t' | b'\n' | b'\r' | 0x0C);
-        if bytes.iter().filter(is_control).count() * 100 > bytes.len() {
-            return None;
-        }
-        Some(match std::str::from_utf8(bytes) {
-            // The end may lie within a character.
-            Ok(_) => Self::Utf8,
-            Err(error) if error.error_len().is_none() => Self::Utf8,
-            Err(_) => Self::Latin1,
-        })
+        let is_text = bytes.iter().filter(is_control).count() * 100 <= bytes.len();
+        // The end may lie within a character.
+        let is_utf8 = std::str::from_utf8(bytes).map_or_else(|error| error.error_len().is_none(), |_| true);
+        is_text.then_some(if is_utf8 { Self::Utf8 } else { Self::Latin1 })
     }
 
     pub(super) fn mark(self, bytes: &[u8]) -> usize {
@@ -70,12 +65,9 @@ impl Encoding {
             Self::Utf8 => text.push_str(&String::from_utf8_lossy(bytes)),
             Self::Latin1 => text.extend(bytes.iter().map(|&byte| char::from(byte))),
             Self::Utf16Le | Self::Utf16Be => {
-                let number = |pair: &[u8; 2]| match self {
-                    Self::Utf16Be => u16::from_be_bytes(*pair),
-                    _ => u16::from_le_bytes(*pair),
-                };
+                let number = if self == Self::Utf16Be { u16::from_be_bytes } else { u16::from_le_bytes };
                 let (pairs, _) = bytes.as_chunks::<2>();
-                let characters = char::decode_utf16(pairs.iter().map(number));
+                let characters = char::decode_utf16(pairs.iter().map(|pair| number(*pair)));
                 text.extend(characters.map(|character| character.unwrap_or(char::REPLACEMENT_CHARACTER)));
             }
         }
@@ -172,11 +164,9 @@ impl TextForm {
     fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
         let mut thousands = false;
         let mut count = |line: &&str| {
-            if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
-                return Counts::default();
-            }
+            let is_row = !line.trim_start().starts_with(REMARKS) && !line.trim().is_empty();
             // A comma cannot be both, except with cells in quotes.
-            if delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
+            if !is_row || delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
                 return Counts::default();
             }
             let mut counts = Counts::default();

@@ -20,8 +20,9 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-/// Recognise a file by its first lines.
 type Is = fn(&[&str]) -> bool;
+
+type FindRows = fn(&[&str]) -> Option<Rows>;
 
 const SERIES: [(&str, Is, Next); 5] = [
     ("PEER (AT2)", |lines| lines.iter().take(6).any(|line| series::size(line).is_some()), series::peer),
@@ -31,7 +32,7 @@ const SERIES: [(&str, Is, Next); 5] = [
     ("SAC", series::is_sac, series::sac),
 ];
 
-const ROWS: [(&str, fn(&[&str]) -> Option<Rows>); 4] = [
+const ROWS: [(&str, FindRows); 4] = [
     ("LabVIEW measurement", rows::lvm),
     ("Campbell TOA5", rows::toa5),
     ("Rigol", rows::rigol),

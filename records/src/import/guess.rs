@@ -101,12 +101,6 @@ pub(super) fn seldom_falls(values: &[f64]) -> bool {
     (rises > 0 || values.len() < 2) && 5 * falls <= rises
 }
 
-/// Columns with the names of [`crate::Record::write_csv`] have the meaning of their names.
-fn is_own(table: &Table) -> bool {
-    let input = input_name(InputKind::GroundAcceleration);
-    matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
-}
-
 struct Candidate {
     place: usize,
     role: Option<Role>,
@@ -173,7 +167,9 @@ impl Mapping {
         choose_axes(table, &mut all);
         // An accelerometer on a structure feels the ground too; the scenario or the program that wrote the file may exclude that.
         let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
-        let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own(table);
+        let names: Vec<&str> = mapped(columns, &|column| column.name.as_str());
+        let is_own = names.starts_with(&["t", input_name(InputKind::GroundAcceleration)]);
+        let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own;
         if !is_stated && has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION))
         {
             let felt = all.iter_mut().filter(|one| one.role == Some(Role::Sensor(Quantity::ACCELERATION)));

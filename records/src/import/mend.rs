@@ -212,13 +212,7 @@ fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
 
 /// `None` where many times have several rows with unlike readings: then they are rounded.
 fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Option<Vec<Vec<usize>>> {
-    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(rows.len());
-    for &row in rows {
-        match groups.last_mut() {
-            Some(group) if times[group[0]] == times[row] => group.push(row),
-            _ => groups.push(vec![row]),
-        }
-    }
+    let groups: Vec<Vec<usize>> = rows.chunk_by(|a, b| times[*a] == times[*b]).map(<[usize]>::to_vec).collect();
     let others = || table.columns.iter().enumerate().filter(|(other, _)| *other != place);
     let is_unlike = |pair: &[usize]| {
         others()

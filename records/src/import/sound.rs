@@ -34,12 +34,12 @@ pub(super) fn table(bytes: &[u8]) -> Result<Table> {
     let seconds = rows as f64 / rate;
     let is_cut = u64::from(reader.duration()) > rows as u64;
     let remark = is_cut.then(|| format!("the sound is longer: its first {seconds:.1} s were read"));
-    let mut columns = vec![Column::of_header("t", Some("s"), numbers(rows, &|k| k as f64 / rate))];
-    for channel in 0..channels {
+    let column = |channel: usize| {
         let name = if channels == 1 { "sound".to_owned() } else { format!("sound {}", channel + 1) };
-        let of = values.iter().skip(channel).step_by(channels).take(rows).copied().collect();
-        columns.push(Column::of_header(&name, None, of));
-    }
+        Column::of_header(&name, None, values.iter().skip(channel).step_by(channels).take(rows).copied().collect())
+    };
+    let time = Column::of_header("t", Some("s"), numbers(rows, &|k| k as f64 / rate));
+    let columns = std::iter::once(time).chain((0..channels).map(column)).collect();
     let form = format!("{FORM}: {sample_rate} samples a second, {bits_per_sample} bits");
     Ok(Table::of_columns(&form, columns, remark.into_iter().collect()))
 }

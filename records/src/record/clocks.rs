@@ -145,9 +145,8 @@ impl Parts {
         let of = |place: f64| begin + (end - begin) * (place / count);
         let part = |place: usize| Part { share, forces: [of(place as f64), of(place as f64 + 1.0)], force };
         let count = count as usize;
-        let mut all = vec![f64::NAN; (count - 1) * readings.len()];
-        all.extend_from_slice(readings);
-        Self { parts: (0..count).map(part).collect(), readings: all, times: Some(times), cuts: Vec::new() }
+        let readings = [&vec![f64::NAN; (count - 1) * readings.len()], readings].concat();
+        Self { parts: (0..count).map(part).collect(), readings, times: Some(times), cuts: Vec::new() }
     }
 
     /// \[s\]

@@ -76,19 +76,11 @@ impl LiveRecord {
     /// Before the first reading, with `dt` \[s\] between samples.
     pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
         let clocks = Clocks { input: None, readings: vec![Timed::default(); sensors.len()] };
-        Self {
-            tracks: mapped(&sensors, &|_| Track::default()),
-            latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
-            prompt: false,
-            record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
-            begin: None,
-            newest: f64::NEG_INFINITY,
-            input: Track::default(),
-            wait: 0.0,
-            side: 0,
-            repeated: 0,
-            spare: None,
-        }
+        let (tracks, newest) = (mapped(&sensors, &|_| Track::default()), f64::NEG_INFINITY);
+        let latest = vec![newest; sensors.len() + 1];
+        let record = Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) };
+        let (begin, input, prompt, wait, side, repeated, spare) = Default::default();
+        Self { record, begin, newest, tracks, input, latest, prompt, wait, side, repeated, spare }
     }
 
     /// The same, where a sample waits this many seconds for late readings.
@@ -349,11 +341,8 @@ impl Track {
         }
         let timed = into.get_or_insert_with(|| {
             // The input was zero before: from the first sample on, and on a line up to the last one.
-            let mut times = vec![0.0];
-            if hold == Hold::First && sample > 1.0 {
-                times.push(sample - 1.0);
-            }
-            times.retain(|zero| *zero < self.times[0]);
+            let last = (hold == Hold::First && sample > 1.0).then_some(sample - 1.0);
+            let times: Vec<f64> = [0.0].into_iter().chain(last).filter(|zero| *zero < self.times[0]).collect();
             Timed { values: vec![0.0; times.len()], times }
         });
         let next = self.take_until(sample, timed).end;

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::super::guess::is_named_time;
 use super::super::header::{RATES, STEPS};
-use super::super::table::free_name;
+use super::super::table::number_names;
 use super::super::{Column, ImportError, MOST_COLUMNS, Mapping, Result, Table};
 use super::unpack::{NumberForm, Room, entries, list, whole};
 
@@ -66,14 +66,12 @@ impl Arrays {
         for own in all {
             let length = own[0].values.len();
             if Some(length) == rows && columns.len() + own.len() <= MOST_COLUMNS {
-                for mut column in own {
-                    column.name = free_name(&column.name, |name| columns.iter().any(|other| other.name == name));
-                    columns.push(column);
-                }
+                columns.extend(own);
             } else {
                 self.leave_out(&own[0].name, &format!("{length} rows"));
             }
         }
+        number_names(&mut columns);
         let left_out = (!self.left_out.is_empty()).then(|| format!("not read: {}", list(&self.left_out)));
         let Some(rows) = rows else {
             let rest = left_out.map_or(String::new(), |left_out| format!("; {left_out}"));
