@@ -240,11 +240,6 @@ impl PlantKind {
         self.info().equation
     }
 
-    /// The source of the equation.
-    pub fn reference(&self) -> &str {
-        self.info().reference
-    }
-
     /// The components of the state: the motion, then the parameters.
     pub fn channels(&self) -> &[Channel] {
         self.info().channels
