@@ -7,6 +7,7 @@ mod document;
 mod edit;
 mod filters;
 mod place;
+mod words;
 
 use kalmanscope_filters::channel::Channel;
 

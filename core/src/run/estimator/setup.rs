@@ -14,7 +14,7 @@ use kalmanscope_records::record::Delays;
 
 use crate::plant::dynamics::EnginePlant;
 use crate::run::estimator::FilterContext;
-use crate::run::pass::sensor_places;
+use crate::run::run_error::sensor_places;
 use crate::{FilterSettings, Model, RunError, Scenario, Values};
 
 pub(crate) type PlantFilter<T> = Wrapped<T, EnginePlant>;
