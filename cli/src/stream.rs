@@ -60,7 +60,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
         };
         let mut reason = take(&mut filters, &row);
         // After a single line either of the two may be wrong; once two agree, it is the odd one that is refused.
-        if let (Some(EventError::Gap { before, .. }), [first]) = (&reason, taken.as_slice()) {
+        if let (Some(EventError::Gap(_, before, _)), [first]) = (&reason, taken.as_slice()) {
             refuse(
                 *first,
                 &format_args!("its time, {before} s, is far from that of the next line, as if its clock was not set"),
@@ -119,7 +119,7 @@ fn take(filters: &mut [Followed], row: &StreamRow) -> Option<EventError> {
     for one in filters.iter_mut().filter(|one| !one.has_stopped) {
         match one.filter.take(row.time, row.input, &row.readings) {
             Ok(sample) => one.watch.watch(&sample),
-            Err(EventError::Stopped { time, reason }) => {
+            Err(EventError::Stopped(time, reason)) => {
                 say(&format_args!("{} has stopped at {time} s: {reason}", one.name));
                 one.has_stopped = true;
             }

@@ -240,11 +240,6 @@ impl PlantKind {
         self.info().equation
     }
 
-    /// The source of the equation.
-    pub fn reference(&self) -> &str {
-        self.info().reference
-    }
-
     /// The components of the state: the motion, then the parameters.
     pub fn channels(&self) -> &[Channel] {
         self.info().channels
@@ -288,7 +283,7 @@ impl PlantKind {
         let rate = |force| {
             let mut rate = vec![0.0; self.motion()];
             self.motion_rate(&self.anywhere(), force, &mut rate);
-            self.place(Channel::velocity(mass)).map(|place| rate[place])
+            Channel::velocity(mass).place_in(self.channels()).map(|place| rate[place])
         };
         rate(1.0) != rate(0.0)
     }
@@ -298,7 +293,7 @@ impl PlantKind {
         let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
         self.motion_jacobian(&self.anywhere(), &mut jacobian);
         let accelerates = |by: Channel, mass: usize| {
-            let place = self.place(Channel::velocity(mass)).zip(self.place(by));
+            let place = Channel::velocity(mass).place_in(self.channels()).zip(by.place_in(self.channels()));
             place.is_some_and(|(row, column)| jacobian[row * self.channels().len() + column] != 0.0)
         };
         match mass.checked_sub(1) {
@@ -307,10 +302,6 @@ impl PlantKind {
             }
             None => accelerates(Channel::displacement(0), 0) || accelerates(Channel::velocity(0), 0),
         }
-    }
-
-    fn place(&self, channel: Channel) -> Option<usize> {
-        channel.place_in(self.channels())
     }
 
     fn anywhere(&self) -> Vec<f64> {

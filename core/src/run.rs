@@ -8,6 +8,7 @@ pub(crate) mod pass;
 pub(crate) mod passage;
 pub(crate) mod remarks;
 pub(crate) mod revision;
+pub(crate) mod run_error;
 pub(crate) mod simulate;
 pub(crate) mod sink;
 pub(crate) mod smoother;
@@ -21,7 +22,8 @@ use kalmanscope_filters::{Channel, Quantity};
 use kalmanscope_records::Record;
 
 use crate::run::estimator::{FilterContext, counts_in_samples};
-use crate::run::pass::{apart, sensor_places};
+use crate::run::pass::apart;
+use crate::run::run_error::sensor_places;
 use crate::run::simulate::{Recording, TruthStop, lookahead};
 use crate::run::smoother::{FixedInterval, FixedLag, Forward, Smoother};
 use crate::run::waste::Spare;

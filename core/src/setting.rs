@@ -1,7 +1,4 @@
 //! The settings of scenarios and filters, as data: one row each.
-//!
-//! A row has a setting's key, words, limits and place. Validation, sliders, axes of maps, searches, remedies and lessons read it. An
-//! [`Address`] means one number of a scenario, and an [`Edit`] is a setting with its new value.
 
 mod address;
 mod change;
@@ -10,6 +7,7 @@ mod document;
 mod edit;
 mod filters;
 mod place;
+mod words;
 
 use kalmanscope_filters::channel::Channel;
 

@@ -213,7 +213,7 @@ fn what_cannot_be_taken_in_is_refused_in_words_and_changes_nothing() {
     ] {
         let error = events.take(time, input, &readings).map(|_| ()).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
-        assert!(!matches!(error, EventError::Stopped { .. }));
+        assert!(!matches!(error, EventError::Stopped(..)));
     }
     assert_eq!(events.take(0.99, NONE, &[NONE; 2]).expect("it is taken in").mean, before);
 }
@@ -254,7 +254,7 @@ fn random_messages_end_no_program_and_memory_stays() {
                 taken += 1;
                 assert!(sample.mean.iter().all(|x| x.is_finite()), "message {k}");
             }
-            Err(EventError::Stopped { .. }) => {
+            Err(EventError::Stopped(..)) => {
                 events = EventFilter::new(&scenario, 0).expect("it follows events");
                 time = 0.0;
             }

@@ -275,7 +275,7 @@ impl Analysis {
         let samples = *done as f64;
         let (mut so_far, mut all) = (0.0, 0.0);
         for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
-            if self.wanted.diagnostics.is_some() {
+            if self.wanted.diagnostics {
                 let followed =
                     self.diagnostics.get(place).filter(|_| self.judged[place].begun).map_or(0, Diagnostics::len);
                 so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);

@@ -72,7 +72,7 @@ fn every_row_of_a_table_is_that_of_the_program() {
 fn every_plant_is_in_its_table() {
     let row = |key: String, name: String, parameters: String, kind: &PlantKind| {
         let equation = kind.equation().replace('|', "\\|");
-        format!("| {key} | {name} | {equation} | {parameters} | {} |", kind.reference())
+        format!("| {key} | {name} | {equation} | {parameters} | {} |", kind.info().reference)
     };
     let single = |kind: &PlantKind| {
         let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();

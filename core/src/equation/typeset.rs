@@ -70,9 +70,7 @@ fn is_scaled(number: f64) -> bool {
 }
 
 #[derive(Default)]
-struct Line {
-    runs: Vec<TextRun>,
-}
+struct Line(Vec<TextRun>);
 
 impl Line {
     fn of(equation: &Sides) -> Vec<TextRun> {
@@ -80,7 +78,7 @@ impl Line {
         line.put(&equation.left, Tie::Sum);
         line.write(" = ");
         line.put(&equation.right, Tie::Sum);
-        line.runs
+        line.0
     }
 
     fn write(&mut self, text: &str) {
@@ -88,10 +86,10 @@ impl Line {
     }
 
     fn write_at(&mut self, text: &str, level: TextLevel) {
-        match self.runs.last_mut() {
+        match self.0.last_mut() {
             _ if text.is_empty() => {}
             Some(last) if last.level == level => last.text.push_str(text),
-            _ => self.runs.push(TextRun { text: text.to_owned(), level }),
+            _ => self.0.push(TextRun { text: text.to_owned(), level }),
         }
     }
 

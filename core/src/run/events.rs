@@ -230,7 +230,7 @@ impl EventFilter {
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
         if let Some((time, reason)) = self.stopped {
-            return Err(EventError::Stopped { time, reason });
+            return Err(EventError::Stopped(time, reason));
         }
         let sensors = &self.scenario.sensors;
         if readings.len() != sensors.len() {
@@ -252,7 +252,7 @@ impl EventFilter {
         let before = self.time().unwrap_or(oldest);
         let steps = libm::round((time - before) / self.scenario.dt);
         if steps > EventError::MOST_STEPS as f64 {
-            return Err(EventError::Gap { time, before, steps });
+            return Err(EventError::Gap(time, before, steps));
         }
         Ok(())
     }
@@ -288,7 +288,7 @@ impl EventFilter {
 
     fn stop(&mut self, time: f64, reason: FilterError) -> EventError {
         self.stopped = Some((time, reason));
-        EventError::Stopped { time, reason }
+        EventError::Stopped(time, reason)
     }
 
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
@@ -402,14 +402,9 @@ impl Timeline {
 /// The reason why an [`EventFilter`](crate::EventFilter) does not take in what came.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EventError {
-    /// The filter has failed, then or before.
-    #[error("the filter has stopped at {time} s: {reason}")]
-    Stopped {
-        /// The time that it could not reach \[s\].
-        time: f64,
-        /// The reason.
-        reason: FilterError,
-    },
+    /// The filter has failed, then or before: the time that it could not reach \[s\], and the reason.
+    #[error("the filter has stopped at {0} s: {1}")]
+    Stopped(f64, FilterError),
     /// The number of readings is not that of the sensors: both numbers.
     #[error("there are {0} readings, but the scenario has {1} sensors: a missing reading is NaN")]
     Readings(usize, usize),
@@ -425,21 +420,15 @@ pub enum EventError {
     /// It comes later than the filter keeps its beliefs: the time, and that of the oldest belief \[s\].
     #[error("the time is {0} s, which is too late: nothing before {1} s is kept")]
     TooLate(f64, f64),
-    /// The time since what came before is too long to be bridged.
+    /// The time since what came before is too long to be bridged: both times \[s\], and the steps of dt between them.
     #[error(
-        "the time is {} s, {} steps after {before} s, but at most {} are bridged: begin a new filter",
-        legible(*.time),
-        legible(*.steps),
+        "the time is {} s, {} steps after {} s, but at most {} are bridged: begin a new filter",
+        legible(*.0),
+        legible(*.2),
+        .1,
         EventError::MOST_STEPS
     )]
-    Gap {
-        /// The time \[s\].
-        time: f64,
-        /// The time before it \[s\].
-        before: f64,
-        /// The steps of dt between them.
-        steps: f64,
-    },
+    Gap(f64, f64, f64),
 }
 
 impl EventError {

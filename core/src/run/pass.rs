@@ -5,19 +5,19 @@ use std::cell::LazyCell;
 use kalmanscope_filters::filter::Algorithm;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::quantity::MAX_SENSORS;
-use kalmanscope_filters::{Channel, FilterError, InputKind, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterError, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
-use thiserror::Error;
 
 use crate::run::estimator::setup::Setup;
 use crate::run::estimator::{
     Estimator, Failed, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled,
 };
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
+use crate::run::run_error::{RunError, sensor_places};
 use crate::run::sink::Sink;
 use crate::run::tape::Tape;
-use crate::{Estimates, FilterSettings, Scenario, ScenarioError};
+use crate::{Estimates, FilterSettings, Scenario};
 
 /// A filter that runs over a record sample by sample and reports to a [`Sink`]: whole records, live mode and maps are loops over it.
 pub struct Pass {
@@ -275,39 +275,4 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
             None => Box::new(Failed(FilterError::TooLarge)),
         },
     }
-}
-
-/// The reason why a run cannot begin.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum RunError {
-    /// The scenario is impossible.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// The record lacks a sensor of the scenario.
-    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
-    MissingSensor(Quantity),
-    /// The record's input is of another kind than the scenario's.
-    #[error("the record's input is {}, but the scenario's is {}", input_name(*.0), input_name(*.1))]
-    InputKind(InputKind, InputKind),
-    /// There is no filter at this place.
-    #[error("the scenario has no filter number {}", .0 + 1)]
-    NoFilter(usize),
-    /// A smoother begins with the first sample, but this many of the record's first samples have been forgotten.
-    #[error("the record's first {0} samples have been forgotten, and a smoother begins with the first")]
-    Forgotten(usize),
-}
-
-fn input_name(kind: InputKind) -> &'static str {
-    match kind {
-        InputKind::Force => "a force",
-        InputKind::GroundAcceleration => "the acceleration of the ground",
-    }
-}
-
-pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
-    if record.input_kind() != scenario.input {
-        return Err(RunError::InputKind(record.input_kind(), scenario.input));
-    }
-    let place = |q: Quantity| q.place_in(record.sensors()).ok_or(RunError::MissingSensor(q));
-    scenario.sensors.iter().map(|s| place(s.measures)).collect()
 }

@@ -13,10 +13,7 @@ use crate::{FilterSettings, Model, Values};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Trouble {
     /// A standard deviation exceeds a thousand times its initial and its usual value, scaled by the noise of the best sensor.
-    #[error(
-        "the covariance winds up: the filter forgets the {} faster than it learns it",
-        .0.name()
-    )]
+    #[error("the covariance winds up: the filter forgets the {} faster than it learns it", .0.name())]
     WindUp(Channel),
     /// The correlation of two channels exceeds 1 by more than rounding.
     #[error("rounding has made the covariance indefinite: {} and {} are correlated by more than 1", .0.name(), .1.name())]

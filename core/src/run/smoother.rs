@@ -6,17 +6,11 @@
 //! Pₖˢ = Pₖ - Pₖ Λ̂ₖ Pₖ,                       yₖˢ = yₖ - Pₖ λ̂ₖ
 //! ```
 //!
-//! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
-//! covariance, which becomes singular where a motion dies out and has no process noise: G then grows as the motion
-//! decays, so that the rounding of later samples grows backward until it is as large as the result. The adjoint decays
-//! backward as the motion does forward, and needs no inverse but that of S.
+//! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But G grows where a motion without
+//! process noise dies out, and with it the rounding of later samples; the adjoint decays, and needs no inverse but that of S.
 //!
-//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next
-//! state and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers
-//! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
-//!
-//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
-//! jump adds to P⁻.
+//! Φ and H are those that the filter linearises with; those of sigma points are regressions on the state. For an update without
+//! an H, division by P⁻ gives it. Fading counts as process noise, `(λ - 1) Φ P Φᵀ + Q`, and so does what a jump adds to P⁻.
 //!
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.

@@ -14,8 +14,6 @@ pub struct Tape(
     pub Vec<f64>,
 );
 
-const HEAD: usize = 3;
-
 /// Every reason to stop; its place is its number.
 const REASONS: [FilterError; 8] = [
     FilterError::TooLarge,
@@ -37,7 +35,7 @@ impl Default for Tape {
 impl Tape {
     /// Appends its samples to a history. Returns their count and the stop, or none if they are not of the history's filter.
     pub(crate) fn play(&self, estimates: &mut Estimates) -> Option<(usize, Option<Stop>)> {
-        let (&[count, at, reason], numbers) = self.0.split_first_chunk::<HEAD>()?;
+        let (&[count, at, reason], numbers) = self.0.split_first_chunk()?;
         let (n, m) = (estimates.channels().len(), estimates.sensors().len());
         let (count, weights) = (count as usize, if estimates.weighs { m } else { 0 });
         let width = numbers.len() / count.max(1);

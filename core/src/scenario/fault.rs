@@ -4,8 +4,7 @@
 //! reading = acts(scale h(y) + σ acts(n)),  n standard normal
 //! ```
 //!
-//! The families below stand in the order in which they act. Each draws from its own
-//! random stream: with the same seed a record without it has the same noise otherwise.
+//! The families stand in the order in which they act. Each has its own random stream: without it other noise is the same.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::LazyLock;
@@ -112,11 +111,14 @@ pub(crate) struct Moment {
 pub struct Fault(&'static FaultInfo);
 
 macro_rules! families {
-    ($($(#[$doc:meta])* $name:ident: $key:literal, stream $stream:literal, $stage:ident { $($data:tt)* })*) => {
+    ($($(#[$doc:meta])* $name:ident: $key:literal, stream $stream:literal, $stage:ident {
+        description: $what:literal,
+        $($data:tt)*
+    })*) => {
         impl Fault {
-            $($(#[$doc])* pub const $name: Self = {
+            $(#[doc = $what] $(#[$doc])* pub const $name: Self = {
                 static INFO: FaultInfo =
-                    FaultInfo { key: $key, stream: $stream, stage: FaultStage::$stage, $($data)* };
+                    FaultInfo { key: $key, stream: $stream, stage: FaultStage::$stage, description: $what, $($data)* };
                 Self(&INFO)
             };)*
 
@@ -126,18 +128,17 @@ macro_rules! families {
     };
 }
 families! {
-    /// Another scale, or sign.
     SCALED: "scaled", stream 0, Exact {
-        name: "wrong scale",
         description: "multiplies each reading by a factor; a negative one is a wrong sign",
+        name: "wrong scale",
         numbers: &[number("factor", "factor", Scale::Pure, 1.2, (-2.0, 2.0), Allowed::Finite)],
         sentence: "The @ sensor reads {} times what it should",
         change: |[factor, ..], _| Box::new(move |exact, _| factor * exact),
     }
-    /// Student's distribution. Source: Student (1908), The probable error of a mean: a standard normal number over the root of χ²/ν.
+    /// Source: Student (1908), The probable error of a mean: a standard normal number over the root of χ²/ν.
     STUDENT_T: "student_t", stream 1, Noise {
-        name: "Student's noise",
         description: "noise by Student's distribution, whose scale is noise_std: the fewer degrees of freedom, the more large errors",
+        name: "Student's noise",
         numbers: &[number("freedom", "degrees of freedom", Scale::Pure, 3.0, (1.0, 30.0), Allowed::Whole(1, 1000))],
         sentence: "The noise of the @ sensor is Student's, with {} degrees of freedom",
         change: |[freedom, ..], mut random| Box::new(move |noise, _| {
@@ -145,11 +146,11 @@ families! {
             noise / (squares / freedom).sqrt().max(f64::MIN_POSITIVE)
         }),
     }
-    /// Noise that is correlated over time: a Gauss-Markov process, n ← a n + √(1 - a²) w, a = exp(-dt / τ). Source: Brown and Hwang
+    /// A Gauss-Markov process, n ← a n + √(1 - a²) w, a = exp(-dt / τ). Source: Brown and Hwang
     /// (2012), *Introduction to Random Signals and Applied Kalman Filtering*, section 2.7.
     COLOURED: "coloured", stream 2, Noise {
-        name: "coloured noise",
         description: "noise of the same size that is correlated over a time (Gauss-Markov)",
+        name: "coloured noise",
         numbers: &[number("time", "correlation time", Scale::Seconds, 0.1, (0.001, 10.0), Allowed::Above(0.0))],
         sentence: "The noise of the @ sensor is correlated over {}",
         change: |[time, ..], _| {
@@ -162,10 +163,9 @@ families! {
             })
         },
     }
-    /// Noise whose size changes.
     CHANGING: "changing", stream 3, Noise {
-        name: "changing noise",
         description: "noise of another size from a time on",
+        name: "changing noise",
         numbers: &[
             number("at", "time of the change", Scale::Seconds, 20.0, (0.0, 60.0), Allowed::Finite),
             number("factor", "factor on the noise", Scale::Pure, 5.0, (0.1, 30.0), Allowed::AtLeast(0.0)),
@@ -175,18 +175,16 @@ families! {
             Box::new(move |noise, moment| if moment.time >= at { factor * noise } else { noise })
         },
     }
-    /// A constant error.
     BIAS: "bias", stream 4, Reading {
-        name: "bias",
         description: "reads too much by a constant, as an accelerometer that feels gravity",
+        name: "bias",
         numbers: &[number("offset", "bias", Scale::Unit, 5.0, (-30.0, 30.0), Allowed::Finite)],
         sentence: "The @ sensor reads {} too much",
         change: |[offset, ..], _| Box::new(move |reading, _| reading + offset),
     }
-    /// Readings that come late.
     LATE: "late", stream 5, Reading {
-        name: "late readings",
         description: "each reading comes late by this time, to the nearest sample",
+        name: "late readings",
         numbers: &[number("delay", "delay", Scale::Seconds, 0.05, (0.0, 1.0), Allowed::AtLeast(0.0))],
         sentence: "The readings of the @ sensor come {} late",
         change: |[delay, ..], _| {
@@ -198,36 +196,32 @@ families! {
             })
         },
     }
-    /// Readings that are far off, to either side.
     OUTLIERS: "outliers", stream 6, Reading {
-        name: "outliers",
         description: "a share of the readings is off by some standard deviations, to either side",
+        name: "outliers",
         numbers: &OF_OUTLIERS,
         sentence: "A share of {} of the @ readings is off by {} to {}",
         change: |numbers, random| outliers(numbers, false, random),
     }
-    /// Readings that are far off, upwards.
     OUTLIERS_ABOVE: "outliers_above", stream 7, Reading {
-        name: "outliers upwards",
         description: "the same, to the positive side only",
+        name: "outliers upwards",
         numbers: &OF_OUTLIERS,
         sentence: "A share of {} of the @ readings is too high by {} to {}",
         change: |numbers, random| outliers(numbers, true, random),
     }
-    /// Readings beyond a limit are at the limit.
     CLIPPED: "clipped", stream 8, Reading {
-        name: "clipping",
         description: "readings beyond ± a limit are at the limit",
+        name: "clipping",
         numbers: &[number("limit", "limit", Scale::Unit, 10.0, (1.0, 100.0), Allowed::AtLeast(0.0))],
         sentence: "The @ sensor reads no more than ±{}",
         change: |[limit, ..], _| {
             Box::new(move |reading, _| if reading.abs() > limit { libm::copysign(limit, reading) } else { reading })
         },
     }
-    /// Readings are whole numbers of steps.
     QUANTISED: "quantised", stream 9, Reading {
-        name: "coarse steps",
         description: "readings are rounded to whole steps, as by a converter with few bits",
+        name: "coarse steps",
         numbers: &[number("step", "step", Scale::Unit, 5.0, (0.1, 50.0), Allowed::Above(0.0))],
         sentence: "The @ sensor reads in steps of {}",
         change: |[step, ..], _| Box::new(move |reading, _| {
@@ -236,10 +230,9 @@ families! {
             if steps.is_infinite() { reading } else { steps * step }
         }),
     }
-    /// A reading is repeated.
     STUCK: "stuck", stream 10, Reading {
-        name: "sticking",
         description: "for a share of the time the sensor repeats its last reading, in spells of a mean length",
+        name: "sticking",
         numbers: &OF_SPELLS,
         sentence: "For a share of {} of the time the @ sensor sticks, for {} on average",
         change: |[share, length, _], random| {
@@ -252,10 +245,9 @@ families! {
             })
         },
     }
-    /// There is no reading.
     DROPOUTS: "dropouts", stream 11, Reading {
-        name: "dropouts",
         description: "a share of the readings is missing, in spells of a mean length; 0 s makes each independent of the others",
+        name: "dropouts",
         numbers: &OF_SPELLS,
         sentence: "A share of {} of the @ readings is missing, for {} on average",
         change: |[share, length, _], random| {
@@ -263,11 +255,10 @@ families! {
             Box::new(move |reading, moment| if spells.next(moment.dt) { f64::NAN } else { reading })
         },
     }
-    /// Readings at other times than those that are reported.
     JITTER: "jitter", stream 12, Exact {
-        name: "jitter",
         description: "the true time of each reading differs from the stated one by up to this many steps, uniformly, \
                       along a parabola through the last three values",
+        name: "jitter",
         numbers: &[number("spread", "spread in steps", Scale::Pure, 0.5, (0.0, 1.0), Allowed::Within(0.0, 1.0))],
         sentence: "The @ sensor reads up to {} steps before or after the time that it states",
         change: |[spread, ..], mut random| {

@@ -3,9 +3,6 @@
 use kalmanscope_filters::random::Normal;
 use serde::{Deserialize, Serialize};
 
-/// The digits of a drawn number, so that a text of it is short and exact.
-const DIGITS: usize = 9;
-
 /// The law of a number that is drawn, each with two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "one of normal, lognormal, uniform and log_uniform, with two numbers")]
@@ -101,6 +98,7 @@ impl Law {
     }
 }
 
+/// A number of nine digits: a text of it is short and exact.
 pub(crate) fn short(value: f64) -> f64 {
-    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+    format!("{value:.8e}").parse().unwrap_or(value)
 }

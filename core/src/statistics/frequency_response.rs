@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use kalmanscope_filters::Channel;
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
-use kalmanscope_filters::lists::{mapped, numbers, sort_numbers};
+use kalmanscope_filters::lists::{mapped, sort_numbers};
 use kalmanscope_records::Record;
 
 use crate::{Estimates, Model, PlantKind};
@@ -50,10 +50,10 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
         let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
         for batch in draws.chunks(DRAWS) {
             let magnitudes: Vec<Vec<f64>> = mapped(batch, &|draw| draw.magnitude(frequencies));
-            for place in 0..frequencies.len() {
-                let [low, high] = quantiles(&mut numbers(batch.len(), &|draw| magnitudes[draw][place]));
-                band.0[place] += low / BATCHES as f64;
-                band.1[place] += high / BATCHES as f64;
+            for (place, (below, above)) in band.0.iter_mut().zip(&mut band.1).enumerate() {
+                let [low, high] = quantiles(&mut mapped(&magnitudes, &|of| of[place]));
+                *below += low / BATCHES as f64;
+                *above += high / BATCHES as f64;
             }
         }
         band

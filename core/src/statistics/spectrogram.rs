@@ -29,15 +29,11 @@ impl Spectrogram {
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
-        let mut last = 0.0;
-        let measured = record.measured(sensor).iter().take(samples);
-        let values = measured.map(|&value| {
-            if !value.is_nan() {
-                last = value;
-            }
-            last
+        let filled = record.measured(sensor).iter().take(samples).scan(0.0, |last, &value| {
+            *last = if value.is_nan() { *last } else { value };
+            Some(*last)
         });
-        let values: Vec<f64> = values.collect();
+        let values: Vec<f64> = filled.collect();
         let [shortest, longest] = WINDOW;
         let length =
             (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * WINDOWS <= values.len())?;

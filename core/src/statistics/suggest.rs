@@ -3,8 +3,6 @@
 //! ```text
 //! spectra ──▶ R of each sensor, ωₙ, ζ and gain ──▶ initial belief ──likelihood──▶ Q
 //! ```
-//!
-//! Without an input, a white force is tried for the cause of the motion too, and kept if it is likelier.
 
 mod ambient;
 mod conditioning;

@@ -14,7 +14,7 @@ use kalmanscope_records::record::Delays;
 
 use crate::plant::dynamics::EnginePlant;
 use crate::run::estimator::FilterContext;
-use crate::run::pass::sensor_places;
+use crate::run::run_error::sensor_places;
 use crate::{FilterSettings, Model, RunError, Scenario, Values};
 
 pub(crate) type PlantFilter<T> = Wrapped<T, EnginePlant>;
@@ -56,7 +56,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` over a record, if lanes serve it: a KF, EKF, UKF or CKF of up to [`MOST`] components that is alone.
+    /// The filter at `place` over a record, if lanes serve it: a KF, EKF, UKF or CKF of up to [`MOST`] components, with one guess,
+    /// no walk and nothing that it considers.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).

@@ -225,7 +225,8 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
         && noise.is_finite();
     // R that is not seen has no part in the errors.
     let variances = lines.equations(&found, &lines.model(&found)).damped(0.0, 1e-6).variances()?;
-    let [frequency, damping, ..] = variances.map(|variance| libm::sqrt(variance / spectra.independent()));
+    let independent = 0.5 * (spectra.windows as f64 + 1.0);
+    let [frequency, damping, ..] = variances.map(|variance| libm::sqrt(variance / independent));
     let fit = AmbientFit {
         found: MeasuredResponse { natural_frequency, damping_ratio: damping_ratio.max(1e-3), gain: None },
         force: libm::sqrt(force),

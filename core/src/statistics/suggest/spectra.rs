@@ -33,7 +33,7 @@ pub(super) enum GapTreatment {
 /// Power of the input and of a measurement, and their product, at the frequencies `j / (L dt)`.
 pub(super) struct Spectra {
     length: usize,
-    windows: usize,
+    pub(super) windows: usize,
     /// Time between the samples that it is made of \[s\].
     pub(super) dt: f64,
     pub(super) input: Vec<f64>,
@@ -120,10 +120,6 @@ impl Spectra {
             self.cross[j].0 += scale * (output.0 * input.0 + output.1 * input.1);
             self.cross[j].1 += scale * (output.1 * input.0 - output.0 * input.1);
         }
-    }
-
-    pub(super) fn independent(&self) -> f64 {
-        0.5 * (self.windows as f64 + 1.0)
     }
 
     pub(super) fn frequency(&self, place: usize) -> f64 {

@@ -1,0 +1,42 @@
+//! Why a run cannot begin.
+
+use kalmanscope_filters::{InputKind, Quantity};
+use kalmanscope_records::Record;
+use thiserror::Error;
+
+use crate::{Scenario, ScenarioError};
+
+/// The reason why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RunError {
+    /// The scenario is impossible.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The record lacks a sensor of the scenario.
+    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
+    MissingSensor(Quantity),
+    /// The record's input is of another kind than the scenario's.
+    #[error("the record's input is {}, but the scenario's is {}", input_name(*.0), input_name(*.1))]
+    InputKind(InputKind, InputKind),
+    /// There is no filter at this place.
+    #[error("the scenario has no filter number {}", .0 + 1)]
+    NoFilter(usize),
+    /// A smoother begins with the first sample, but this many of the record's first samples have been forgotten.
+    #[error("the record's first {0} samples have been forgotten, and a smoother begins with the first")]
+    Forgotten(usize),
+}
+
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "a force",
+        InputKind::GroundAcceleration => "the acceleration of the ground",
+    }
+}
+
+pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
+    if record.input_kind() != scenario.input {
+        return Err(RunError::InputKind(record.input_kind(), scenario.input));
+    }
+    let place = |q: Quantity| q.place_in(record.sensors()).ok_or(RunError::MissingSensor(q));
+    scenario.sensors.iter().map(|s| place(s.measures)).collect()
+}
