@@ -31,7 +31,7 @@ pub struct NoiseScale {
 /// s is from 1 / REACH to REACH.
 pub const REACH: f64 = 30.0;
 
-/// The points of the posterior between two filters.
+/// The points of the posterior between two filters: after many samples it is narrower than their distance.
 const POINTS: usize = 12;
 
 /// The points of L through which a polynomial goes.
@@ -59,6 +59,7 @@ impl NoiseScale {
         }
         let finite = self.log_likelihood.iter().copied().filter(|sum| sum.is_finite());
         let best = finite.fold(f64::NEG_INFINITY, f64::max);
+        // Only differences count. Of the plain sums of a long record, each exponential would be zero.
         if best.is_finite() {
             self.log_likelihood.iter_mut().for_each(|sum| *sum -= best);
         }
@@ -105,6 +106,7 @@ impl NoiseScale {
         if sum > 0.0 {
             weights.iter_mut().for_each(|weight| *weight /= sum);
             let mean = first / sum;
+            // The difference of two near squares may round to less than zero.
             self.moments = [mean, (second / sum - mean * mean).max(0.0).sqrt()];
         }
     }
@@ -131,6 +133,7 @@ fn polynomial(all: &[f64], j: usize, share: f64) -> f64 {
     let count = NODES.min(all.len() - first);
     let at = j as f64 + share - first as f64;
     for (value, known) in values.iter_mut().zip(&all[first..first + count]) {
+        // A filter that has failed has no likelihood for a polynomial to go through.
         if !known.is_finite() {
             return all[j] + share * (all[j + 1] - all[j]);
         }

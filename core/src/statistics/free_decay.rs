@@ -137,6 +137,7 @@ impl Decay {
             return (Err(NoDecay::Still(ratio, noise)), [&[], &[]]);
         }
         let crossing = |from: usize| (from + 1..along.len()).find(|&k| along[k] * along[from] < 0.0);
+        // At the largest reading a hand may still be there.
         let begin = crossing(peak).and_then(crossing).unwrap_or(along.len() - 1);
         let (end, rests) = end(&times, &along, begin, noise, pace.share);
         let before = times.partition_point(|time| *time < times[peak] - PART * pace.share);
@@ -211,6 +212,7 @@ impl Decay {
 
     fn swings(&self) -> f64 {
         let (mut sign, mut changes) = (0.0, 0);
+        // Noise about zero would count as swings.
         for x in self.acceleration.iter().filter(|x| x.abs() > 2.0 * self.noise) {
             changes += u32::from(sign * x < 0.0);
             sign = x.signum();
@@ -326,6 +328,7 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     let cov = three(&|i| three(&|j| cov(i, j)));
     let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
     let variances = three(&|i| cov[i][i]);
+    // A fixed direction could be at a right angle to the axis, and would never turn to it.
     let mut axis = three(&|i| cov[i][largest(&variances)]);
     for _ in 0..100 {
         let next = three(&|i| (0..3).map(|j| cov[i][j] * axis[j]).sum::<f64>());

@@ -116,6 +116,7 @@ impl Suggestion {
             } else {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
+            // A reading without any noise could make S singular.
             let noise = own.or(floor).map(|noise| noise.max(1e-6 * moments(measured).1));
             noise.filter(|noise| *noise > 0.0).into_iter().for_each(|noise| self.set_noise(place, rounded(noise), why));
         }
@@ -304,6 +305,7 @@ fn begin_with(filter: &mut FilterSettings, channel: Channel, (mean, std): (f64, 
 fn first_for_trial(scenario: &Scenario) -> Scenario {
     let mut scenario = first_alone(scenario);
     for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
+        // The likelihood of random samples varies by chance, and trials are compared by it.
         filter.kind = FilterKind::EKF;
     }
     scenario
@@ -341,5 +343,6 @@ fn rounded(value: f64) -> f64 {
     }
     let digits = libm::floor(libm::log10(value.abs())) - 3.0;
     let unit = libm::pow(10.0, digits.abs());
+    // Divided by a power of ten, which is exact: times 0.001 or the like would leave digits of rounding.
     if digits < 0.0 { libm::round(value * unit) / unit } else { libm::round(value / unit) * unit }
 }

@@ -113,6 +113,7 @@ pub(super) static INPUT_OFFSET: Cause = Cause {
         let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
         let weight = 2.0 * mean / (1.0 + 2.0 * mean);
         let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
+        // Input and motion may both be zero, and a σ of zero would keep the offset as it is.
         let std = bad.input_size().max(stiffness).max(1e-9);
         let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.entry("initial_std", Channel::INPUT_OFFSET, std)];
         found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
@@ -162,6 +163,7 @@ pub(super) static STILL_INPUT: Cause = Cause {
 pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let (mut longest, mut start) = (0..0, 0);
     for end in 1..=input.len() {
+        // A logger that stands still repeats its number to the bit; a slow signal changes in its last digits.
         if end == input.len() || input[end].to_bits() != input[start].to_bits() {
             if end - start > longest.len() {
                 longest = start..end;

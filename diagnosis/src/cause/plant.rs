@@ -25,6 +25,7 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     let square = 1.0 / (size * size);
     if *believed != PlantKind::DUFFING {
         let mut edits = vec![bad.edit("plant", PlantKind::DUFFING.key())];
+        // At the usual displacement, σ of the cubic force is three tenths of the linear one.
         edits.extend(bad.begins(Channel::CUBIC_STIFFNESS.key(), 0.0, 0.3 * frequency * frequency * square));
         let sign = Sign {
             channel: Channel::CUBIC_STIFFNESS,
@@ -248,6 +249,7 @@ const SLOW: f64 = 0.05;
 fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some((frequency, size)) = oscillator(bad) else { return };
     let slow = SLOW * frequency * size;
+    // Two digits: the number becomes a part of an equation that people read.
     let scaled = format!("{slow:.1e}");
     let rounded = scaled.parse().unwrap_or(slow);
     let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };

@@ -129,6 +129,7 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         let bias = one.sensor.bias();
         let mean = one.mean(&case.kept).abs();
         let name = one.sensor.key();
+        // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
         let step = WIDE * std / (case.len().max(1) as f64).sqrt();
         if bad.filter.augment.contains(&bias) {
             for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
@@ -172,6 +173,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
             continue;
         }
         let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();
+        // By chance r is below zero or about 1, and the time would be no number or have no end.
         let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
@@ -279,6 +281,7 @@ impl Readings {
         let mut start = 0;
         while start < same.len() {
             let end = same[start..].iter().position(|same| !same).map_or(same.len(), |length| start + length);
+            // Three equal readings at least: two happen by chance.
             if end - start >= 2 {
                 marks[start + 1..=end].fill(true);
             }
@@ -287,6 +290,7 @@ impl Readings {
         let stuck = marks.iter().filter(|mark| **mark).count() as f64;
         let short = same.iter().filter(|same| **same).count() as f64 - stuck;
         let count = self.values.len() as f64;
+        // Many single repeats are those of coarse steps.
         let is_so = stuck >= SHARE * count && stuck >= FEWEST as f64 && short < 0.02 * count;
         if is_so { self.marked(&marks).filter(|marked| marked.share < 0.9) } else { None }
     }
@@ -317,9 +321,11 @@ impl Readings {
         sort_numbers(&mut values);
         values.dedup();
         let [first, .., last] = values[..] else { return None };
+        // Readings that are rounded to steps return to the same values.
         if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {
             return None;
         }
+        // Equal readings may differ by rounding, which would pass for the step.
         let rounding = 1e-9 * (last - first);
         let gaps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > rounding);
         let step = gaps.fold(f64::INFINITY, f64::min);
@@ -339,6 +345,7 @@ impl Readings {
         }
         let middle = sizes.len() / 2;
         let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+        // Where innovations are smaller than expected, ordinary ones must not count as far off.
         let usual = (*median / MEDIAN).max(1.0);
         let marks: Vec<bool> = mapped(&self.innovations, &|e| e.abs() > FAR * usual);
         let many = marks.iter().filter(|mark| **mark).count() as f64;

@@ -165,6 +165,7 @@ impl Robust {
     }
 
     pub(crate) fn weight(self, misfit: Misfit, usual: f64) -> f64 {
+        // Only upwards: a filter that fits better than expected must not take ordinary readings for outliers.
         let over = usual.max(1.0);
         let Misfit { predicted, residual, uncertainty } = misfit;
         (self.0.weight)(&Misfit { predicted: predicted / over, residual: residual / over, uncertainty })
@@ -188,7 +189,8 @@ keyed!(Robust, also read);
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;
 
-/// The usual misfit goes by this share towards each reading's, and not below this level.
+/// The usual misfit goes by this share towards each reading's: tenfold in 12 readings. It stops at this level, since
+/// it would otherwise rise too late after a long quiet time.
 const STEP: f64 = 0.2;
 const LEAST_LEVEL: f64 = 0.5;
 
@@ -196,6 +198,7 @@ const LEAST_LEVEL: f64 = 0.5;
 pub(crate) const FIRST_LEVEL: f64 = LEAST_LEVEL;
 
 pub(crate) fn usual_after(usual: f64, predicted: f64) -> f64 {
+    // By the sign alone, so that the level goes to the median: a mean would follow a single outlier.
     let is_above = predicted > MEDIAN * usual;
     (usual * libm::exp(if is_above { STEP } else { -STEP })).max(LEAST_LEVEL)
 }

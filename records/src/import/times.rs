@@ -227,6 +227,7 @@ impl Timing {
             let (places, gaps) = (Places::Gaps(places), Some(gaps));
             return Ok(Self { dt, samples, places, worst, is_rounded, remark, gaps, ..even });
         }
+        // Rounding must not cost the last sample.
         let samples = count(libm::floor((last - start) / median + 1e-9) + 1.0)?;
         let places = Places::Times(mapped(times, &|time| (time - start) / median));
         let remark =

@@ -127,10 +127,12 @@ fn points(
             Hold::Zero => ((h.0 * cos - h.1 * sin) / sinc, (h.0 * sin + h.1 * cos) / sinc),
             Hold::First => (h.0 / (sinc * sinc), h.1 / (sinc * sinc)),
         };
+        // The variance of a measured response goes with (1 - γ²) / γ² of its square.
         let weight = coherence / (1.0 - coherence).max(1e-3);
         let explained = spectra.output[place] * coherence;
         Some(Point { frequency, response, weight, explained, scale: explained / power(h).max(f64::MIN_POSITIVE) })
     };
+    // The window smears the mean and what is slower than it over the first lines.
     (2..last).filter_map(point).collect()
 }
 
@@ -161,6 +163,7 @@ fn fit(points: &[Point], peak: f64) -> Option<MeasuredResponse> {
             // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
             let (h, scaled) = (point.response, point.frequency / peak);
             let weight = match found {
+                // Levy's equations are errors times the denominator: the one of the last round undoes that.
                 Some([b, a, _]) => {
                     point.weight / (power(h) * power((b - scaled * scaled, a * scaled))).max(f64::MIN_POSITIVE)
                 }
@@ -242,6 +245,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
     let begin = (0..measured.len()).max_by(|&a, &b| size(measured[a]).total_cmp(&size(measured[b])))?;
+    // What is largest in the second half does not decay.
     if 2 * begin > measured.len() {
         return None;
     }
@@ -265,6 +269,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let (is_all, nearby) = leaves_noise(&rests, frequency * record.dt(), passed(mapping, record.dt()));
     let found = DecayFit {
         found: MeasuredResponse { natural_frequency, damping_ratio, gain: None },
+        // Five numbers are fitted.
         rest: libm::sqrt(fit.cost / readings.len().saturating_sub(5).max(1) as f64),
         nearby,
         spread: [TAU * mode.std[0], mode.std[1]],

@@ -168,8 +168,10 @@ impl Spectra {
         let [_, passed] = passed(mapping, self.dt);
         let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
         let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
+        // The coherence of pure noise is one over the number of windows, which would count as explained.
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
         let power = |place: usize| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left;
+        // A mean would count a hum or a mode among these frequencies as noise.
         median((low..high).map(power).collect()).filter(|usual| *usual > 0.0).map(libm::sqrt)
     }
 }
