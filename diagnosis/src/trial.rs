@@ -68,6 +68,7 @@ impl Trials {
     ) -> Result<Self, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let mut filter = filter.clone();
+        // Trials are compared by likelihoods, which a smoother does not change.
         filter.smoother = false;
         let first = estimates.len().min(record.len()).saturating_sub(WINDOW);
         if record.forgotten() + first > 0 && !estimates.is_empty() {
@@ -75,6 +76,7 @@ impl Trials {
         }
         let mut own = None;
         if filter.kind.is_sampled() {
+            // Of random samples, a trial would gain or lose by chance.
             filter.kind = FilterKind::UKF;
             own = Some(
                 (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),
@@ -151,6 +153,7 @@ impl Trials {
     }
 
     pub(super) fn price(&self) -> f64 {
+        // What a number must gain by Schwarz (1978).
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
 
@@ -185,6 +188,7 @@ impl Trials {
         let diagnostics = Diagnostics::new(&estimates, record);
         let stopped = diagnostics.stop.is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
+        // A trial that gains nothing is no remedy, and needs no verdict.
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record) } else { None };
         let achieved = log_likelihood;

@@ -48,6 +48,7 @@ impl Axes {
         for mark in marks(self.y, (height / MARKS[1]) as usize) {
             let [_, y] = self.at((self.x[0], mark));
             svg.path([[left, y], [left + width, y]], false, Style::stroke(GRID, 1.0));
+            // SVG places a text by its baseline, and digits are about 0.7 of the type high.
             svg.text(&label(&number(mark), [left - 8.0, y + 0.35 * TYPE[0]], Anchor::End, TYPE[0]));
         }
         svg.path([[left, top], [left, bottom], [left + width, bottom]], false, Style::stroke(TEXT, 1.0));
@@ -96,5 +97,6 @@ pub fn marks([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
     let Some(step) = step.filter(|step| step.is_finite() && *step > 0.0) else { return Vec::new() };
     let first = (low / step).ceil();
+    // Multiples, no sums: tenths that add up leave the round numbers.
     (0..=most).map(|place| (first + place as f64) * step).filter(|mark| (low..=high).contains(mark)).collect()
 }

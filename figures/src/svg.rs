@@ -177,6 +177,7 @@ impl Svg {
             Anchor::End => " text-anchor=\"end\"",
         };
         let length = length.map_or_else(String::new, |length| {
+            // Negative lengths are errors in SVG, and two decimals write a smaller one as zero.
             format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", number(length.max(0.01)))
         });
         let weight = if bold { " font-weight=\"bold\"" } else { "" };
@@ -223,6 +224,7 @@ fn at([x, y]: Point) -> String {
 }
 
 fn number(value: f32) -> String {
+    // A hundredth of a pixel: more digits would only make the file larger.
     let mut text = format!("{value:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.').len();
     text.truncate(short);

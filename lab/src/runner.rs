@@ -195,6 +195,7 @@ impl Runner {
         let number = self.ensemble.record_of(cell);
         let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = records.iter().find(|(other, _)| *other == number).map(|(_, record)| Arc::clone(record));
+        // Before a record is made: to keep it takes the lock again.
         drop(records);
         let of_given = |record: &Arc<Record>| self.keep(cell, Record::clone(record).with_input_times(factor));
         kept.or_else(|| self.source.record().map(of_given))
@@ -204,6 +205,7 @@ impl Runner {
         let record = Arc::new(record);
         let mut records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         if records.len() >= KEPT {
+            // The oldest: cells go through the records in order.
             records.remove(0);
         }
         records.push((self.ensemble.record_of(cell), Arc::clone(&record)));
@@ -259,6 +261,7 @@ struct Spent(f64);
 
 impl Spent {
     fn samples_left(&self, each: f64) -> usize {
+        // One at least, or a slow filter would never continue.
         ((PIECE - self.0) / each).clamp(1.0, 1e5) as usize
     }
 

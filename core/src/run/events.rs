@@ -200,6 +200,7 @@ impl EventFilter {
         let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
         let (readings, others) = self.by_time(time, readings);
+        // All times are checked before anything is put: what is refused must leave nothing behind.
         let mut times = felt.into_iter().chain(others.iter().map(|(time, _)| *time));
         if let Some(oldest) = oldest
             && let Some(time) = times.find(|time| *time < oldest)
@@ -265,6 +266,7 @@ impl EventFilter {
 
     fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {
         let before = self.at;
+        // The belief at the first event is the initial one, to which no step leads.
         let first = self.timeline.insert(event).max(1);
         if first <= before {
             self.again += before + 1 - first;
@@ -349,6 +351,7 @@ struct Timeline {
     before: Option<(f64, f64)>,
 }
 
+// A fast sensor could fill the memory within the seconds that are kept.
 const MOST: usize = 1 << 16;
 
 impl Timeline {

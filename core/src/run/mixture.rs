@@ -178,6 +178,7 @@ impl Guesses {
             let [mean, std] =
                 [&mut member.initial_mean, &mut member.initial_std].map(|of| &mut of[Channel::NATURAL_FREQUENCY]);
             *mean *= libm::exp(logarithm);
+            // About half way to the next guess, so that no frequency between two is far from both.
             *std = std.max(FARTHEST / count as f64 * *mean);
             member
         };
@@ -211,6 +212,7 @@ impl WeightRule for Guesses {
         {
             return Err(reason);
         }
+        // Of equals the first, whose guess is the nearest: `max_by` takes the last one.
         *leader = (0..each.len()).rev().max_by(|a, b| each[*a][0].total_cmp(&each[*b][0])).unwrap_or(0);
         let is_measured = members.iter().any(MixtureMember::is_read);
         *measured += usize::from(is_measured);
@@ -218,6 +220,7 @@ impl WeightRule for Guesses {
             let best = each[*leader][0];
             for (member, [sum, before]) in members.iter_mut().zip(each) {
                 let behind = best - *sum;
+                // Who catches up stays: it may only have begun far off.
                 if behind >= FAR_BEHIND && behind >= *before {
                     (*sum, _) = (f64::NEG_INFINITY, member.failure.get_or_insert(FilterError::ImpossibleMeasurement));
                 }
@@ -393,6 +396,7 @@ impl WeightRule for Walk {
             self.weights = [1.0 - walks, walks];
         }
         let walked = self.is_walking;
+        // Two thresholds: a probability that wavers about one half would begin a walk again and again.
         self.is_walking = self.weights[1] > if walked { CALM } else { 0.5 };
         self.has_begun = self.is_walking && !walked;
         Ok(())

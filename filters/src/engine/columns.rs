@@ -168,6 +168,7 @@ fn congruence_of<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize,
             |k| rows[k * motion + j],
         );
         for i in motion..n {
+            // Φ is the identity of constant components.
             column[i] = half[i * motion + j];
         }
     }
@@ -205,6 +206,7 @@ pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T
         let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
         let counts = rounding.lt(pivot) & pivot.is_normal();
         is_finite = is_finite & (!holds | pivot.is_finite());
+        // A pivot a little below zero is rounding, one far below an indefinite covariance.
         holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
         let inverse = T::select(counts, T::of(1.0) / pivot, zero);
         each!(level, j + 1, n, |k| {
@@ -228,6 +230,7 @@ pub fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
     for j in 0..m {
         let pivot = s[j * m + j];
         let inverse = T::of(1.0) / pivot;
+        // An inverse that overflows, or has lost digits as a subnormal number, would spoil all that follows.
         holds = holds & T::of(0.0).lt(pivot) & inverse.is_normal();
         for k in j + 1..m {
             let share = s[j * m + k] * inverse;
@@ -301,6 +304,7 @@ pub(super) fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usi
     let (a, b) = (&a[..n * columns], &b[..n * columns]);
     let mut k = 0;
     while k < columns {
+        // Two columns at a time, so that each number of X is loaded and stored once for both.
         let is_pair = k + 1 < columns;
         let next = if is_pair { k + 1 } else { k };
         let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);

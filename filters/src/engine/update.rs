@@ -111,6 +111,7 @@ impl<T: Number> Update<T> {
         for value in measured {
             is_whole &= !(!value.is_number()).all();
         }
+        // Only where a reading is missing: the list of all sensors stays from sample to sample.
         if !is_whole {
             gather(active, observation.measured);
         }
@@ -228,6 +229,7 @@ impl<T: Number> Update<T> {
         if self.expected.is_linear {
             self.joseph(level, count, design, belief);
         } else {
+            // Sigma points have no H, of which Joseph's form is made.
             self.subtract(level, count, belief);
         }
         result(level, belief, scores, measured, checks)

@@ -163,6 +163,7 @@ fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
             let Batch { design, channels, known: others, samples: length, .. } = batch;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
+        // From the end, where the batch with room is.
         let at = batches.iter().rposition(is_its).unwrap_or(batches.len());
         if at == batches.len() {
             let program = ShaderProgram::new(&setup.design, &setup.channels, known);
@@ -177,6 +178,7 @@ fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
             let (other, own) = (&member.setup, &setup);
             std::ptr::eq(member.record, run.record) && (&other.columns, &other.delays) == (&own.columns, &own.delays)
         };
+        // From the end: the cells of a map that share a record follow each other.
         let tape = match batch.members.iter().rev().find(same) {
             Some(member) => member.tape,
             None => {

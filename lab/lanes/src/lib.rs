@@ -94,6 +94,7 @@ fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usi
         }
     }
     for group in &mut groups {
+        // Neighbours share a record where they can, so that the lanes of a batch read the same memory.
         group.sort_by_key(|(_, run)| std::ptr::from_ref(run.record).addr());
     }
     groups

@@ -46,6 +46,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
                 return None;
             }
             let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+            // Relative to the highest one: likelihoods of long records are below all numbers.
             let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
             // The number of points that would do as much if they counted the same.
             let effective = |by: f64| {
@@ -57,6 +58,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let is_last = effective(rest) >= left;
             let mut by = [0.0, rest];
             if effective(rest) < left {
+                // Sixty halvings exhaust double precision.
                 for _ in 0..60 {
                     let middle = 0.5 * (by[0] + by[1]);
                     by[usize::from(effective(middle) < left)] = middle;
@@ -65,6 +67,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let by = by[1];
             let weights: Vec<f64> = self.points.iter().map(|point| weight(point, by)).collect();
             log_evidence += by * highest + libm::log(weights.iter().sum::<f64>() / weights.len() as f64);
+            // Exactly one, which ends the loop: a sum may round to less.
             temperature = if is_last { 1.0 } else { temperature + by };
             self.draw_again(&weights);
             self.spread(temperature);
@@ -107,8 +110,10 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
 
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
         let Self { random, points, .. } = self;
+        // Of the other half, which rests meanwhile: moves are then reversible, and run side by side.
         let others: Vec<&Particle> = points.iter().skip(1 - half).step_by(2).collect();
         let (parameters, count) = (others[0].at.len(), others.len());
+        // The best size for a normal distribution, by ter Braak (2006).
         let usual = 2.38 / libm::sqrt(2.0 * parameters as f64);
         let std = |i: usize| {
             let mean = others.iter().map(|point| point.at[i]).sum::<f64>() / count as f64;
@@ -122,6 +127,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let b = (a + 1 + pick(random, count - 1)) % count;
             let by = if random.uniform() < LEAPS { 1.0 } else { usual };
             let place = |(i, &at): (usize, &f64)| {
+                // Without the noise, points would reach sums of the first differences only.
                 at + by * (others[a].at[i] - others[b].at[i]) + NOISE * stds[i] * random.sample()
             };
             point.at.iter().enumerate().map(place).collect()

@@ -54,6 +54,7 @@ pub(super) async fn bands(cost: &Cost, Try { values, score }: Try, runs: &mut u6
                 break;
             }
             steps[axis] *= match fall {
+                // A parabola falls by the square of the step.
                 fall if fall > 0.0 && fall < FORBIDDEN / 4.0 => (WANTED / fall).sqrt().clamp(0.1, 10.0),
                 fall if fall > 0.0 => 0.2,
                 _ => 3.0,
@@ -65,6 +66,7 @@ pub(super) async fn bands(cost: &Cost, Try { values, score }: Try, runs: &mut u6
         second[(i, i)] = (beside[i][1] + beside[i][0] - 2.0 * best) / (steps[i] * steps[i]);
         for j in i + 1..n {
             pause().await;
+            // Two corners and the sides say as much as all four corners, by half as many runs.
             let both: f64 = [-1.0, 1.0].iter().map(|sign| cost_at(&steps, &[i, j], *sign)).sum();
             let alone: f64 = [i, j].iter().map(|&axis| beside[axis].iter().sum::<f64>()).sum();
             second[(i, j)] = (both - alone + 2.0 * best) / (2.0 * steps[i] * steps[j]);

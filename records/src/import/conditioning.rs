@@ -18,6 +18,7 @@ impl Conditioning<'_> {
     pub(super) fn part(&self) -> std::ops::Range<usize> {
         let Timing { start, dt, samples, .. } = *self.timing;
         let place = |place: f64| place.clamp(0.0, samples as f64) as usize;
+        // Users write limits in decimals: a sample next to one is in the part.
         let from = self.mapping.from.map_or(0, |from| place(libm::ceil((from - start) / dt - 1e-6)));
         let to = self.mapping.to.map_or(samples, |to| place(libm::floor((to - start) / dt + 1e-6) + 1.0));
         from..to.max(from)
@@ -43,8 +44,10 @@ impl Conditioning<'_> {
     pub(super) fn sensor(&self, mut values: Vec<f64>) -> Vec<f64> {
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
+        // A filter would spread a single NaN over the whole record.
         let is_filled = changes && fill(&mut values).is_some();
         self.condition(&mut values);
+        // What was filled is no reading.
         if is_filled {
             self.cut(&mut missing);
             resample::keep_every(&mut missing, self.mapping.every);
@@ -180,6 +183,7 @@ impl Table {
             let is_usual = is_usual(end.value);
             let range = (end.next - other.value).abs();
             let far = (end.value - end.next).abs() > FAR[usize::from(!is_usual)] * range;
+            // Most readings are none: a sensor may rest at the end of its range.
             let enough = end.count >= if is_usual { 2 } else { FEWEST } && 2 * end.count < finite;
             let End { value, count, row, .. } = end;
             (range > 0.0 && far && enough).then(|| Sentinel { value, count, line: self.line(row), is_usual })

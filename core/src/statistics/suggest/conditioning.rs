@@ -39,6 +39,7 @@ impl Suggestion {
                 Some(mapping) => mapping.sensors.get(&quantity).is_some_and(is_open),
                 None => self.scenario.sensors.iter().any(|one| one.measures == quantity),
             };
+            // Without the mean of the input, that of a sensor has no cause any more.
             if is_sensor && (!removed.is_empty() || mean.abs() > OFFSET * std) {
                 record.change_measured(|of, _, value| if of == sensor { value - mean } else { value });
                 removed.push((quantity.bias(), mean, format!("the {}", quantity.name())));

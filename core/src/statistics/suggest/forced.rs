@@ -79,6 +79,7 @@ impl Readings {
 
     fn fit(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
         let columns = self.columns(at);
+        // A constant force has the column of the constant: a trace of damping keeps a solution.
         let Some(parts) = self.normal(&columns).damped(1e-12, 1e-12).solution() else {
             return (f64::INFINITY, (columns, [0.0; 4]));
         };

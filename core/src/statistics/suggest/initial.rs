@@ -257,6 +257,7 @@ impl Search {
         let mut scenario = first_alone(of);
         self.set_kind(&mut scenario);
         for filter in &mut scenario.filters {
+            // Its steps are the cheapest, and there are dozens of runs.
             filter.kind = FilterKind::EKF;
             for (place, &channel) in self.channels.iter().enumerate() {
                 let guess = (filter.initial_mean[channel], filter.initial_std[channel]);
@@ -324,6 +325,7 @@ impl Search {
 
     pub(super) fn choose(mut searches: Vec<Self>, suggestion: &mut Suggestion) {
         let of = |search: &Self| search.ends.best.as_ref().map(|((_, readings), likelihood)| (*readings, *likelihood));
+        // Likelihoods of unlike numbers of readings say nothing about each other.
         let readings = searches.iter().find_map(of).map(|(readings, _)| readings);
         let likelihood = |search: &Self| of(search).filter(|(count, _)| Some(*count) == readings).map(|(_, now)| now);
         let size = |search: &Self| likelihood(search).unwrap_or(f64::NEG_INFINITY);
