@@ -24,7 +24,6 @@ const STEPS: usize = 4;
 /// Limits the filters on which causes are tried, with the first one: each takes some thirty runs over the window.
 const FILTERS: usize = 6;
 
-// Only the end is 1: how many filters a search takes is not known before.
 const NEARLY: f64 = 0.99;
 
 const FIRSTS: usize = 3;

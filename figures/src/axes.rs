@@ -7,7 +7,6 @@ const GRID: Color = Color([0xe4, 0xe4, 0xe4, 0xff]);
 
 /// The size of the type of numbers, and of that of names.
 const TYPE: [f32; 2] = [13.0, 15.0];
-/// The place of a name from its axis.
 const NAME: [f32; 2] = [66.0, 40.0];
 /// Limits the distance of a point from the corner of the area. Readers of SVG round larger ones.
 const FARTHEST: f64 = 20_000.0;
@@ -48,7 +47,6 @@ impl Axes {
         for mark in marks(self.y, (height / MARKS[1]) as usize) {
             let [_, y] = self.at((self.x[0], mark));
             svg.path([[left, y], [left + width, y]], false, Style::stroke(GRID, 1.0));
-            // SVG places a text by its baseline, and digits are about 0.7 of the type high.
             svg.text(&label(&number(mark), [left - 8.0, y + 0.35 * TYPE[0]], Anchor::End, TYPE[0]));
         }
         svg.path([[left, top], [left, bottom], [left + width, bottom]], false, Style::stroke(TEXT, 1.0));

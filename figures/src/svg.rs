@@ -177,7 +177,6 @@ impl Svg {
             Anchor::End => " text-anchor=\"end\"",
         };
         let length = length.map_or_else(String::new, |length| {
-            // Negative lengths are errors in SVG, and two decimals write a smaller one as zero.
             format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", number(length.max(0.01)))
         });
         let weight = if bold { " font-weight=\"bold\"" } else { "" };

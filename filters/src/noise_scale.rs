@@ -34,10 +34,10 @@ pub const REACH: f64 = 30.0;
 /// The points of the posterior between two filters: after many samples it is narrower than their distance.
 const POINTS: usize = 12;
 
-/// The points of L through which a polynomial goes.
+/// A polynomial through as many points on both sides of its place, so an even number.
 const NODES: usize = 6;
 
-/// Where the posterior is less than e⁻⁴⁰ of its top, it counts as none.
+/// Where the posterior is less than e⁻⁴⁰ of its top, it is below the rounding of the sum.
 const NOTHING: f64 = 40.0;
 
 impl NoiseScale {
@@ -133,7 +133,6 @@ fn polynomial(all: &[f64], j: usize, share: f64) -> f64 {
     let count = NODES.min(all.len() - first);
     let at = j as f64 + share - first as f64;
     for (value, known) in values.iter_mut().zip(&all[first..first + count]) {
-        // A filter that has failed has no likelihood for a polynomial to go through.
         if !known.is_finite() {
             return all[j] + share * (all[j + 1] - all[j]);
         }

@@ -205,7 +205,6 @@ impl Runner {
         let record = Arc::new(record);
         let mut records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         if records.len() >= KEPT {
-            // The oldest: cells go through the records in order.
             records.remove(0);
         }
         records.push((self.ensemble.record_of(cell), Arc::clone(&record)));
@@ -261,7 +260,6 @@ struct Spent(f64);
 
 impl Spent {
     fn samples_left(&self, each: f64) -> usize {
-        // One at least, or a slow filter would never continue.
         ((PIECE - self.0) / each).clamp(1.0, 1e5) as usize
     }
 

@@ -266,7 +266,6 @@ impl EventFilter {
 
     fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {
         let before = self.at;
-        // The belief at the first event is the initial one, to which no step leads.
         let first = self.timeline.insert(event).max(1);
         if first <= before {
             self.again += before + 1 - first;
@@ -330,7 +329,6 @@ struct TimedEvent {
     time: f64,
     /// The force over mass from now on \[m/s²\], if it was known.
     force: Option<f64>,
-    /// A reading for each sensor, NaN where there is none.
     readings: Vec<f64>,
     state: Option<State>,
     passages: Vec<Passage>,

@@ -160,10 +160,10 @@ pub(crate) struct Guesses {
 /// The outermost guesses are e^±2 times the initial mean: 0.14 and 7.4 times.
 const FARTHEST: f64 = 2.0;
 
-/// The measured samples between two checks for filters that are far behind.
+/// The measured samples between two checks: so long a filter that is far behind has to catch up.
 const CHECKED: usize = 500;
 
-/// Limits the amount by which a guess may be below the likeliest in log likelihood.
+/// A guess that is e^30 times less likely than the best, and falls further behind, only takes time.
 const FAR_BEHIND: f64 = 30.0;
 
 impl Guesses {
@@ -329,7 +329,7 @@ pub(crate) struct Walk {
 const STILL: f64 = 30.0;
 const WALKS: f64 = 1.0;
 
-/// Limits the probability of a change between two samples.
+/// Beyond a half, the parameters would rather walk after a rest than go on resting.
 const MOST_CHANGE: f64 = 0.5;
 
 /// Parameters that walked are still again below this probability.

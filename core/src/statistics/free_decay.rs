@@ -316,7 +316,7 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (us
     (times.len(), false)
 }
 
-/// The largest component of the axis is positive.
+/// Its largest component is positive: an axis has no sign, and parts of one record must agree on it.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
         [of(0), of(1), of(2)]

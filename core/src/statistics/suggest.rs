@@ -301,11 +301,10 @@ fn begin_with(filter: &mut FilterSettings, channel: Channel, (mean, std): (f64, 
     (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
 }
 
-/// The first filter of a scenario alone, for a trial: an EKF in place of one that draws samples.
+/// An EKF in place of a filter that draws samples, whose likelihood varies by chance: trials are compared by it.
 fn first_for_trial(scenario: &Scenario) -> Scenario {
     let mut scenario = first_alone(scenario);
     for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
-        // The likelihood of random samples varies by chance, and trials are compared by it.
         filter.kind = FilterKind::EKF;
     }
     scenario

@@ -67,7 +67,6 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         if changed.is_empty() {
             return;
         }
-        // A search may have turned it before, and the sentence is about the settings with which the search began.
         let turned_since = |i: usize| assumed[i] / bad.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
         let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
         let of = |i: usize| {

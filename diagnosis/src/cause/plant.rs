@@ -249,7 +249,6 @@ const SLOW: f64 = 0.05;
 fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some((frequency, size)) = oscillator(bad) else { return };
     let slow = SLOW * frequency * size;
-    // Two digits: the number becomes a part of an equation that people read.
     let scaled = format!("{slow:.1e}");
     let rounded = scaled.parse().unwrap_or(slow);
     let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };

@@ -46,7 +46,7 @@ fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     }
 }
 
-/// The least step, in assumed standard deviations of the noise, that matters.
+/// The least step that matters, in assumed σ of the noise: two add a third to R, by a twelfth of their square.
 const LEAST_STEP: f64 = 2.0;
 
 pub(super) static COARSE: Cause = Cause {
@@ -281,7 +281,6 @@ impl Readings {
         let mut start = 0;
         while start < same.len() {
             let end = same[start..].iter().position(|same| !same).map_or(same.len(), |length| start + length);
-            // Three equal readings at least: two happen by chance.
             if end - start >= 2 {
                 marks[start + 1..=end].fill(true);
             }

@@ -117,7 +117,7 @@ pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k
     }
 }
 
-/// The largest sum of a column's absolute values.
+/// The largest sum of a column's absolute values: of the norms it needs no root, and columns lie in one piece.
 #[inline(always)]
 pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
     let mut largest = T::of(0.0);

@@ -233,7 +233,6 @@ impl<T: Number> Impulse<T> {
     #[inline(always)]
     pub fn new<L: Level>(level: L, a: T, b: T, dt: f64, with_slope: bool) -> Self {
         let size = Classes::<2>::counted(a.abs().sqrt().max(b.abs()) * dt);
-        // Where steps are short in all lanes, no results need to be chosen.
         if size.largest() <= IMPULSE_CLASSES.0[0] {
             return Self::terms::<5>(a, b, dt, with_slope);
         }

@@ -119,10 +119,9 @@ static STUDENT_T: RobustInfo = RobustInfo {
 /// The share of readings that are outliers, before one is seen.
 const OUTLIERS: f64 = 0.05;
 
-/// The noise of an outlier over that of a good reading.
+/// The noise of an outlier over that of a good reading: it has a hundredth of the information, next to nothing.
 const WIDER: f64 = 10.0;
 
-/// A reading with larger odds is left out.
 const MOST_ODDS: f64 = 1e6;
 
 /// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both is uncertain, and has a probability

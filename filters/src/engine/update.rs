@@ -41,7 +41,6 @@ pub(super) struct Target<'a, T: Number, P> {
 pub(super) struct MeasuredReadings<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub(super) force: T,
-    /// A number for each sensor; NaN where it is missing.
     pub(super) measured: &'a [T],
     pub(super) variances: &'a [T],
 }
@@ -61,7 +60,6 @@ pub struct Update<T> {
     gain: Vec<T>,
     excess: Vec<T>,
     descent: Option<Box<Descent<T>>>,
-    /// Of a filter whose beliefs are smoothed later.
     pub(super) passage: Option<Box<Passage<T>>>,
 }
 
@@ -111,7 +109,6 @@ impl<T: Number> Update<T> {
         for value in measured {
             is_whole &= !(!value.is_number()).all();
         }
-        // Only where a reading is missing: the list of all sensors stays from sample to sample.
         if !is_whole {
             gather(active, observation.measured);
         }

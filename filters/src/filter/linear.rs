@@ -99,7 +99,6 @@ impl KalmanFilter {
         prior.mean = &*transition * &belief.mean + &*by_input * Vector::from_column_slice(input);
         prior.cov = &*transition * &belief.cov * transition.transpose();
         noise.spread(&mut prior.cov);
-        // Before it is taken, so that a failure leaves the belief.
         prior.check()?;
         belief.copy_from(prior);
         Ok(())

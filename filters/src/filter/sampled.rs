@@ -23,7 +23,6 @@ pub struct Ensemble {
     /// Each a column.
     members: Matrix,
     normal: Normal,
-    /// The belief that the ensemble was drawn from, until it first moves.
     origin: Option<Gaussian>,
 }
 

@@ -15,7 +15,7 @@ use crate::shader::ShaderProgram;
 const MOST_RUNS: usize = 1 << 16;
 const MOST_SAMPLES: usize = 2_000_000;
 
-/// Limits the smallest variance other than zero.
+/// Single precision ends at 1e-38: smaller variances other than zero have no room for products.
 const SMALLEST: f64 = 1e-30;
 
 /// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
@@ -163,7 +163,6 @@ fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
             let Batch { design, channels, known: others, samples: length, .. } = batch;
             (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
-        // From the end, where the batch with room is.
         let at = batches.iter().rposition(is_its).unwrap_or(batches.len());
         if at == batches.len() {
             let program = ShaderProgram::new(&setup.design, &setup.channels, known);
@@ -178,7 +177,6 @@ fn batches<'a>(runs: &[LaneRun<'a>]) -> Vec<Batch<'a>> {
             let (other, own) = (&member.setup, &setup);
             std::ptr::eq(member.record, run.record) && (&other.columns, &other.delays) == (&own.columns, &own.delays)
         };
-        // From the end: the cells of a map that share a record follow each other.
         let tape = match batch.members.iter().rev().find(same) {
             Some(member) => member.tape,
             None => {

@@ -94,7 +94,6 @@ impl Gpu {
             return pipeline.clone();
         }
         if pipelines.len() >= MOST_PROGRAMS {
-            // All of them: edits of an equation leave programs for which nobody asks again.
             pipelines.clear();
         }
         let source = wgpu::ShaderSource::Wgsl(text.into());
@@ -171,7 +170,6 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-/// A function that takes a value, and the future of that value.
 fn one_shot<T: Send>() -> (impl FnOnce(T) + Send, impl Future<Output = T>) {
     let shared = Arc::new(Mutex::new((None, None)));
     let other = Arc::clone(&shared);

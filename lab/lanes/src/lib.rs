@@ -94,7 +94,6 @@ fn groups<'a>(setups: &'a [Option<Setup>], runs: &[LaneRun<'a>]) -> Vec<Vec<(usi
         }
     }
     for group in &mut groups {
-        // Neighbours share a record where they can, so that the lanes of a batch read the same memory.
         group.sort_by_key(|(_, run)| std::ptr::from_ref(run.record).addr());
     }
     groups
@@ -147,7 +146,7 @@ impl InstructionSet {
     }
 }
 
-/// The usual oscillators have sizes that the compiler knows.
+/// Of the usual oscillators the compiler knows the sizes, so that loops become straight code.
 #[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
 fn of_size<L: engine::Level>(level: L, batch: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
     let model = &batch[0].setup.design.model;

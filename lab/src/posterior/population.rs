@@ -2,6 +2,7 @@
 
 use kalmanscope_core::filter::Normal;
 
+// At each degree half the points still count: of fewer, most would be copies of each other.
 const LEFT: f64 = 0.5;
 
 /// The mean number of moves of a point at each temperature, and at the last one; and the most tries of each.
@@ -67,7 +68,6 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let by = by[1];
             let weights: Vec<f64> = self.points.iter().map(|point| weight(point, by)).collect();
             log_evidence += by * highest + libm::log(weights.iter().sum::<f64>() / weights.len() as f64);
-            // Exactly one, which ends the loop: a sum may round to less.
             temperature = if is_last { 1.0 } else { temperature + by };
             self.draw_again(&weights);
             self.spread(temperature);
@@ -91,7 +91,6 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
         self.points = points;
     }
 
-    /// The halves of the points take turns to move.
     fn spread(&mut self, temperature: f64) {
         let is_last = usize::from(temperature == 1.0);
         let mut moves = 0;

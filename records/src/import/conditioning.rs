@@ -47,7 +47,6 @@ impl Conditioning<'_> {
         // A filter would spread a single NaN over the whole record.
         let is_filled = changes && fill(&mut values).is_some();
         self.condition(&mut values);
-        // What was filled is no reading.
         if is_filled {
             self.cut(&mut missing);
             resample::keep_every(&mut missing, self.mapping.every);
@@ -183,7 +182,6 @@ impl Table {
             let is_usual = is_usual(end.value);
             let range = (end.next - other.value).abs();
             let far = (end.value - end.next).abs() > FAR[usize::from(!is_usual)] * range;
-            // Most readings are none: a sensor may rest at the end of its range.
             let enough = end.count >= if is_usual { 2 } else { FEWEST } && 2 * end.count < finite;
             let End { value, count, row, .. } = end;
             (range > 0.0 && far && enough).then(|| Sentinel { value, count, line: self.line(row), is_usual })

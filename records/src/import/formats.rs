@@ -20,7 +20,6 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-/// Recognise a file by its first lines.
 type Is = fn(&[&str]) -> bool;
 
 const SERIES: [(&str, Is, Next); 5] = [

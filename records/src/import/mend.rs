@@ -157,7 +157,6 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
         } else if backward.iter().all(begins) {
             let ends = [&[0], &backward[..], &[rows.len()]].concat();
             let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
-            // From the end, as of equals `max_by_key` takes the last.
             let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
             let (begin, first, last, parts) =
                 (line(backward[0]), line(longest.start), line(longest.end - 1), ends.len() - 1);

@@ -15,7 +15,6 @@ enum Body {
     Series(SeriesReader),
 }
 
-/// The columns of a file, some lines after the others.
 pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Progress) -> Result<Table> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(ImportError::Empty);

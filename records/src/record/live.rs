@@ -327,7 +327,6 @@ impl Track {
     fn reading_at(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
         let last = self.take_until(sample, into).last();
         let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
-        // The cubic of the next reading reaches this far back.
         self.forget_all_but(2 * side + 1);
         value
     }

@@ -14,7 +14,6 @@ pub(crate) const HALVED: u64 = 400;
 
 pub(crate) struct Response {
     pub(crate) state: Vector,
-    /// The largest absolute value of each component so far.
     size: Vector,
     /// The constant components of the last step and their exact integrals, which seldom change.
     exact: Option<(Vec<f64>, Exact)>,

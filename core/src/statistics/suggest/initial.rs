@@ -11,7 +11,7 @@ use super::response::{DecayFit, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::{FilterSettings, PlantKind, Run, Scenario};
 
-/// The spread that a filter of a free decay begins with, in standard deviations of the fit.
+/// A filter of a free decay begins with this many σ of the fit: readings count again, and a linearisation must hold.
 pub(super) const LOOSE: f64 = 30.0;
 
 impl Suggestion {
@@ -257,7 +257,6 @@ impl Search {
         let mut scenario = first_alone(of);
         self.set_kind(&mut scenario);
         for filter in &mut scenario.filters {
-            // Its steps are the cheapest, and there are dozens of runs.
             filter.kind = FilterKind::EKF;
             for (place, &channel) in self.channels.iter().enumerate() {
                 let guess = (filter.initial_mean[channel], filter.initial_std[channel]);

@@ -245,7 +245,6 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
     let begin = (0..measured.len()).max_by(|&a, &b| size(measured[a]).total_cmp(&size(measured[b])))?;
-    // What is largest in the second half does not decay.
     if 2 * begin > measured.len() {
         return None;
     }
@@ -269,7 +268,6 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let (is_all, nearby) = leaves_noise(&rests, frequency * record.dt(), passed(mapping, record.dt()));
     let found = DecayFit {
         found: MeasuredResponse { natural_frequency, damping_ratio, gain: None },
-        // Five numbers are fitted.
         rest: libm::sqrt(fit.cost / readings.len().saturating_sub(5).max(1) as f64),
         nearby,
         spread: [TAU * mode.std[0], mode.std[1]],

@@ -9,7 +9,6 @@ use crate::engine::update::UpdateResult;
 /// A filter that adds its initial variances to Q, in lanes that jump, for one prediction.
 pub struct Jumping<T> {
     jumps: Vec<Jump>,
-    /// The diagonal of Q before a jump.
     narrow: Vec<T>,
 }
 
@@ -121,7 +120,6 @@ pub(crate) struct Jump {
     /// The mean of NIS/m before, and the number of samples in that mean.
     level: f64,
     learnt: usize,
-    /// The samples until a change can be found.
     blind: usize,
     since: Option<usize>,
     /// a
@@ -134,16 +132,16 @@ pub(crate) struct Jump {
 const GROWTH: f64 = 1.5;
 const LN_GROWTH: f64 = 0.405_465_108_108_164_4;
 
-/// h, above which the sum is a change.
+/// h: consistent innovations pass it once in e^h = 4.9e8 samples or less often (Lorden 1971).
 const ALARM: f64 = 20.0;
 
-/// Limits the share of one sample in an alarm.
+/// More than ten samples make an alarm: an outlier is no change.
 const MOST_OF_ALARM: f64 = 0.1;
 
-/// The samples at the beginning without a search for changes.
+/// No search at the beginning: the level is not known yet, and a filter that begins far off has large innovations too.
 const FIRST: usize = 200;
 
-/// The samples after a jump without a search for changes.
+/// No search after a jump: the innovations are large until the filter has learnt anew.
 const DEAD: usize = 50;
 
 /// Two jumps within this many samples say that the first was too small.
@@ -152,7 +150,7 @@ const SOON: usize = 150;
 // 4⁶: a model that is always wrong jumps again and again, and without a limit P would grow to infinity.
 const LARGEST_FACTOR: f64 = 4096.0;
 
-/// Limits the samples that the level is a mean of: later ones replace the first.
+/// Later samples replace the first in the level: a filter that slowly becomes worse does not jump.
 const LEVEL_SAMPLES: usize = 1000;
 
 /// The samples of a level of 1 that the level begins with: without them it would be the first NIS.
