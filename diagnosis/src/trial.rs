@@ -68,7 +68,6 @@ impl Trials {
     ) -> Result<Self, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let mut filter = filter.clone();
-        // Trials are compared by likelihoods, which a smoother does not change.
         filter.smoother = false;
         let first = estimates.len().min(record.len()).saturating_sub(WINDOW);
         if record.forgotten() + first > 0 && !estimates.is_empty() {
@@ -188,7 +187,7 @@ impl Trials {
         let diagnostics = Diagnostics::new(&estimates, record);
         let stopped = diagnostics.stop.is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
-        // A trial that gains nothing is no remedy, and needs no verdict.
+        // A diagnosis takes time: only trials that gain get one.
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record) } else { None };
         let achieved = log_likelihood;

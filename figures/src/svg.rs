@@ -223,7 +223,6 @@ fn at([x, y]: Point) -> String {
 }
 
 fn number(value: f32) -> String {
-    // A hundredth of a pixel: more digits would only make the file larger.
     let mut text = format!("{value:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.').len();
     text.truncate(short);

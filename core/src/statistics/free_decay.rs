@@ -153,6 +153,7 @@ impl Decay {
         let (measured, count) = (&times[begin..end], end - begin);
         let (begin, dt) = (measured[0], (measured[count - 1] - measured[0]) / (count - 1) as f64);
         let steps = Steps { start: begin, dt, count };
+        // Along cubics: a jitter of a tenth of a step makes errors as large as the noise.
         let acceleration = steps.of(measured, &along, side(&along, noise), libm::round);
         let times = numbers(count, &|k| dt * k as f64);
         let readings = measured.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
@@ -212,7 +213,6 @@ impl Decay {
 
     fn swings(&self) -> f64 {
         let (mut sign, mut changes) = (0.0, 0);
-        // Noise about zero would count as swings.
         for x in self.acceleration.iter().filter(|x| x.abs() > 2.0 * self.noise) {
             changes += u32::from(sign * x < 0.0);
             sign = x.signum();

@@ -116,7 +116,6 @@ impl Suggestion {
             } else {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
-            // A reading without any noise could make S singular.
             let noise = own.or(floor).map(|noise| noise.max(1e-6 * moments(measured).1));
             noise.filter(|noise| *noise > 0.0).into_iter().for_each(|noise| self.set_noise(place, rounded(noise), why));
         }
@@ -153,6 +152,7 @@ impl Suggestion {
         let span = record.dt() * record.len() as f64 / std::f64::consts::TAU;
         let mut free = None;
         if has_no_input(record) {
+            // A decay that is over before the window is leaves a peak whose width says little of ζ.
             free = decay(record, measured, mapping);
             best = (free.map(|free| free.found), "fitted to the readings as a free decay");
         } else if by_spectra.is_none_or(|found| found.natural_frequency * span < COARSE) {

@@ -289,7 +289,6 @@ impl Readings {
         let stuck = marks.iter().filter(|mark| **mark).count() as f64;
         let short = same.iter().filter(|same| **same).count() as f64 - stuck;
         let count = self.values.len() as f64;
-        // Many single repeats are those of coarse steps.
         let is_so = stuck >= SHARE * count && stuck >= FEWEST as f64 && short < 0.02 * count;
         if is_so { self.marked(&marks).filter(|marked| marked.share < 0.9) } else { None }
     }
@@ -320,7 +319,6 @@ impl Readings {
         sort_numbers(&mut values);
         values.dedup();
         let [first, .., last] = values[..] else { return None };
-        // Readings that are rounded to steps return to the same values.
         if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {
             return None;
         }

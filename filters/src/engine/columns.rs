@@ -168,7 +168,6 @@ fn congruence_of<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize,
             |k| rows[k * motion + j],
         );
         for i in motion..n {
-            // Φ is the identity of constant components.
             column[i] = half[i * motion + j];
         }
     }

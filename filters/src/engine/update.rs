@@ -116,7 +116,7 @@ impl<T: Number> Update<T> {
             0 => apart!(level, without_readings(level, target)),
             1 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<1>, target, observation),
             2 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<2>, target, observation),
-            // More are rare.
+            // More are rare: each count has its own copy of all that follows, and these share one for all sizes.
             count => self.condition_counted(level.plain(), count, target, observation),
         }
     }

@@ -59,7 +59,6 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let is_last = effective(rest) >= left;
             let mut by = [0.0, rest];
             if effective(rest) < left {
-                // Sixty halvings exhaust double precision.
                 for _ in 0..60 {
                     let middle = 0.5 * (by[0] + by[1]);
                     by[usize::from(effective(middle) < left)] = middle;

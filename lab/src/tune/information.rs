@@ -54,7 +54,6 @@ pub(super) async fn bands(cost: &Cost, Try { values, score }: Try, runs: &mut u6
                 break;
             }
             steps[axis] *= match fall {
-                // A parabola falls by the square of the step.
                 fall if fall > 0.0 && fall < FORBIDDEN / 4.0 => (WANTED / fall).sqrt().clamp(0.1, 10.0),
                 fall if fall > 0.0 => 0.2,
                 _ => 3.0,

@@ -18,7 +18,6 @@ impl Conditioning<'_> {
     pub(super) fn part(&self) -> std::ops::Range<usize> {
         let Timing { start, dt, samples, .. } = *self.timing;
         let place = |place: f64| place.clamp(0.0, samples as f64) as usize;
-        // Users write limits in decimals: a sample next to one is in the part.
         let from = self.mapping.from.map_or(0, |from| place(libm::ceil((from - start) / dt - 1e-6)));
         let to = self.mapping.to.map_or(samples, |to| place(libm::floor((to - start) / dt + 1e-6) + 1.0));
         from..to.max(from)

@@ -102,7 +102,6 @@ impl Dialect {
         let lines = &lines[..lines.len().min(MOST_LINES)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| TextForm::new(delimiter, decimal, lines));
-        // From the end, as of equals `max_by_key` takes the last.
         let form = delimiters.flat_map(both).rev().max_by_key(TextForm::score).filter(|form| form.score() > 0)?;
         let data = form.data()?;
         let (names, units) = form.header(lines, data);

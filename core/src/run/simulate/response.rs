@@ -176,7 +176,7 @@ impl Refinement {
             let half = 0.5 * share;
             motion.step(memory, middle, state, (from, half));
             motion.step(memory, fine, middle, (from + half, half));
-            // Relative to the largest value so far: that at a zero crossing would ask for steps without end.
+            // Relative to the largest value so far: the one at a zero crossing would ask for steps without end.
             let close = |i: usize| (fine[i] - coarse[i]).abs() <= ACCURACY * size[i].max(fine[i].abs());
             let is_close = (0..fine.len()).all(close);
             if is_close || fine.iter().any(|x| !x.is_finite()) {

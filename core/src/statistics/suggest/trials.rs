@@ -219,6 +219,7 @@ impl Maker {
         self.at(3 + SHARES.len(), 0.0);
         let scenario = first_alone(&self.suggestion.scenario);
         let Some((run, errors)) = tried_freely(&scenario, &self.record).await else { return };
+        // As fine as σ of ωₙ at the end asks for: by the steps of the guess, a UKF ended up to nine σ off.
         self.suggestion.substeps(self.record.dt(), frequency_error(&run, self.record.len()));
         if run.estimates().first().is_some_and(|one| one.stop().is_some()) {
             self.suggestion.keep_from_rounding();
