@@ -47,7 +47,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
                 return None;
             }
             let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-            // Relative to the highest one: likelihoods of long records are below all numbers.
+            // Relative to the highest one: the likelihood itself of a long record is no number.
             let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
             // The number of points that would do as much if they counted the same.
             let effective = |by: f64| {

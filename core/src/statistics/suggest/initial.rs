@@ -153,7 +153,7 @@ fn start_yielding(filter: &mut FilterSettings, truth: &PlantKind, input: InputKi
     }
     let (ratio, spread) = POST_YIELD;
     for (channel, mean, std) in [
-        // As large as the motion: with a tenth of it, the first innovations of a record in motion are twice their S.
+        // As large as the motion: with a tenth of it, the first innovations of a record in motion are twice as large.
         (Channel::HYSTERETIC_DISPLACEMENT, 0.0, displacement),
         (Channel::POST_YIELD_RATIO, ratio, spread),
         (beta, 0.5 * shape, shape),
