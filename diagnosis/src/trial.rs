@@ -75,7 +75,6 @@ impl Trials {
         }
         let mut own = None;
         if filter.kind.is_sampled() {
-            // Of random samples, a trial would gain or lose by chance.
             filter.kind = FilterKind::UKF;
             own = Some(
                 (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),

@@ -163,7 +163,6 @@ pub(super) static STILL_INPUT: Cause = Cause {
 pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let (mut longest, mut start) = (0..0, 0);
     for end in 1..=input.len() {
-        // A logger that stands still repeats its number to the bit; a slow signal changes in its last digits.
         if end == input.len() || input[end].to_bits() != input[start].to_bits() {
             if end - start > longest.len() {
                 longest = start..end;
@@ -173,6 +172,7 @@ pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
     }
     let least = SAMPLES.max((STILL * input.len() as f64) as usize);
     let elsewhere = input.len() - longest.len();
+    // To the bit: a logger that stands still repeats its number, and a slow signal changes in its last digits.
     let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();
     (longest.len() >= least && changes as f64 > MOVES * elsewhere as f64 && elsewhere > 0).then_some(longest)
 }

@@ -23,6 +23,7 @@ pub(super) struct ExpectedReadings<T> {
     /// The rows of H of sensors that read more than components, n numbers for each.
     pub(super) rows: Vec<T>,
     derivatives: Derivatives<T>,
+    /// Memory for points.
     root: Vec<T>,
     state: Vec<T>,
     high: Vec<T>,
