@@ -45,7 +45,6 @@ pub(crate) struct ChannelErrorSums {
 }
 
 impl ChannelErrors {
-    /// Of the channels with a known truth in these samples.
     pub(super) fn of_all(samples: &Range<usize>, estimates: &Estimates, record: &Record) -> Vec<Self> {
         let of = |(place, &channel): (usize, &Channel)| {
             let truth = record.truth(channel)?;

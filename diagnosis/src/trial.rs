@@ -132,6 +132,7 @@ impl Trials {
     }
 
     pub(super) fn price(&self) -> f64 {
+        // What a number must gain by Schwarz (1978).
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
 
@@ -166,6 +167,7 @@ impl Trials {
         let diagnostics = Diagnostics::new(&estimates, record);
         let stopped = diagnostics.stop.is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
+        // A diagnosis takes time: only trials that gain get one.
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record) } else { None };
         let achieved = log_likelihood;

@@ -7,7 +7,6 @@ const GRID: Color = Color([0xe4, 0xe4, 0xe4, 0xff]);
 
 /// The size of the type of numbers, and of that of names.
 const TYPE: [f32; 2] = [13.0, 15.0];
-/// The place of a name from its axis.
 const NAME: [f32; 2] = [66.0, 40.0];
 /// Limits the distance of a point from the corner of the area. Readers of SVG round larger ones.
 const FARTHEST: f64 = 20_000.0;
@@ -96,5 +95,6 @@ pub fn marks([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
     let Some(step) = step.filter(|step| step.is_finite() && *step > 0.0) else { return Vec::new() };
     let first = (low / step).ceil();
+    // Multiples, no sums: tenths that add up leave the round numbers.
     (0..=most).map(|place| (first + place as f64) * step).filter(|mark| (low..=high).contains(mark)).collect()
 }

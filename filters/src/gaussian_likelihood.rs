@@ -19,6 +19,7 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     }
     let measured = places(m, &|i| !innovation_cov[i * m + i].is_nan());
     let (mut lower, count) = (part_of(innovation_cov, m, &measured), measured.len());
+    // In the order of the filter's own factor: where S is singular to rounding, another order fails.
     let (_, is_positive) = factor(&mut lower, count);
     // The factor has the inverses of D on its diagonal.
     if is_positive { -(0..count).map(|i| libm::log(lower[i * (count + 1)])).sum::<f64>() } else { f64::NAN }

@@ -31,13 +31,13 @@ pub struct NoiseScale {
 /// s is from 1 / REACH to REACH.
 pub const REACH: f64 = 30.0;
 
-/// The points of the posterior between two filters.
+/// The points of the posterior between two filters: after many samples it is narrower than their distance.
 const POINTS: usize = 12;
 
-/// The points of L through which a polynomial goes.
+/// A polynomial through as many points on both sides of its place, so an even number.
 const NODES: usize = 6;
 
-/// Where the posterior is less than e⁻⁴⁰ of its top, it counts as none.
+/// Where the posterior is less than e⁻⁴⁰ of its top, it is below the rounding of the sum.
 const NOTHING: f64 = 40.0;
 
 impl NoiseScale {
@@ -59,6 +59,7 @@ impl NoiseScale {
         }
         let finite = self.log_likelihood.iter().copied().filter(|sum| sum.is_finite());
         let best = finite.fold(f64::NEG_INFINITY, f64::max);
+        // Only differences count. Of the plain sums of a long record, each exponential would be zero.
         if best.is_finite() {
             self.log_likelihood.iter_mut().for_each(|sum| *sum -= best);
         }
@@ -105,6 +106,7 @@ impl NoiseScale {
         if sum > 0.0 {
             weights.iter_mut().for_each(|weight| *weight /= sum);
             let mean = first / sum;
+            // The difference of two near squares may round to less than zero.
             self.moments = [mean, (second / sum - mean * mean).max(0.0).sqrt()];
         }
     }

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 /// Beyond this many standard deviations the rest is an exponential distribution to less than a thousandth.
 const FAR: f64 = 30.0;
 
-/// Beyond this many means of an exponential distribution the other end no longer matters.
+/// Beyond this many means of an exponential distribution the other end no longer matters: e⁻⁷⁰⁰ is left of it.
 const MOST_WIDE: f64 = 700.0;
 
 /// Limits an interval, in standard deviations, and the share by which the density falls over it, so that it falls along an exponential.

@@ -203,7 +203,6 @@ impl Ensemble {
         scenario
     }
 
-    /// The seed of the numbers that are drawn in a cell, if any are.
     fn seed(&self, cell: usize) -> Option<u64> {
         let place = self.settings.iter().position(is_seed).filter(|_| !self.drawn.is_empty())?;
         Some(self.values(cell)[place] as u64)

@@ -265,6 +265,7 @@ impl Target {
 fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) -> FilterSettings {
     let is_linear = filter.plant.as_ref().unwrap_or(&scenario.plant.kind).info().is_linear;
     let kind = match filter.kind {
+        // With known parameters a linear plant makes of an EKF a Kalman filter, whose likelihood is exact.
         _ if is_linear => FilterKind::EKF,
         kind if kind.is_sampled() => FilterKind::UKF,
         kind => kind,

@@ -188,6 +188,7 @@ impl Runner {
         let number = self.ensemble.record_of(cell);
         let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = records.iter().find(|(other, _)| *other == number).map(|(_, record)| Arc::clone(record));
+        // Before a record is made: to keep it takes the lock again.
         drop(records);
         let of_given = |record: &Arc<Record>| self.keep(cell, Record::clone(record).with_input_times(factor));
         kept.or_else(|| self.source.record().map(of_given))

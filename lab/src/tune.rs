@@ -115,6 +115,7 @@ impl TuneSearch {
     async fn tuned(mut self, progress: Progress) -> Tuned {
         let mut bands = None;
         if !self.best.is_empty() {
+            // A simplex goes down into the nearest valley: the scan looks for the deepest one.
             self.scan(&progress).await;
             self.search(&progress).await;
             let best = self.path().last().cloned();
@@ -146,6 +147,7 @@ impl TuneSearch {
         let n = self.best.len();
         let mut points = vec![self.best.clone(); n + 1];
         for (axis, corner) in points[1..].iter_mut().enumerate() {
+            // Inwards, since beyond its axis a corner has no score.
             corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
         }
         self.runs += points.len() as u64;
@@ -235,6 +237,7 @@ impl Task for Tuner {
     }
 }
 
+// No infinity: the spread of a simplex with one is no number, and the search would not end.
 const FORBIDDEN: f64 = 1e100;
 
 struct Cost {

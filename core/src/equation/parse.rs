@@ -10,6 +10,7 @@ use super::EquationError;
 use super::token::{Placed, Token, tokens};
 use kalmanscope_filters::engine::number::Function;
 
+// A bracket is a call within a call: without a limit, a text of brackets overflows the stack.
 const DEPTH: usize = 40;
 
 const EQUATIONS: usize = 30;

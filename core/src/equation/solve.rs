@@ -8,6 +8,7 @@ use kalmanscope_filters::engine::builder::Builder;
 use kalmanscope_filters::engine::list::Node;
 use kalmanscope_filters::lists::sort_items;
 
+// Components, the force and an unknown for each equation are bits of 64.
 const COMPONENTS: usize = 32;
 
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -92,7 +92,6 @@ const fn chain(masses: usize) -> [Channel; CHAIN] {
     channels
 }
 
-/// Keys and names of chains, from two masses on.
 const SHEAR: [(&str, &str); MAX_MASSES - 1] = [
     ("shear_2", "shear chain, 2 masses"),
     ("shear_3", "shear chain, 3 masses"),

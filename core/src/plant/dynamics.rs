@@ -254,7 +254,6 @@ impl fmt::Debug for Own {
 }
 
 impl PartialEq for Own {
-    /// Compares key and type.
     fn eq(&self, other: &Self) -> bool {
         let [own, other]: [(&str, &dyn Any); 2] = [self.0, other.0].map(|plant| (plant.info().key, plant as _));
         own.0 == other.0 && own.1.type_id() == other.1.type_id()

@@ -200,6 +200,7 @@ impl EventFilter {
         let oldest = self.timeline.events.front().map(|event| event.time);
         let felt = felt.map(|felt| felt.max(self.first));
         let (readings, others) = self.by_time(time, readings);
+        // All times are checked before anything is put: what is refused must leave nothing behind.
         let mut times = felt.into_iter().chain(others.iter().map(|(time, _)| *time));
         if let Some(oldest) = oldest
             && let Some(time) = times.find(|time| *time < oldest)
@@ -328,7 +329,6 @@ struct TimedEvent {
     time: f64,
     /// The force over mass from now on \[m/s²\], if it was known.
     force: Option<f64>,
-    /// A reading for each sensor, NaN where there is none.
     readings: Vec<f64>,
     state: Option<State>,
     passages: Vec<Passage>,
@@ -349,6 +349,7 @@ struct Timeline {
     before: Option<(f64, f64)>,
 }
 
+// A fast sensor could fill the memory within the seconds that are kept.
 const MOST: usize = 1 << 16;
 
 impl Timeline {

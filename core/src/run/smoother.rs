@@ -330,6 +330,7 @@ impl LagWindow {
 
     fn turn_one(&mut self) -> bool {
         let turns = self.older.is_empty() || self.over_newer.is_none();
+        // One a call: to turn all at once would take as long as the lag.
         let Some(one) = self.newer.pop_if(|_| turns) else { return false };
         self.over_newer = None;
         let turned = match self.older.last() {

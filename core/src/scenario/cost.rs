@@ -69,6 +69,7 @@ impl FilterSettings {
     /// The propagation of the mean: that of the settings, else local linearisation for a linear plant, and Runge-Kutta steps for others.
     pub fn propagation_for(&self, truth: &PlantKind) -> Propagation {
         let is_linear = self.plant.as_ref().unwrap_or(truth).info().is_linear;
+        // Elsewhere local linearisation errs by the cube of a step: a Duffing spring's parameters were up to 13 σ off.
         self.propagation.unwrap_or(if is_linear { Propagation::LocalLinearisation } else { Propagation::RungeKutta })
     }
 

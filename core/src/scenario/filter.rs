@@ -104,6 +104,7 @@ settings! {
             serves: |filter, _| filter.can_have("process_scales"),
         }
         /// The number of members of an EnKF, or of particles of a PF.
+        // 200 particles are too few for four parameters and their motion.
         pub ensemble_size: usize = 500;
         ENSEMBLE_SIZE: ensemble_size, "members" {
             label: |filter| filter.kind.info().has_own_likelihood.then_some("particles"),

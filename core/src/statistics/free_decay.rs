@@ -137,6 +137,7 @@ impl Decay {
             return (Err(NoDecay::Still(ratio, noise)), [&[], &[]]);
         }
         let crossing = |from: usize| (from + 1..along.len()).find(|&k| along[k] * along[from] < 0.0);
+        // At the largest reading a hand may still be there.
         let begin = crossing(peak).and_then(crossing).unwrap_or(along.len() - 1);
         let (end, rests) = end(&times, &along, begin, noise, pace.share);
         let before = times.partition_point(|time| *time < times[peak] - PART * pace.share);
@@ -152,6 +153,7 @@ impl Decay {
         let (measured, count) = (&times[begin..end], end - begin);
         let (begin, dt) = (measured[0], (measured[count - 1] - measured[0]) / (count - 1) as f64);
         let steps = Steps { start: begin, dt, count };
+        // Along cubics: a jitter of a tenth of a step makes errors as large as the noise.
         let acceleration = steps.of(measured, &along, side(&along, noise), libm::round);
         let times = numbers(count, &|k| dt * k as f64);
         let readings = measured.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
@@ -314,7 +316,7 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (us
     (times.len(), false)
 }
 
-/// The largest component of the axis is positive.
+/// Its largest component is positive: an axis has no sign, and parts of one record must agree on it.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
         [of(0), of(1), of(2)]
@@ -326,6 +328,7 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     let cov = three(&|i| three(&|j| cov(i, j)));
     let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
     let variances = three(&|i| cov[i][i]);
+    // A fixed direction could be at a right angle to the axis, and would never turn to it.
     let mut axis = three(&|i| cov[i][largest(&variances)]);
     for _ in 0..100 {
         let next = three(&|i| (0..3).map(|j| cov[i][j] * axis[j]).sum::<f64>());

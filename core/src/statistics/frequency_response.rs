@@ -195,7 +195,7 @@ impl TransferFunction {
     }
 }
 
-/// The distance from a zero that meets a pole, as a ratio.
+/// The distance from a zero that meets a pole, as a ratio: right there, a hum has an infinite response.
 const BESIDE: f64 = 1e-6;
 
 /// A polynomial's share of the sum of its terms' sizes, below which it is taken for rounding.

@@ -150,6 +150,7 @@ impl Suggestion {
         let span = record.dt() * record.len() as f64 / std::f64::consts::TAU;
         let mut free = None;
         if has_no_input(record) {
+            // A decay that is over before the window is leaves a peak whose width says little of ζ.
             free = decay(record, measured, mapping);
             best = (free.map(|free| free.found), "fitted to the readings as a free decay");
         } else if by_spectra.is_none_or(|found| found.natural_frequency * span < COARSE) {
@@ -298,7 +299,7 @@ fn begin_with(filter: &mut FilterSettings, channel: Channel, (mean, std): (f64, 
     (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
 }
 
-/// The first filter of a scenario alone, for a trial: an EKF in place of one that draws samples.
+/// An EKF in place of a filter that draws samples, whose likelihood varies by chance: trials are compared by it.
 fn first_for_trial(scenario: &Scenario) -> Scenario {
     let mut scenario = first_alone(scenario);
     for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
@@ -339,5 +340,6 @@ fn rounded(value: f64) -> f64 {
     }
     let digits = libm::floor(libm::log10(value.abs())) - 3.0;
     let unit = libm::pow(10.0, digits.abs());
+    // Divided by a power of ten, which is exact: times 0.001 or the like would leave digits of rounding.
     if digits < 0.0 { libm::round(value * unit) / unit } else { libm::round(value / unit) * unit }
 }

@@ -52,9 +52,10 @@ fn is_still(bad: &BadFilter<'_>) -> bool {
     sensors.peek().is_some() && sensors.all(|one| is_noise(one.sensor))
 }
 
+// A slow drift rises by 1.1 where it rises most, and was taken for a sudden change.
 const RISE: f64 = 1.3;
 
-/// The weight of fading relative to a jump: fading also forgets information from before the change.
+/// The weight of fading relative to a jump: it forgets what was before the change too; λ = 1.005 doubled all errors.
 const FADES: f64 = 0.9;
 
 const LEVEL: f64 = 1e-4;
@@ -124,6 +125,7 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
 
 fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
     let (mean, doubt) = (bad.case.estimates.initial_mean(place).abs(), bad.case.estimates.initial_std(place));
+    // A walk of n steps goes by √n times one. A guess of zero has its doubt as a size.
     let std = walk * mean.max(doubt) / (bad.case.len().max(2) as f64).sqrt();
     let moves = std > bad.filter.process_std[channel] && doubt > 0.0;
     moves.then(|| bad.entry("process_std", channel, std))
@@ -221,6 +223,7 @@ pub fn change_point(squares: &[f64]) -> Option<ParameterChange> {
         let share = k as f64 / n as f64;
         if share > MARGINS.0 && share < 1.0 - MARGINS.1 && before > 0.0 {
             let (first, second) = (before / k as f64, (total - before) / (n - k) as f64);
+            // The rest of a sum may round to zero or less, where there is no logarithm.
             let cost = k as f64 * libm::log(first) + (n - k) as f64 * libm::log(second.max(f64::MIN_POSITIVE));
             if second > first && best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, k, [first, second]));
@@ -237,8 +240,10 @@ pub fn change_point(squares: &[f64]) -> Option<ParameterChange> {
     };
     let of_both = [dispersion(&squares[..at], first), dispersion(&squares[at..], second)];
     let blocks: usize = of_both.iter().map(|(_, count)| count).sum();
+    // Blocks of both levels together, each about its own mean: the change itself is no dispersion.
     let dispersion = of_both.iter().map(|(sum, _)| sum).sum::<f64>() / blocks.max(1) as f64;
     let ratio = 2.0 * (n as f64 * libm::log(total / n as f64) - cost);
+    // Squares that vary less than exponential numbers make no change more certain.
     let p_value = if blocks < 2 * FEWEST { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
     Some(ParameterChange { at, rise: second / first, p_value })
 }

@@ -113,6 +113,7 @@ pub(super) static INPUT_OFFSET: Cause = Cause {
         let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
         let weight = 2.0 * mean / (1.0 + 2.0 * mean);
         let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
+        // Input and motion may both be zero, and a σ of zero would keep the offset as it is.
         let std = bad.input_size().max(stiffness).max(1e-9);
         let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.entry("initial_std", Channel::INPUT_OFFSET, std)];
         found.push(LikelyCause::new(cause, weight, 1.0, edits, "the record lacks a constant force".to_owned()));
@@ -168,6 +169,7 @@ pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let longest = runs.reduce(|longest, run| if run.len() > longest.len() { run } else { longest }).unwrap_or(0..0);
     let least = SAMPLES.max((STILL * input.len() as f64) as usize);
     let elsewhere = input.len() - longest.len();
+    // To the bit: a logger that stands still repeats its number, and a slow signal changes in its last digits.
     let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();
     (longest.len() >= least && changes as f64 > MOVES * elsewhere as f64 && elsewhere > 0).then_some(longest)
 }

@@ -46,6 +46,7 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         }
         if count > 0.0 {
             let matched = (square - expected) / (count * std * std) + 1.0;
+            // Where R is a small part of S, the first may be negative by chance; the second takes all of S for R.
             *factors = (matched.max(LEAST_R), (square / expected).max(LEAST_R));
         }
     }

@@ -25,6 +25,7 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     let square = 1.0 / (size * size);
     if *believed != PlantKind::DUFFING {
         let mut edits = vec![bad.edit("plant", PlantKind::DUFFING.key())];
+        // At the usual displacement, σ of the cubic force is three tenths of the linear one.
         edits.extend(bad.begins(Channel::CUBIC_STIFFNESS.key(), 0.0, 0.3 * frequency * frequency * square));
         let sign = Sign {
             channel: Channel::CUBIC_STIFFNESS,

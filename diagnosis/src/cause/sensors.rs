@@ -46,7 +46,7 @@ fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     }
 }
 
-/// The least step, in assumed standard deviations of the noise, that matters.
+/// The least step that matters, in assumed σ of the noise: two add a third to R, by a twelfth of their square.
 const LEAST_STEP: f64 = 2.0;
 
 pub(super) static COARSE: Cause = Cause {
@@ -126,6 +126,7 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
         let bias = one.sensor.bias();
         let mean = one.mean(&case.kept).abs();
         let name = one.sensor.key();
+        // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
         let step = WIDE * std / (case.len().max(1) as f64).sqrt();
         if bad.filter.augment.contains(&bias) {
             for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
@@ -169,6 +170,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
             continue;
         }
         let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();
+        // By chance r is below zero or about 1, and the time would be no number or have no end.
         let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
@@ -314,6 +316,7 @@ impl Readings {
         if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {
             return None;
         }
+        // Equal readings may differ by rounding, which would pass for the step.
         let rounding = 1e-9 * (last - first);
         let gaps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > rounding);
         let step = gaps.fold(f64::INFINITY, f64::min);
@@ -333,6 +336,7 @@ impl Readings {
         }
         let middle = sizes.len() / 2;
         let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+        // Where innovations are smaller than expected, ordinary ones must not count as far off.
         let usual = (*median / MEDIAN).max(1.0);
         let marks: Vec<bool> = mapped(&self.innovations, &|e| e.abs() > FAR * usual);
         let many = marks.iter().filter(|mark| **mark).count() as f64;

@@ -95,6 +95,7 @@ static POST_YIELD_RATIO: ChannelInfo = shape(
 static HYSTERESIS_BETA: ChannelInfo = shape(
     [&["hysteresis_beta"], &["hysteresis β"], &["β"]],
     "1/m²",
+    // With σ of 30 for β and γ, members of an ensemble had β + γ < 0 and ran away.
     Usual { mean: 50.0, std: 15.0, process: 0.01, truth: &[60.0], slider: (-100.0, 200.0), decimals: 1 },
 );
 
@@ -126,6 +127,7 @@ static STIFFNESS: ChannelInfo = ChannelInfo::parameter(
     Sign::NotNegative,
     Usual {
         mean: 150.0,
+        // With 50, some EKFs and many EnKFs of a shear chain took a storey for lost.
         std: 30.0,
         process: 0.01,
         truth: &[200.0, 180.0, 160.0, 140.0],

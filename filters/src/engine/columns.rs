@@ -117,7 +117,7 @@ pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k
     }
 }
 
-/// The largest sum of a column's absolute values.
+/// The largest sum of a column's absolute values: of the norms it needs no root, and columns lie in one piece.
 #[inline(always)]
 pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
     let mut largest = T::of(0.0);
@@ -205,6 +205,7 @@ pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T
         let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
         let counts = rounding.lt(pivot) & pivot.is_normal();
         is_finite = is_finite & (!holds | pivot.is_finite());
+        // A pivot a little below zero is rounding, one far below an indefinite covariance.
         holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
         let inverse = T::select(counts, T::of(1.0) / pivot, zero);
         each!(level, j + 1, n, |k| {
@@ -228,6 +229,7 @@ pub fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
     for j in 0..m {
         let pivot = s[j * m + j];
         let inverse = T::of(1.0) / pivot;
+        // An inverse that overflows, or has lost digits as a subnormal number, would spoil all that follows.
         holds = holds & T::of(0.0).lt(pivot) & inverse.is_normal();
         for k in j + 1..m {
             let share = s[j * m + k] * inverse;
@@ -301,6 +303,7 @@ pub(super) fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usi
     let (a, b) = (&a[..n * columns], &b[..n * columns]);
     let mut k = 0;
     while k < columns {
+        // Two columns at a time, so that each number of X is loaded and stored once for both.
         let is_pair = k + 1 < columns;
         let next = if is_pair { k + 1 } else { k };
         let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);

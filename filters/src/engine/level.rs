@@ -2,13 +2,11 @@
 
 /// A set of instructions. A program that detects better ones at run time implements its own set.
 pub trait Level: Copy {
-    /// Whether the compiler knows the sizes.
     const IS_KNOWN: bool = false;
 
     /// Whether filters with sigma points are compiled for it. Known sizes of large plants are for linearised ones only: they gain more.
     const HAS_POINTS: bool = true;
 
-    /// The same instructions without known sizes.
     type Plain: Level;
 
     fn plain(self) -> Self::Plain;
@@ -17,13 +15,11 @@ pub trait Level: Copy {
     /// sizes inside: the compiler does not know the values of captured variables.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;
 
-    /// n, which the compiler may know.
     #[inline(always)]
     fn size(self, any: usize) -> usize {
         any
     }
 
-    /// The number of components that move, which the compiler may know.
     #[inline(always)]
     fn moving(self, any: usize) -> usize {
         any

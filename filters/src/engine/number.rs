@@ -32,7 +32,6 @@ pub trait Real:
 
 /// A truth value for each lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// The same in every lane.
     fn of(value: bool) -> Self;
 
     fn all(self) -> bool;
@@ -76,7 +75,6 @@ pub trait Number: Real + Send + 'static {
 
     fn le(self, other: Self) -> Self::Mask;
 
-    /// One number where the mask is true, another where it is false.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// The larger one of two numbers; the first where one is not a number.

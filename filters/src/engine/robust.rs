@@ -119,10 +119,9 @@ static STUDENT_T: RobustInfo = RobustInfo {
 /// The share of readings that are outliers, before one is seen.
 const OUTLIERS: f64 = 0.05;
 
-/// The noise of an outlier over that of a good reading.
+/// The noise of an outlier over that of a good reading: it has a hundredth of the information, next to nothing.
 const WIDER: f64 = 10.0;
 
-/// A reading with larger odds is left out.
 const MOST_ODDS: f64 = 1e6;
 
 /// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both is uncertain, and has a probability
@@ -165,6 +164,7 @@ impl Robust {
     }
 
     pub(crate) fn weight(self, misfit: Misfit, usual: f64) -> f64 {
+        // Only upwards: a filter that fits better than expected must not take ordinary readings for outliers.
         let over = usual.max(1.0);
         let Misfit { predicted, residual, uncertainty } = misfit;
         (self.0.weight)(&Misfit { predicted: predicted / over, residual: residual / over, uncertainty })
@@ -188,7 +188,8 @@ keyed!(Robust, also read);
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;
 
-/// The usual misfit goes by this share towards each reading's, and not below this level.
+/// The usual misfit goes by this share towards each reading's: tenfold in 12 readings. It stops at this level, since
+/// it would otherwise rise too late after a long quiet time.
 const STEP: f64 = 0.2;
 const LEAST_LEVEL: f64 = 0.5;
 
@@ -196,6 +197,7 @@ const LEAST_LEVEL: f64 = 0.5;
 pub(crate) const FIRST_LEVEL: f64 = LEAST_LEVEL;
 
 pub(crate) fn usual_after(usual: f64, predicted: f64) -> f64 {
+    // By the sign alone, so that the level goes to the median: a mean would follow a single outlier.
     let is_above = predicted > MEDIAN * usual;
     (usual * libm::exp(if is_above { STEP } else { -STEP })).max(LEAST_LEVEL)
 }

@@ -115,7 +115,7 @@ impl<T: Number> SigmaPoints<T> {
         if Self::is_apart(n) { 2 * n / T::POINTS } else { (2 * n + 1).div_ceil(T::POINTS) }
     }
 
-    /// Whether the points but the centre fill their packs.
+    /// Whether the points but the centre fill their packs: it moves alone then, and n = 4 has two packs, not three.
     #[inline(always)]
     pub(super) fn is_apart(n: usize) -> bool {
         T::POINTS > 1 && (2 * n).is_multiple_of(T::POINTS)

@@ -437,7 +437,6 @@ mod tests {
     use crate::engine::lanes::Lanes;
     use crate::engine::level::{Baseline, Known};
 
-    /// `X Xᵀ` of rows of numbers.
     fn square(rows: &[f64], count: usize) -> Vec<f64> {
         let width = rows.len() / count;
         (0..count * count).map(|at| along(rows, width, at / count, at % count, width)).collect()

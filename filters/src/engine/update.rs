@@ -41,7 +41,6 @@ pub(super) struct Target<'a, T: Number, P> {
 pub(super) struct MeasuredReadings<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub(super) force: T,
-    /// A number for each sensor; NaN where it is missing.
     pub(super) measured: &'a [T],
     pub(super) variances: &'a [T],
 }
@@ -61,7 +60,6 @@ pub struct Update<T> {
     pub(super) gain: Vec<T>,
     excess: Vec<T>,
     descent: Option<Box<Descent<T>>>,
-    /// Of a filter whose beliefs are smoothed later.
     pub(super) passage: Option<Box<Passage<T>>>,
 }
 
@@ -118,7 +116,7 @@ impl<T: Number> Update<T> {
             0 => apart!(level, without_readings(level, target)),
             1 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<1>, target, observation),
             2 if const { L::IS_KNOWN } => self.condition_counted(level, Exactly::<2>, target, observation),
-            // More are rare.
+            // More are rare: each count has its own copy of all that follows, and these share one for all sizes.
             count => self.condition_counted(level.plain(), count, target, observation),
         }
     }
@@ -228,6 +226,7 @@ impl<T: Number> Update<T> {
         if self.expected.is_linear {
             self.joseph(level, count, design, belief);
         } else {
+            // Sigma points have no H, of which Joseph's form is made.
             self.subtract(level, count, belief);
         }
         result(level, belief, scores, measured, checks)

@@ -23,7 +23,6 @@ pub struct Ensemble {
     /// Each a column.
     members: Matrix,
     normal: Normal,
-    /// The belief that the ensemble was drawn from, until it first moves.
     origin: Option<Gaussian>,
 }
 
@@ -83,6 +82,7 @@ impl Belief for Ensemble {
     }
 
     fn gaussian(&self) -> Cow<'_, Gaussian> {
+        // Until it moves, the belief is what was given: the moments of a draw differ from it by chance.
         if let Some(origin) = &self.origin {
             return Cow::Borrowed(origin);
         }
@@ -234,6 +234,7 @@ impl Particles {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
         let (n, count) = particles.shape();
+        // One number for all: each particle gets its share of copies to within one, which single draws miss.
         let offset = normal.uniform();
         let mut drawn = Vec::with_capacity(count);
         let (mut at, mut reached) = (0, weights[0]);

@@ -15,7 +15,7 @@ use crate::shader::ShaderProgram;
 const MOST_RUNS: usize = 1 << 16;
 const MOST_SAMPLES: usize = 2_000_000;
 
-/// Limits the smallest variance other than zero.
+/// Single precision ends at 1e-38: smaller variances other than zero have no room for products.
 const SMALLEST: f64 = 1e-30;
 
 /// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that is a list of operations,

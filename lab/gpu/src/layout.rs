@@ -94,7 +94,6 @@ impl RecordTape {
     }
 }
 
-/// The outcome of a run from the words of its state at the end.
 pub(crate) fn outcome(setup: &Setup, record: &Record, tape: &RecordTape, shape: StateShape, words: &[u32]) -> Outcome {
     let number = |at: usize| f64::from(f32::from_bits(words[at]));
     let both = |at: usize, other: usize| number(at) + number(other);

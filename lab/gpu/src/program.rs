@@ -14,6 +14,7 @@ use crate::shader::{GROUP, ShaderProgram};
 /// Drivers reset a device that is busy with one dispatch for seconds, and pictures of the system wait.
 const DISPATCH: Duration = Duration::from_millis(50);
 
+// The first dispatch may compile the program, and its time then says little: portions grow step by step.
 const FIRST: u32 = 64;
 const GROWTH: f64 = 8.0;
 
@@ -41,6 +42,7 @@ struct Buffers {
 
 impl Gpu {
     pub(crate) async fn run(&self, job: &GpuJob<'_>, is_wanted: &dyn Fn() -> bool) -> Result<Vec<u32>, GpuError> {
+        // Faults come by a callback, not from the call that causes them: the check finds a program that is refused.
         let pipeline = self.pipeline(&job.program.text);
         self.trouble.check()?;
         let buffers = self.buffers(job, &pipeline);
@@ -54,6 +56,7 @@ impl Gpu {
             let time = Instant::now();
             self.dispatch(job, &pipeline, &buffers, begin, end);
             self.done().await?;
+            // The clocks of browsers are coarse, and may not have moved.
             let factor = DISPATCH.as_secs_f64() / time.elapsed().as_secs_f64().max(1e-6);
             portion = ((f64::from(portion) * factor.min(GROWTH)) as u32).max(1);
             begin = end;
@@ -167,7 +170,6 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-/// A function that takes a value, and the future of that value.
 fn one_shot<T: Send>() -> (impl FnOnce(T) + Send, impl Future<Output = T>) {
     let shared = Arc::new(Mutex::new((None, None)));
     let other = Arc::clone(&shared);

@@ -2,6 +2,7 @@
 
 use kalmanscope_core::filter::Normal;
 
+// At each degree half the points still count: of fewer, most would be copies of each other.
 const LEFT: f64 = 0.5;
 
 /// The mean number of moves of a point at each temperature, and at the last one; and the most tries of each.
@@ -46,6 +47,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
                 return None;
             }
             let highest = possible.map(|point| point.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+            // Relative to the highest one: the likelihood itself of a long record is no number.
             let weight = |point: &Particle, by: f64| libm::exp(by * (point.log_likelihood - highest));
             // The number of points that would do as much if they counted the same.
             let effective = |by: f64| {
@@ -88,7 +90,6 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
         self.points = points;
     }
 
-    /// The halves of the points take turns to move.
     fn spread(&mut self, temperature: f64) {
         let is_last = usize::from(temperature == 1.0);
         let mut moves = 0;
@@ -107,8 +108,10 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
 
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
         let Self { random, points, .. } = self;
+        // Of the other half, which rests meanwhile: moves are then reversible, and run side by side.
         let others: Vec<&Particle> = points.iter().skip(1 - half).step_by(2).collect();
         let (parameters, count) = (others[0].at.len(), others.len());
+        // The best size for a normal distribution, by ter Braak (2006).
         let usual = 2.38 / libm::sqrt(2.0 * parameters as f64);
         let std = |i: usize| {
             let mean = others.iter().map(|point| point.at[i]).sum::<f64>() / count as f64;
@@ -122,6 +125,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
             let b = (a + 1 + pick(random, count - 1)) % count;
             let by = if random.uniform() < LEAPS { 1.0 } else { usual };
             let place = |(i, &at): (usize, &f64)| {
+                // Without the noise, points would reach sums of the first differences only.
                 at + by * (others[a].at[i] - others[b].at[i]) + NOISE * stds[i] * random.sample()
             };
             point.at.iter().enumerate().map(place).collect()

@@ -12,14 +12,14 @@ use super::{Cost, FORBIDDEN, Goal, Try};
 /// The first step: a share of the value, or of a linear axis.
 const FIRST: f64 = 0.05;
 
-/// The log likelihood falls by an amount between these after a good step, in the mean of both sides.
+/// A good step lowers the log likelihood by this, in the mean of both sides: less is rounding, more no parabola.
 const FALL: std::ops::RangeInclusive<f64> = 0.1..=1.0;
 
 const WANTED: f64 = 0.4;
 
 const TRIES: usize = 8;
 
-/// Limits how much further the maximum may be away, in its own σ.
+/// If the maximum is further away than this, in its own σ, the curvature here is not that at the maximum.
 const NEAR: f64 = 0.5;
 
 /// The values two standard deviations below and above each setting, where all of them have a maximum here. Settings on a logarithmic axis
@@ -65,6 +65,7 @@ pub(super) async fn bands(cost: &Cost, Try { values, score }: Try, runs: &mut u6
         second[(i, i)] = (beside[i][1] + beside[i][0] - 2.0 * best) / (steps[i] * steps[i]);
         for j in i + 1..n {
             pause().await;
+            // Two corners and the sides say as much as all four corners, by half as many runs.
             let both: f64 = [-1.0, 1.0].iter().map(|sign| cost_at(&steps, &[i, j], *sign)).sum();
             let alone: f64 = [i, j].iter().map(|&axis| beside[axis].iter().sum::<f64>()).sum();
             second[(i, j)] = (both - alone + 2.0 * best) / (2.0 * steps[i] * steps[j]);

@@ -43,6 +43,7 @@ impl Conditioning<'_> {
     pub(super) fn sensor(&self, mut values: Vec<f64>) -> Vec<f64> {
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
+        // A filter would spread a single NaN over the whole record.
         let is_filled = changes && fill(&mut values).is_some();
         self.condition(&mut values);
         if is_filled {

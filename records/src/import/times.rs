@@ -12,7 +12,7 @@ pub(super) const DAY: f64 = 86_400.0;
 
 const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
 
-/// The years 2000 to 2100 in seconds since 1970.
+/// The years 2000 to 2100 in seconds since 1970: times since a start are far smaller.
 pub(super) const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
 
 /// The seconds of the unit, and those from the date to 1970.
@@ -142,7 +142,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
 
 /// Limits the error of times without a remark, as a share of the step.
 const EXACT: f64 = 0.01;
-/// Limits the error of a time that belongs to a sample, as a share of the step.
+/// Limits the error of a time that belongs to a sample, as a share of the step: beyond a half another is nearer.
 const CLOSE: f64 = 0.5;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -310,7 +310,7 @@ fn count(samples: f64) -> Result<usize> {
 
 const MOST_APART: f64 = 3.0;
 
-/// Limits the shift by rounding, in units of the last decimal.
+/// Limits the shift by rounding, in units of the last decimal: half is a time's own, half that of the ends.
 const ROUNDED: f64 = 1.01;
 
 /// \[s\]; zero below a nanosecond.

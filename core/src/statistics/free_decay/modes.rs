@@ -101,6 +101,7 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     let one = best::<5>(readings, &values, &[])?;
     let rests = one.rests(readings);
     let count = readings.len() as f64;
+    // Schwarz's gain for four numbers. A larger one left real modes out: ±2σ held ζ in 87 % of records, not 95 %.
     let is_better = |two: &ModeFit<9>| 0.5 * count * libm::log(one.cost / two.cost) > 4.0 * GAIN * libm::log(count);
     let Some(two) = best::<9>(readings, &rests, &one.numbers[1..]).filter(is_better) else {
         return Some((one.modes(readings)?, rests, vec![0.0; readings.len()]));
@@ -143,6 +144,7 @@ fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> 
 pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
     let (first, last) = (readings.first()?[0], readings.last()?[0]);
     let dt = (last - first) / (readings.len() - 1) as f64;
+    // Between two places of the plain transform, a line has less than half its power.
     let length = 4 * readings.len().next_power_of_two();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let mut numbers = vec![0.0; length];
@@ -183,6 +185,7 @@ impl<const N: usize> ModeFit<N> {
         let step = |at: &[f64; N], by: [f64; N]| {
             let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);
             for place in (1..N).step_by(4) {
+                // The cost has a minimum at many frequencies: a step must not go over to another one.
                 next[place] = next[place].clamp(0.8 * at[place], 1.25 * at[place]);
                 next[place + 1] = next[place + 1].clamp(0.3 * at[place + 1], 3.0 * at[place + 1]);
             }

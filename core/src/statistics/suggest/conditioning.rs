@@ -12,7 +12,7 @@ use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::scenario::option::PLUCKED;
 use crate::{Run, Scenario};
 
-/// A mean of the input counts as an offset if it is this many times its standard error.
+/// A mean of the input counts as an offset if it is this many times its standard error: chance does so once in 16,000.
 const CERTAIN: f64 = 4.0;
 
 /// A mean of a sensor's readings is an offset if it is larger than this share of their spread.
@@ -39,6 +39,7 @@ impl Suggestion {
                 Some(mapping) => mapping.sensors.get(&quantity).is_some_and(is_open),
                 None => self.scenario.sensors.iter().any(|one| one.measures == quantity),
             };
+            // Without the mean of the input, that of a sensor has no cause any more.
             if is_sensor && (!removed.is_empty() || mean.abs() > OFFSET * std) {
                 record.change_measured(|of, _, value| if of == sensor { value - mean } else { value });
                 removed.push((quantity.bias(), mean, format!("the {}", quantity.name())));
@@ -66,7 +67,7 @@ impl Suggestion {
 /// Limits the samples of a record that is filled; longer ones have windows enough between their gaps.
 const MOST: usize = 1 << 18;
 const THERE: f64 = 0.75;
-/// The process noise of the filter, as a share of the motion's size a step.
+/// The process noise of the filter, as a share of the motion's size a step: a guess that is off must not stop it.
 pub(super) const FILLING: f64 = 1e-3;
 /// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;

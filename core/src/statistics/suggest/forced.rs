@@ -11,10 +11,9 @@ use super::moments;
 use super::response::{MeasuredResponse, is_within, order, relative};
 use super::spectra::stride;
 
-/// Limits the samples that are fitted, and the least number of them.
 const MOST: usize = 4096;
 const FEWEST: usize = 48;
-/// Of the periods in a record at least, and of the samples in a period.
+/// Of the periods in a record at least, and of the samples in a period: two are the Nyquist frequency.
 const PERIODS: f64 = 3.0;
 const SAMPLES: f64 = 2.2;
 /// The frequencies of the first look are this far apart, and have these damping ratios: a broad resonance has no neighbours between.
@@ -79,6 +78,7 @@ impl Readings {
 
     fn fit(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
         let columns = self.columns(at);
+        // A constant force has the column of the constant: a trace of damping keeps a solution.
         let Some(parts) = self.normal(&columns).damped(1e-12, 1e-12).solution() else {
             return (f64::INFINITY, (columns, [0.0; 4]));
         };

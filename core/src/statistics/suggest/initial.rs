@@ -11,7 +11,7 @@ use super::response::{DecayFit, MeasuredResponse, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::{FilterSettings, PlantKind, Run, Scenario};
 
-/// The spread that a filter of a free decay begins with, in standard deviations of the fit.
+/// A filter of a free decay begins with this many σ of the fit: readings count again, and a linearisation must hold.
 pub(super) const LOOSE: f64 = 30.0;
 
 impl Suggestion {
@@ -153,6 +153,7 @@ fn start_yielding(filter: &mut FilterSettings, truth: &PlantKind, input: InputKi
     }
     let (ratio, spread) = POST_YIELD;
     for (channel, mean, std) in [
+        // As large as the motion: with a tenth of it, the first innovations of a record in motion are twice as large.
         (Channel::HYSTERETIC_DISPLACEMENT, 0.0, displacement),
         (Channel::POST_YIELD_RATIO, ratio, spread),
         (beta, 0.5 * shape, shape),
@@ -324,6 +325,7 @@ impl Search {
 
     pub(super) fn choose(mut searches: Vec<Self>, suggestion: &mut Suggestion) {
         let of = |search: &Self| search.ends.best.as_ref().map(|((_, readings), likelihood)| (*readings, *likelihood));
+        // Likelihoods of unlike numbers of readings say nothing about each other.
         let readings = searches.iter().find_map(of).map(|(readings, _)| readings);
         let likelihood = |search: &Self| of(search).filter(|(count, _)| Some(*count) == readings).map(|(_, now)| now);
         let size = |search: &Self| likelihood(search).unwrap_or(f64::NEG_INFINITY);

@@ -127,10 +127,12 @@ fn points(
             Hold::Zero => ((h.0 * cos - h.1 * sin) / sinc, (h.0 * sin + h.1 * cos) / sinc),
             Hold::First => (h.0 / (sinc * sinc), h.1 / (sinc * sinc)),
         };
+        // The variance of a measured response goes with (1 - γ²) / γ² of its square.
         let weight = coherence / (1.0 - coherence).max(1e-3);
         let explained = spectra.output[place] * coherence;
         Some(Point { frequency, response, weight, explained, scale: explained / power(h).max(f64::MIN_POSITIVE) })
     };
+    // The window smears the mean and what is slower than it over the first lines.
     (2..last).filter_map(point).collect()
 }
 
@@ -161,6 +163,7 @@ fn fit(points: &[Point], peak: f64) -> Option<MeasuredResponse> {
             // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
             let (h, scaled) = (point.response, point.frequency / peak);
             let weight = match found {
+                // Levy's equations are errors times the denominator: the one of the last round undoes that.
                 Some([b, a, _]) => {
                     point.weight / (power(h) * power((b - scaled * scaled, a * scaled))).max(f64::MIN_POSITIVE)
                 }

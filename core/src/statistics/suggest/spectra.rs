@@ -11,14 +11,14 @@ use kalmanscope_records::record::Timed;
 pub(super) const SHORT: usize = 256;
 pub(super) const LONG: usize = 8192;
 const SHORTEST: usize = 32;
-/// The number of windows at least, which overlap by half.
+/// The number of windows at least, which overlap by half: with one, every coherence would be 1.
 const WINDOWS: usize = 7;
 pub(super) const LEAST: usize = SHORTEST * (WINDOWS + 1) / 2;
 /// The frequencies of the noise floor, as shares of the Nyquist frequency.
 const FLOOR: [f64; 2] = [0.75, 0.96];
 /// The same as shares of the highest frequency that a filter of the import lets through, below its slope.
 const FLOOR_BELOW: [f64; 2] = [0.6, 0.85];
-/// Limits a gap that is filled by a straight line, in samples.
+/// Limits a gap that is filled by a straight line, in samples: a longer one may hide a swing.
 const LINE: usize = 3;
 const THERE: f64 = 0.75;
 
@@ -164,8 +164,10 @@ impl Spectra {
         let [_, passed] = passed(mapping, self.dt);
         let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
         let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
+        // The coherence of pure noise is one over the number of windows, which would count as explained.
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
         let power = |place: usize| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left;
+        // A mean would count a hum or a mode among these frequencies as noise.
         median((low..high).map(power).collect()).filter(|usual| *usual > 0.0).map(libm::sqrt)
     }
 }

@@ -16,7 +16,7 @@ use crate::engine::dynamics::Dynamics;
 use crate::engine::level::Level;
 use crate::engine::number::{Mask, Number};
 
-/// The step of an iteration counts as none when it is this small, squared, against the variance.
+/// The step of an iteration counts as none when it is this small, squared, against the variance: a millionth of σ.
 const CONVERGED: f64 = 1e-12;
 
 #[derive(Clone, Debug)]

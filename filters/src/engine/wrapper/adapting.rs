@@ -50,6 +50,7 @@ const ROUNDING: f64 = 1e-9;
 
 impl Default for Adaptation {
     fn default() -> Self {
+        // About 200 samples of memory: R of a sensor then varies by 7 % by chance, √(2 (1 - a) / (1 + a)).
         Self { sensor_noise: false, process_noise: false, forgetting: 0.995, training: 0.0 }
     }
 }
@@ -59,6 +60,7 @@ impl Adaptation {
     pub(crate) fn learn<T: Number>(&self, [r, variance]: [T; 2], [residual, uncertainty]: [T; 2]) -> [T; 2] {
         let (keep, share) = (self.forgetting, 1.0 - self.forgetting);
         let of_sensor = r - uncertainty;
+        // R may have vanished, and 0 / 0 would stay in its variance from then on.
         let s = T::select(T::of(0.0).lt(r), of_sensor / r, T::of(0.0));
         let (stays, noise) = (T::of(1.0) - s * s * share, of_sensor * share);
         let next = r * keep + (residual * residual + uncertainty) * share;

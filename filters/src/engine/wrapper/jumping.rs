@@ -9,7 +9,6 @@ use crate::engine::update::UpdateResult;
 /// A filter that adds its initial variances to Q, in lanes that jump, for one prediction.
 pub struct Jumping<T> {
     jumps: Vec<Jump>,
-    /// The diagonal of Q before a jump.
     narrow: Vec<T>,
 }
 
@@ -30,6 +29,7 @@ impl<T: Number, P: Dynamics> Wrapper<T, P> for Jumping<T> {
         for (lane, jump) in jumps.iter_mut().enumerate() {
             let Some(widening) = jump.widening() else { continue };
             if !std::mem::replace(&mut has_widened, true) {
+                // Kept to be put back: to add and subtract would leave a rounding error in Q after each jump.
                 narrow.iter_mut().enumerate().for_each(|(i, variance)| *variance = *noise.variance(i));
             }
             // A force that is drawn again at each sample always has its full variance.
@@ -49,6 +49,7 @@ impl<T: Number, P: Dynamics> Wrapper<T, P> for Jumping<T> {
     fn update(&mut self, inner: &mut dyn Recursion<T, P>, readings: Readings<'_, T>) -> UpdateResult<T> {
         let result = inner.update(readings);
         let has_measured = T::of(0.0).lt(result.measured);
+        // Without a reading, NIS / m is no number, which `min` would turn into the largest gain of the sum.
         for (lane, jump) in self.jumps.iter_mut().enumerate().filter(|(lane, _)| has_measured.lane(*lane)) {
             jump.observe(result.nis.lane(lane), result.measured.lane(lane) as usize);
         }
@@ -118,7 +119,6 @@ pub(crate) struct Jump {
     /// The mean of NIS/m before, and the number of samples in that mean.
     level: f64,
     learnt: usize,
-    /// The samples until a change can be found.
     blind: usize,
     since: Option<usize>,
     /// a
@@ -127,34 +127,35 @@ pub(crate) struct Jump {
     pub(crate) has_widened: bool,
 }
 
-/// ρ, the growth of S that is found fastest, and its logarithm.
+/// ρ, the growth of S that is found fastest, and its logarithm, which no constant expression can take.
 const GROWTH: f64 = 1.5;
 const LN_GROWTH: f64 = 0.405_465_108_108_164_4;
 
-/// h, above which the sum is a change.
+/// h: consistent innovations pass it once in e^h = 4.9e8 samples or less often (Lorden 1971).
 const ALARM: f64 = 20.0;
 
-/// Limits the share of one sample in an alarm.
+/// More than ten samples make an alarm: an outlier is no change.
 const MOST_OF_ALARM: f64 = 0.1;
 
-/// The samples at the beginning without a search for changes.
+/// No search at the beginning: the level is not known yet, and a filter that begins far off has large innovations too.
 const FIRST: usize = 200;
 
-/// The samples after a jump without a search for changes.
+/// No search after a jump: the innovations are large until the filter has learnt anew.
 const DEAD: usize = 50;
 
 /// Two jumps within this many samples say that the first was too small.
 const SOON: usize = 150;
 
+// 4⁶: a model that is always wrong jumps again and again, and without a limit P would grow to infinity.
 const LARGEST_FACTOR: f64 = 4096.0;
 
-/// Limits the samples that the level is a mean of: later ones replace the first.
+/// Later samples replace the first in the level: a filter that slowly becomes worse does not jump.
 const LEVEL_SAMPLES: usize = 1000;
 
-/// The samples of a level of 1 that the level begins with.
+/// The samples of a level of 1 that the level begins with: without them it would be the first NIS.
 const LEVEL_PRIOR: usize = 10;
 
-/// Limits the NIS of one sample in the level, in levels.
+/// Limits the NIS of one sample in the level, in levels: an outlier of a thousand levels would double the level.
 const LEVEL_LIMIT: f64 = 5.0;
 
 impl Jump {
@@ -176,6 +177,7 @@ impl Jump {
             *since += 1;
         }
         let is_first = self.since.is_none() && self.blind > 0;
+        // Above zero, a change may be under way: its innovations must not raise the level that they are held against.
         if is_first || (self.blind == 0 && self.sum == 0.0) {
             self.learn_level(mean);
         }
