@@ -23,7 +23,7 @@ const DIAGNOSTICS_COST: f64 = 60.0;
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
-    judged: Vec<Judged>,
+    judged: Vec<DiagnosedFilter>,
     pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
@@ -38,7 +38,7 @@ pub struct Analysis {
 
 /// What is known of a filter beside its diagnostics.
 #[derive(Default)]
-struct Judged {
+struct DiagnosedFilter {
     id: u32,
     begun: bool,
     diagnosis: Option<Diagnosis>,
@@ -127,7 +127,7 @@ impl Analysis {
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
     }
 
-    fn keep_until_due(&mut self, old: Judged, samples: usize) {
+    fn keep_until_due(&mut self, old: DiagnosedFilter, samples: usize) {
         let mut all = self.judged.iter_mut().zip(&self.diagnostics);
         let same = all.find(|(one, _)| one.id == old.id).filter(|(_, diagnostics)| diagnostics.len() == samples);
         if let Some((one, _)) = same.filter(|_| self.waits) {
@@ -163,7 +163,7 @@ impl Analysis {
         let filters = &run.scenario().filters;
         if self.wanted.diagnostics {
             self.diagnostics.resize_with(filters.len(), Diagnostics::default);
-            self.judged.resize_with(filters.len(), Judged::default);
+            self.judged.resize_with(filters.len(), DiagnosedFilter::default);
             self.judged.iter_mut().zip(filters).for_each(|(one, filter)| one.id = filter.id);
         }
         for (one, diagnostics) in old.judged.drain(..).zip(old.diagnostics.drain(..)) {
@@ -207,13 +207,13 @@ impl Analysis {
         let filters = bank.estimates.len();
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
         diagnostics.resize_with(filters, || spare.pop().unwrap_or_default());
-        judged.resize_with(filters, Judged::default);
+        judged.resize_with(filters, DiagnosedFilter::default);
         judged.iter_mut().zip(&bank.estimates).for_each(|(one, estimates)| one.id = estimates.id());
         for place in (0..filters).filter(|&place| !is_known(known, place)) {
             let (one, estimates, diagnostics) = (&mut judged[place], &bank.estimates[place], &mut diagnostics[place]);
             if !one.begun {
                 diagnostics.clear(estimates, record);
-                *one = Judged { id: one.id, begun: true, ..Judged::default() };
+                *one = DiagnosedFilter { id: one.id, begun: true, ..DiagnosedFilter::default() };
             }
             let mut follow = || {
                 diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
