@@ -85,8 +85,8 @@ pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, 
 pub use signal::{Force, Signal};
 pub use statistics::cramer_rao::CramerRao;
 pub use statistics::diagnostics::Diagnostics;
-pub use statistics::free_run::{Fit, FreeRun, Identified, Running};
+pub use statistics::free_run::{Fit, FreeRun, Identified};
 pub use statistics::model_classes::{Evidence, ModelClasses};
 pub use statistics::score::Scores;
-pub use statistics::spectrogram::{Spectrogram, Windows};
+pub use statistics::spectrogram::Spectrogram;
 pub use statistics::spectrum::Spectrum;

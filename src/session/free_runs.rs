@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
+use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task, Work};
 
 use super::Session;
 use crate::team::{Lost, Priority, RunningTask};
@@ -39,11 +39,9 @@ struct NextFreeRun {
     runs: RunningTask<Runs>,
 }
 
-type StartedRun = (Arc<Record>, kalmanscope_core::Running);
-
 struct Runs {
-    on_screen: StartedRun,
-    held_out: Option<StartedRun>,
+    on_screen: Work<FreeRun>,
+    held_out: Option<Work<FreeRun>>,
 }
 
 impl FreeRuns {
@@ -135,10 +133,7 @@ impl Session {
         let given = run.source().record().map(Arc::clone);
         // A thread needs its own copy, but no model uses the truth.
         let record = given.unwrap_or_else(|| Arc::new(run.record().clone().without_truth()));
-        let under = |record: Arc<Record>| {
-            let running = model.running(&record, 0..record.len());
-            (record, running)
-        };
+        let under = |record: Arc<Record>| model.running(Arc::clone(&record), 0..record.len());
         let held_out = self.library.held_out().map(|(_, record)| under(Arc::clone(record)));
         let runs = Runs { on_screen: under(record), held_out };
         let runs = RunningTask::begin(&*self.team, Priority::Hand, runs, Runs::progress);
@@ -150,17 +145,16 @@ impl Task for Runs {
     type Outcome = (FreeRun, Vec<Option<Fit>>);
 
     fn progress(&self) -> f64 {
-        self.on_screen.1.progress()
+        self.on_screen.progress()
     }
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let mut all = [Some(&mut self.on_screen), self.held_out.as_mut()].into_iter().flatten();
-        all.all(|(record, running)| running.advance(record, while_time))
+        all.all(|running| running.advance(while_time))
     }
 
     fn finish(self) -> Self::Outcome {
-        let finish = |(record, running): StartedRun| running.finish(&record);
-        (finish(self.on_screen), self.held_out.map_or_else(Vec::new, |run| finish(run).fits))
+        (self.on_screen.finish(), self.held_out.map_or_else(Vec::new, |run| run.finish().fits))
     }
 }
 

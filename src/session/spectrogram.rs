@@ -1,6 +1,6 @@
 //! The spectrogram of the first sensor, over the samples that are done.
 
-use kalmanscope_core::{Spectrogram, Task as _, Windows};
+use kalmanscope_core::{Spectrogram, Task as _, Work};
 
 use super::Session;
 use crate::team::{Priority, RunningTask};
@@ -14,7 +14,7 @@ pub(super) struct Spectrograms {
     is_wanted: bool,
     /// `None` in it if there were too few samples.
     made: Option<(SpectrogramKey, Option<Spectrogram>)>,
-    next: Option<(SpectrogramKey, RunningTask<Windows>)>,
+    next: Option<(SpectrogramKey, RunningTask<Work<Spectrogram>>)>,
 }
 
 impl Session {
@@ -52,7 +52,7 @@ impl Session {
             let has_sensor = !run.record().sensors().is_empty();
             match has_sensor.then(|| Spectrogram::windows(run.record(), 0, run.len())).flatten() {
                 Some(windows) => {
-                    *next = Some((of, RunningTask::begin(&*self.team, Priority::Hand, windows, Windows::progress)));
+                    *next = Some((of, RunningTask::begin(&*self.team, Priority::Hand, windows, Work::progress)));
                 }
                 None => *made = Some((of, None)),
             }

@@ -1,11 +1,13 @@
 //! Free runs: an identified model over a record, without using its measurements.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use kalmanscope_filters::linalg::{Ldl, Matrix, Vector};
 use kalmanscope_filters::lists::{mapped, numbers};
 use kalmanscope_filters::{Channel, Hold, Quantity, Reading};
-use kalmanscope_records::Record;
+use kalmanscope_records::task::{Progress, at_once, pause};
+use kalmanscope_records::{Record, Work};
 
 use crate::run::simulate::response::{HALVED, Response};
 use crate::{Estimates, FilterSettings, Model, Scenario};
@@ -70,30 +72,143 @@ impl Identified {
     ///
     /// Source of the fit: Nocedal and Wright (2006), *Numerical Optimization*, section 10.3 (Gauss and Newton).
     pub fn run(&self, record: &Record, part: Range<usize>) -> FreeRun {
-        let mut running = self.running(record, part);
-        running.advance(record, &mut || true);
-        running.finish(record)
+        at_once(self.free_run(record, part, &Progress::default()))
     }
 
-    /// The same, before its first piece.
-    pub fn running(&self, record: &Record, part: Range<usize>) -> Running {
+    /// The same, in pieces of about a millisecond.
+    pub fn running(&self, record: Arc<Record>, part: Range<usize>) -> Work<FreeRun> {
         let identified = self.clone();
+        Work::new(|progress| async move { identified.free_run(&record, part, &progress).await })
+    }
+
+    pub(crate) async fn free_run(&self, record: &Record, part: Range<usize>, progress: &Progress) -> FreeRun {
         let end = part.end.min(record.len());
         let part = part.start.min(end)..end;
-        let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| identified.model.reading(q));
-        let mut ends: Vec<usize> = mapped(&identified.plucks, &|time| after(record, *time));
-        ends.retain(|end| *end > part.start && *end < part.end);
-        ends.push(part.end);
-        ends.reverse();
-        let first = part.start..ends.last().copied().unwrap_or(part.end);
-        let beginning = StartState::new(&identified, record, &first, &readings);
-        let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
-        Running { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
+        let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| self.model.reading(q));
+        let mut bounds: Vec<usize> = mapped(&self.plucks, &|time| after(record, *time));
+        bounds.retain(|bound| *bound > part.start && *bound < part.end);
+        bounds.insert(0, part.start);
+        bounds.push(part.end);
+        let mut predicted = vec![Vec::with_capacity(part.len()); readings.len()];
+        let mut beginnings = Vec::new();
+        for leg in bounds.windows(2).map(|ends| ends[0]..ends[1]) {
+            let (beginning, motion) = self.beginning(record, &leg, &readings).await;
+            let read = |k: usize, state: &[f64]| {
+                progress.set((k - part.start) as f64 / part.len() as f64);
+                for (column, reading) in predicted.iter_mut().zip(&readings) {
+                    column.push(self.read(reading.as_ref(), state, record, k));
+                }
+            };
+            self.follow(record, leg.clone(), &motion, read).await;
+            predicted.iter_mut().for_each(|column| column.resize(leg.end - part.start, f64::NAN));
+            beginnings.push(beginning);
+        }
+        let fitted = beginnings[0].len();
+        let fits = (0..readings.len()).map(|sensor| {
+            readings[sensor].as_ref()?;
+            let mut measured: Vec<f64> = part.clone().map(|k| self.measured(record, sensor, k)).collect();
+            for samples in &beginnings {
+                measured[samples.start - part.start..samples.end - part.start].fill(f64::NAN);
+            }
+            fit(&measured[fitted..], &predicted[sensor][fitted..])
+        });
+        FreeRun { fits: fits.collect(), fitted, predicted, part }
     }
 
     fn read(&self, reading: Option<&Reading>, state: &[f64], record: &Record, k: usize) -> f64 {
         let force = record.delayed_force(k, self.input_delay);
         reading.map_or(f64::NAN, |reading| self.model.read(reading, state, force))
+    }
+
+    /// The first samples of a leg, which have [`BEGINNING`] readings, but not more than half of it, and the motion fitted to them.
+    async fn beginning(
+        &self,
+        record: &Record,
+        leg: &Range<usize>,
+        readings: &[Option<Reading>],
+    ) -> (Range<usize>, Vec<f64>) {
+        let has = |sensor: usize, k: usize| readings[sensor].is_some() && !record.measured(sensor)[k].is_nan();
+        let count = |k: usize| (0..readings.len()).filter(|&sensor| has(sensor, k)).count();
+        let mut so_far = 0;
+        let end = leg.clone().find(|&k| {
+            so_far += count(k);
+            so_far >= BEGINNING
+        });
+        let part = leg.start..end.map_or(leg.end, |end| end + 1).min(leg.start + leg.len() / 2);
+        // A size of each sensor's readings, so that those of all sensors count alike.
+        let scales = numbers(readings.len(), &|sensor| scale(&record.measured(sensor)[part.clone()]));
+        let (rows, mut motion) = (part.clone().map(count).sum(), vec![0.0; self.model.motion()]);
+        if rows == 0 || motion.is_empty() {
+            return (part, motion);
+        }
+        let errors = async |motion: &[f64]| {
+            let mut errors = Vec::with_capacity(rows);
+            let compare = |k: usize, state: &[f64]| {
+                for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(*sensor, k)) {
+                    let error = self.measured(record, sensor, k) - self.read(reading.as_ref(), state, record, k);
+                    errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
+                }
+            };
+            self.follow(record, part.clone(), motion, compare).await;
+            errors.resize(rows, 0.0);
+            Vector::from_vec(errors)
+        };
+        let mut error = errors(&motion).await;
+        for _ in 0..ITERATIONS {
+            let mut columns = Vec::with_capacity(motion.len());
+            for place in 0..motion.len() {
+                let (mut moved, step) = (motion.clone(), 1e-6 * (1e-3 + motion[place].abs()));
+                moved[place] += step;
+                columns.push((&error - errors(&moved).await) / step);
+            }
+            let Some(change) = change(&columns, &error) else { break };
+            let next: Vec<f64> = motion.iter().zip(change.iter()).map(|(value, change)| value + change).collect();
+            let after = errors(&next).await;
+            let (before, now) = (error.norm_squared(), after.norm_squared());
+            if now.is_nan() || now >= before {
+                break;
+            }
+            (motion, error) = (next, after);
+            if now > (1.0 - 1e-9) * before {
+                break;
+            }
+        }
+        (part, motion)
+    }
+
+    /// Takes the state at each of some samples, from a motion at the first one on. A model that has run away is done.
+    async fn follow(
+        &self,
+        record: &Record,
+        samples: Range<usize>,
+        motion: &[f64],
+        mut take: impl FnMut(usize, &[f64]),
+    ) {
+        let mut values = self.values.clone();
+        values[..motion.len()].copy_from_slice(motion);
+        let mut response = Response::new(self.model.to_state(&values).0.iter().copied());
+        let force = |k: usize| record.delayed_force(k, self.input_delay);
+        pause().await;
+        let (mut begin, mut end) = (samples.start, HALVED);
+        for k in samples {
+            if !response.state.iter().all(|value| value.is_finite()) {
+                return;
+            }
+            take(k, response.state.as_slice());
+            let forces = [k, if record.hold() == Hold::Zero { k } else { k + 1 }].map(force);
+            loop {
+                let most = end - response.halved;
+                let Ok(is_there) = response.advance(&self.model, forces, 0.0, record.dt(), most) else { return };
+                // About a millisecond, since a step that is halved takes time.
+                if k - begin >= CHUNK || response.halved >= end {
+                    (begin, end) = (k, response.halved + HALVED);
+                    pause().await;
+                }
+                if is_there {
+                    break;
+                }
+            }
+        }
     }
 }
 
@@ -151,79 +266,6 @@ pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Ran
     fit(&measured[skip..], &predicted[skip..])
 }
 
-/// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
-pub struct Running {
-    identified: Identified,
-    part: Range<usize>,
-    readings: Vec<Option<Reading>>,
-    /// The samples at which the motion begins again, and the end of the part, in falling order.
-    ends: Vec<usize>,
-    beginning: StartState,
-    fitted: Vec<Range<usize>>,
-    course: Option<InputCourse>,
-    predicted: Vec<Vec<f64>>,
-    done: usize,
-}
-
-impl Running {
-    /// Continues until `while_time`, called after each piece of about a millisecond, is false. Returns whether all is done.
-    pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while self.done < self.part.len() {
-            match &self.course {
-                Some(_) => self.piece(record),
-                None if self.beginning.advance(&self.identified, record, &self.readings) => {
-                    self.course = Some(InputCourse::new(&self.identified, &self.beginning.motion));
-                    self.fitted.push(self.beginning.part.clone());
-                }
-                None => {}
-            }
-            if !while_time() {
-                break;
-            }
-        }
-        self.done >= self.part.len()
-    }
-
-    fn piece(&mut self, record: &Record) {
-        let Self { identified, part, readings, ends, beginning, course: at, predicted, done, .. } = self;
-        let Some(course) = at else { return };
-        let leg = ends.last().map_or(part.len(), |end| end - part.start);
-        course.go_on(identified, record, part.start..part.start + leg, done, &mut |k, state| {
-            for (column, reading) in predicted.iter_mut().zip(readings.iter()) {
-                column.push(identified.read(reading.as_ref(), state, record, k));
-            }
-        });
-        if *done == leg && *done < part.len() {
-            ends.pop();
-            let next = part.start + leg..ends.last().copied().unwrap_or(part.end);
-            *beginning = StartState::new(identified, record, &next, readings);
-            *at = None;
-            predicted.iter_mut().for_each(|column| column.resize(leg, f64::NAN));
-        }
-    }
-
-    /// The share that is done, from 0 to 1.
-    pub fn progress(&self) -> f64 {
-        self.done as f64 / self.part.len().max(1) as f64
-    }
-
-    /// The free run, as far as it is done.
-    pub fn finish(self, record: &Record) -> FreeRun {
-        let Self { identified, part, readings, fitted: all, mut predicted, .. } = self;
-        predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
-        let fitted = all.first().map_or(0, ExactSizeIterator::len);
-        let fits = (0..readings.len()).map(|sensor| {
-            readings[sensor].as_ref()?;
-            let mut measured: Vec<f64> = part.clone().map(|k| identified.measured(record, sensor, k)).collect();
-            for samples in &all {
-                measured[samples.start - part.start..samples.end - part.start].fill(f64::NAN);
-            }
-            fit(&measured[fitted..], &predicted[sensor][fitted..])
-        });
-        FreeRun { fits: fits.collect(), fitted, predicted, part }
-    }
-}
-
 fn after(record: &Record, time: f64) -> usize {
     let k = libm::ceil((time - record.time(0)) / record.dt()).clamp(0.0, record.len() as f64) as usize;
     if k < record.len() && record.time(k) <= time { k + 1 } else { k }
@@ -234,133 +276,15 @@ const BEGINNING: usize = 50;
 /// Limits the iterations of the fit; for a linear plant the first is exact.
 const ITERATIONS: usize = 8;
 
-struct StartState {
-    part: Range<usize>,
-    /// A size of each sensor's readings, so that those of all sensors count alike.
-    scales: Vec<f64>,
-    motion: Vec<f64>,
-    rows: usize,
-    error: Option<Vector>,
-    columns: Vec<Vector>,
-    iterations: usize,
-    trial: FitTrial,
-}
-
-struct FitTrial {
-    motion: Vec<f64>,
-    course: InputCourse,
-    done: usize,
-    errors: Vec<f64>,
-}
-
-impl FitTrial {
-    fn new(identified: &Identified, motion: Vec<f64>) -> Self {
-        Self { course: InputCourse::new(identified, &motion), motion, done: 0, errors: Vec::new() }
+fn change(columns: &[Vector], error: &Vector) -> Option<Vector> {
+    let jacobian = Matrix::from_columns(columns);
+    if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
+        return None;
     }
-}
-
-impl StartState {
-    fn new(identified: &Identified, record: &Record, part: &Range<usize>, readings: &[Option<Reading>]) -> Self {
-        let part = beginning(record, part, readings);
-        let scales = numbers(readings.len(), &|sensor| scale(&record.measured(sensor)[part.clone()]));
-        let motion = vec![0.0; identified.model.motion()];
-        let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
-        let rows = (0..readings.len()).map(there).sum();
-        let trial = FitTrial::new(identified, motion.clone());
-        Self { part, scales, motion, rows, error: None, columns: Vec::new(), iterations: 0, trial }
-    }
-
-    fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        if self.rows == 0 || self.motion.is_empty() {
-            return true;
-        }
-        if !self.piece(identified, record, readings) {
-            return false;
-        }
-        let Some(motion) = self.conclude() else { return true };
-        self.trial = FitTrial::new(identified, motion);
-        false
-    }
-
-    fn conclude(&mut self) -> Option<Vec<f64>> {
-        let after = Vector::from_vec(std::mem::take(&mut self.trial.errors));
-        match self.error.take() {
-            None => self.error = Some(after),
-            Some(error) if self.columns.len() < self.motion.len() => {
-                self.columns.push((&error - after) / self.step());
-                self.error = Some(error);
-            }
-            Some(error) => {
-                if after.norm_squared().is_nan() || after.norm_squared() >= error.norm_squared() {
-                    return None;
-                }
-                let is_settled = after.norm_squared() > (1.0 - 1e-9) * error.norm_squared();
-                self.motion = std::mem::take(&mut self.trial.motion);
-                self.error = Some(after);
-                self.columns.clear();
-                self.iterations += 1;
-                if is_settled || self.iterations >= ITERATIONS {
-                    return None;
-                }
-            }
-        }
-        let mut motion = self.motion.clone();
-        match motion.get_mut(self.columns.len()) {
-            Some(component) => *component += self.step(),
-            None => {
-                let change = self.change()?;
-                motion.iter_mut().zip(change.iter()).for_each(|(value, change)| *value += change);
-            }
-        }
-        Some(motion)
-    }
-
-    fn step(&self) -> f64 {
-        1e-6 * (1e-3 + self.motion.get(self.columns.len()).map_or(0.0, |value| value.abs()))
-    }
-
-    fn change(&self) -> Option<Vector> {
-        let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
-        if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
-            return None;
-        }
-        // A component whose effect on the readings is none, or that of components before it, stays as it is.
-        let (normal, right) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(error));
-        let change = Ldl::semidefinite(&normal).divide(&Matrix::from_row_slice(1, right.len(), right.as_slice()));
-        Some(Vector::from_column_slice(change.as_slice()))
-    }
-
-    /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.
-    fn piece(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
-        let Self { part, scales, rows, trial: FitTrial { course, done, errors, .. }, .. } = self;
-        course.go_on(identified, record, part.clone(), done, &mut |k, state| {
-            for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
-            {
-                let error =
-                    identified.measured(record, sensor, k) - identified.read(reading.as_ref(), state, record, k);
-                errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
-            }
-        });
-        let is_complete = *done >= part.len();
-        if is_complete {
-            errors.resize(*rows, 0.0);
-        }
-        is_complete
-    }
-}
-
-fn has(record: &Record, readings: &[Option<Reading>], k: usize, sensor: usize) -> bool {
-    readings[sensor].is_some() && !record.measured(sensor)[k].is_nan()
-}
-
-/// The first samples, which have [`BEGINNING`] readings, but not more than half of the part.
-fn beginning(record: &Record, part: &Range<usize>, readings: &[Option<Reading>]) -> Range<usize> {
-    let mut count = 0;
-    let end = part.clone().find(|&k| {
-        count += (0..readings.len()).filter(|&sensor| has(record, readings, k, sensor)).count();
-        count >= BEGINNING
-    });
-    part.start..end.map_or(part.end, |end| end + 1).min(part.start + part.len() / 2)
+    // A component whose effect on the readings is none, or that of components before it, stays as it is.
+    let (normal, right) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(error));
+    let change = Ldl::semidefinite(&normal).divide(&Matrix::from_row_slice(1, right.len(), right.as_slice()));
+    Some(Vector::from_column_slice(change.as_slice()))
 }
 
 fn scale(measured: &[f64]) -> f64 {
@@ -373,65 +297,10 @@ fn scale(measured: &[f64]) -> f64 {
 /// The samples between two checks of the clock: at most about a millisecond.
 const CHUNK: usize = 64;
 
-struct InputCourse {
-    response: Response,
-    is_new: bool,
-    goes_on: bool,
-}
-
-impl InputCourse {
-    fn new(identified: &Identified, motion: &[f64]) -> Self {
-        let mut values = identified.values.clone();
-        values[..motion.len()].copy_from_slice(motion);
-        let (state, _) = identified.model.to_state(&values);
-        Self { response: Response::new(state.iter().copied()), is_new: true, goes_on: true }
-    }
-
-    fn state(&self) -> Option<&[f64]> {
-        let state = self.response.state.as_slice();
-        (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
-    }
-
-    /// Continues for about a millisecond, since a step that is halved takes time. A model that has run away is done.
-    fn go_on(
-        &mut self,
-        identified: &Identified,
-        record: &Record,
-        part: Range<usize>,
-        done: &mut usize,
-        take: &mut dyn FnMut(usize, &[f64]),
-    ) {
-        let samples = (*done + CHUNK).min(part.len());
-        let end = self.response.halved + HALVED;
-        while *done < samples && self.response.halved < end {
-            let k = part.start + *done;
-            let Some(state) = self.state() else {
-                *done = part.len();
-                break;
-            };
-            if self.is_new {
-                take(k, state);
-            }
-            self.is_new = self.advance(identified, record, k, end - self.response.halved);
-            *done += usize::from(self.is_new);
-        }
-    }
-
-    /// Halves steps at most `most` times. Returns whether it has arrived at sample `k + 1`; if not, the next call continues.
-    fn advance(&mut self, identified: &Identified, record: &Record, k: usize, most: u64) -> bool {
-        let force = |k: usize| record.delayed_force(k, identified.input_delay);
-        let end = match record.hold() {
-            Hold::Zero => k,
-            Hold::First => k + 1,
-        };
-        let moved = self.response.advance(&identified.model, [force(k), force(end)], 0.0, record.dt(), most);
-        self.goes_on = moved.is_ok();
-        moved != Ok(false)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use kalmanscope_records::Task as _;
+
     use super::*;
     use crate::Pass;
     use crate::run::simulate::Simulator;
@@ -449,15 +318,20 @@ mod tests {
         for (place, channel) in estimates.channels().iter().enumerate() {
             model.values[place] = record.truth(*channel).unwrap()[0];
         }
-        let mut running = model.running(&record, 0..record.len());
+        let (model, record) = (Arc::new(model), Arc::new(record));
+        let (identified, of) = (Arc::clone(&model), Arc::clone(&record));
+        let mut beginning = Work::new(|_| async move {
+            let readings: Vec<Option<Reading>> = mapped(of.sensors(), &|&q| identified.model.reading(q));
+            identified.beginning(&of, &(0..of.len()), &readings).await
+        });
         let mut pieces = 0;
-        while running.course.is_none() {
-            assert!(!running.advance(&record, &mut || false));
+        while !beginning.advance(&mut || false) {
             pieces += 1;
         }
         // Each error of ten samples halves steps ten thousand times.
         assert!(pieces > 50, "{pieces}");
-        while !running.advance(&record, &mut || false) {}
-        assert_eq!(running.finish(&record), model.run(&record, 0..record.len()));
+        let mut running = model.running(Arc::clone(&record), 0..record.len());
+        while !running.advance(&mut || false) {}
+        assert_eq!(running.finish(), model.run(&record, 0..record.len()));
     }
 }

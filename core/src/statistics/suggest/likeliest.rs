@@ -5,9 +5,9 @@ use std::ops::Range;
 use kalmanscope_filters::Channel;
 use kalmanscope_filters::lists::numbers;
 use kalmanscope_records::Record;
-use kalmanscope_records::task::pause;
+use kalmanscope_records::task::{Progress, pause};
 
-use crate::{Identified, Run, Running, Scenario, Sensor};
+use crate::{Identified, Run, Scenario, Sensor};
 
 const FREE: usize = 16_384;
 
@@ -26,22 +26,18 @@ pub(super) async fn tried(scenario: &Scenario, record: &Record, samples: usize) 
 /// A run, and the errors of a free run of its final model, one for each sensor.
 pub(super) async fn tried_freely(scenario: &Scenario, record: &Record) -> Option<(Run, Option<Vec<f64>>)> {
     let run = tried(scenario, record, FREE).await?;
-    let Some(mut running) = begin_freely(&run) else { return Some((run, None)) };
-    while !running.advance(run.record(), &mut || false) {
-        pause().await;
-    }
-    let free = running.finish(run.record());
+    let Some(model) = identified(&run) else { return Some((run, None)) };
+    let free = model.free_run(run.record(), 0..run.record().len(), &Progress::default()).await;
     let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
     let errors = scenario.sensors.iter().map(of).collect::<Option<Vec<f64>>>();
     let errors = errors.filter(|errors| errors.iter().all(|error| error.is_finite()));
     Some((run, errors))
 }
 
-fn begin_freely(run: &Run) -> Option<Running> {
-    let (scenario, record) = (run.scenario(), run.record());
+fn identified(run: &Run) -> Option<Identified> {
+    let scenario = run.scenario();
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
-    Some(model.running(record, 0..record.len()))
+    Some(Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?))
 }
 
 pub(super) fn likelihood(run: &Run) -> Option<f64> {
