@@ -2,7 +2,7 @@
 
 use kalmanscope_core::free_run::{fit, one_step};
 use kalmanscope_core::{
-    Estimates, FilterSettings, Fit, FreeRun, Identified, Pass, Run, Sample, Scenario, Sink as _, Task as _,
+    Estimates, FilterSettings, Fit, FreeRun, Identified, Pass, Run, Sample, Scenario, Sink as _, Task as _, Work,
 };
 
 fn knowing(scenario: &Scenario, values: &[f64]) -> Identified {
@@ -45,7 +45,11 @@ fn a_free_run_in_pieces_is_that_in_one_go() {
         let mut run = Run::new(&scenario).unwrap();
         run.finish();
         let model = Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], run.len() - 1);
-        let mut running = model.running(run.record().clone().into(), 100..1900);
+        let (own, record) = (model.clone(), run.record().clone());
+        let mut running =
+            Work::new(
+                |progress| async move { own.run_in_pieces(&record, 100..1900, |share| progress.set(share)).await },
+            );
         let mut pieces = 1;
         while !running.advance(&mut || false) {
             assert!(running.progress() < 1.0);

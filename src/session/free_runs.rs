@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task, Work};
+use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Task as _, Work};
 
 use super::Session;
 use crate::team::{Lost, Priority, RunningTask};
@@ -36,12 +36,7 @@ struct CachedFreeRun {
 struct NextFreeRun {
     filter: u32,
     of: FreeRunKey,
-    runs: RunningTask<Runs>,
-}
-
-struct Runs {
-    on_screen: Work<FreeRun>,
-    held_out: Option<Work<FreeRun>>,
+    runs: RunningTask<Work<(FreeRun, Vec<Option<Fit>>)>>,
 }
 
 impl FreeRuns {
@@ -133,28 +128,14 @@ impl Session {
         let given = run.source().record().map(Arc::clone);
         // A thread needs its own copy, but no model uses the truth.
         let record = given.unwrap_or_else(|| Arc::new(run.record().clone().without_truth()));
-        let under = |record: Arc<Record>| model.running(Arc::clone(&record), 0..record.len());
-        let held_out = self.library.held_out().map(|(_, record)| under(Arc::clone(record)));
-        let runs = Runs { on_screen: under(record), held_out };
-        let runs = RunningTask::begin(&*self.team, Priority::Hand, runs, Runs::progress);
+        let held_out = self.library.held_out().map(|(_, record)| Arc::clone(record));
+        let runs = Work::new(|progress| async move {
+            let run = model.run_in_pieces(&record, 0..record.len(), |share| progress.set(share)).await;
+            let Some(held_out) = held_out else { return (run, Vec::new()) };
+            (run, model.run_in_pieces(&held_out, 0..held_out.len(), |_| ()).await.fits)
+        });
+        let runs = RunningTask::begin(&*self.team, Priority::Hand, runs, Work::progress);
         Some(NextFreeRun { filter: estimates.id(), of, runs })
-    }
-}
-
-impl Task for Runs {
-    type Outcome = (FreeRun, Vec<Option<Fit>>);
-
-    fn progress(&self) -> f64 {
-        self.on_screen.progress()
-    }
-
-    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let mut all = [Some(&mut self.on_screen), self.held_out.as_mut()].into_iter().flatten();
-        all.all(|running| running.advance(while_time))
-    }
-
-    fn finish(self) -> Self::Outcome {
-        (self.on_screen.finish(), self.held_out.map_or_else(Vec::new, |run| run.finish().fits))
     }
 }
 

@@ -1,13 +1,12 @@
 //! Free runs: an identified model over a record, without using its measurements.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use kalmanscope_filters::linalg::{Ldl, Matrix, Vector};
 use kalmanscope_filters::lists::{mapped, numbers};
 use kalmanscope_filters::{Channel, Hold, Quantity, Reading};
-use kalmanscope_records::task::{Progress, at_once, pause};
-use kalmanscope_records::{Record, Work};
+use kalmanscope_records::Record;
+use kalmanscope_records::task::{at_once, pause};
 
 use crate::run::simulate::response::{HALVED, Response};
 use crate::{Estimates, FilterSettings, Model, Scenario};
@@ -72,16 +71,11 @@ impl Identified {
     ///
     /// Source of the fit: Nocedal and Wright (2006), *Numerical Optimization*, section 10.3 (Gauss and Newton).
     pub fn run(&self, record: &Record, part: Range<usize>) -> FreeRun {
-        at_once(self.free_run(record, part, &Progress::default()))
+        at_once(self.run_in_pieces(record, part, |_| ()))
     }
 
-    /// The same, in pieces of about a millisecond.
-    pub fn running(&self, record: Arc<Record>, part: Range<usize>) -> Work<FreeRun> {
-        let identified = self.clone();
-        Work::new(|progress| async move { identified.free_run(&record, part, &progress).await })
-    }
-
-    pub(crate) async fn free_run(&self, record: &Record, part: Range<usize>, progress: &Progress) -> FreeRun {
+    /// The same with pauses, about every millisecond. `progress` gets the share that is done.
+    pub async fn run_in_pieces(&self, record: &Record, part: Range<usize>, progress: impl Fn(f64)) -> FreeRun {
         let end = part.end.min(record.len());
         let part = part.start.min(end)..end;
         let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| self.model.reading(q));
@@ -94,7 +88,7 @@ impl Identified {
         for leg in bounds.windows(2).map(|ends| ends[0]..ends[1]) {
             let (beginning, motion) = self.beginning(record, &leg, &readings).await;
             let read = |k: usize, state: &[f64]| {
-                progress.set((k - part.start) as f64 / part.len() as f64);
+                progress((k - part.start) as f64 / part.len() as f64);
                 for (column, reading) in predicted.iter_mut().zip(&readings) {
                     column.push(self.read(reading.as_ref(), state, record, k));
                 }
@@ -299,7 +293,7 @@ const CHUNK: usize = 64;
 
 #[cfg(test)]
 mod tests {
-    use kalmanscope_records::Task as _;
+    use kalmanscope_records::{Task as _, Work};
 
     use super::*;
     use crate::Pass;
@@ -318,11 +312,9 @@ mod tests {
         for (place, channel) in estimates.channels().iter().enumerate() {
             model.values[place] = record.truth(*channel).unwrap()[0];
         }
-        let (model, record) = (Arc::new(model), Arc::new(record));
-        let (identified, of) = (Arc::clone(&model), Arc::clone(&record));
         let mut beginning = Work::new(|_| async move {
-            let readings: Vec<Option<Reading>> = mapped(of.sensors(), &|&q| identified.model.reading(q));
-            identified.beginning(&of, &(0..of.len()), &readings).await
+            let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| model.model.reading(q));
+            model.beginning(&record, &(0..record.len()), &readings).await
         });
         let mut pieces = 0;
         while !beginning.advance(&mut || false) {
@@ -330,8 +322,5 @@ mod tests {
         }
         // Each error of ten samples halves steps ten thousand times.
         assert!(pieces > 50, "{pieces}");
-        let mut running = model.running(Arc::clone(&record), 0..record.len());
-        while !running.advance(&mut || false) {}
-        assert_eq!(running.finish(), model.run(&record, 0..record.len()));
     }
 }

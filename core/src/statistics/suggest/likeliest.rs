@@ -5,7 +5,7 @@ use std::ops::Range;
 use kalmanscope_filters::Channel;
 use kalmanscope_filters::lists::numbers;
 use kalmanscope_records::Record;
-use kalmanscope_records::task::{Progress, pause};
+use kalmanscope_records::task::pause;
 
 use crate::{Identified, Run, Scenario, Sensor};
 
@@ -27,7 +27,7 @@ pub(super) async fn tried(scenario: &Scenario, record: &Record, samples: usize) 
 pub(super) async fn tried_freely(scenario: &Scenario, record: &Record) -> Option<(Run, Option<Vec<f64>>)> {
     let run = tried(scenario, record, FREE).await?;
     let Some(model) = identified(&run) else { return Some((run, None)) };
-    let free = model.free_run(run.record(), 0..run.record().len(), &Progress::default()).await;
+    let free = model.run_in_pieces(run.record(), 0..run.record().len(), |_| ()).await;
     let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
     let errors = scenario.sensors.iter().map(of).collect::<Option<Vec<f64>>>();
     let errors = errors.filter(|errors| errors.iter().all(|error| error.is_finite()));
