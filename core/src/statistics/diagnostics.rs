@@ -72,7 +72,7 @@ impl Diagnostics {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
         whiteness.clear();
-        whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
+        whiteness.resize(estimates.sensors().len(), Whiteness::default());
     }
 
     /// Takes in the new samples up to one, each in constant time. Where samples have been forgotten, begins again with the rest.

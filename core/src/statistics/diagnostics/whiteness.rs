@@ -17,7 +17,7 @@ pub const LAGS: usize = 20;
 /// A sample without a measurement is left out: the lag counts measurements.
 ///
 /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Whiteness {
     samples: u32,
     square: f64,
@@ -36,11 +36,9 @@ pub struct LjungBox {
 }
 
 impl Whiteness {
-    pub(super) const NEW: Self = Self { samples: 0, square: 0.0, products: [0.0; LAGS], past: [0.0; LAGS] };
-
     /// That of a filter's innovations of one sensor over some samples.
     pub fn over(estimates: &Estimates, sensor: usize, samples: Range<usize>) -> Self {
-        let mut whiteness = Self::NEW;
+        let mut whiteness = Self::default();
         let m = estimates.sensors().len();
         for k in samples.start..samples.end.min(estimates.len()) {
             let variance = estimates.innovation_cov(k)[sensor * (m + 1)];
@@ -87,7 +85,7 @@ mod tests {
     use super::*;
 
     fn of(innovations: impl IntoIterator<Item = f64>) -> Whiteness {
-        let mut whiteness = Whiteness::NEW;
+        let mut whiteness = Whiteness::default();
         innovations.into_iter().for_each(|x| whiteness.push(x));
         whiteness
     }
