@@ -327,6 +327,14 @@ impl Goal {
         }
     }
 
+    const fn subject(self) -> &'static str {
+        match self {
+            Self::Likelihood => "The likelihood",
+            Self::FreeRun(_) => "The free run",
+            Self::Consistency => "The mean NIS",
+        }
+    }
+
     const fn indifferent(self) -> f64 {
         match self {
             // A 95 % interval of one parameter: half the quantile 3.84 of χ² with one degree of freedom.

@@ -1,11 +1,10 @@
 //! The information that a record has on the settings that were tuned: how far each may be off; and remarks on the result.
 
-use std::fmt;
-
 use kalmanscope_core::filter::Matrix;
 use kalmanscope_core::{Axis, Spacing};
 use kalmanscope_diagnosis::VerdictKind;
 use kalmanscope_records::task::pause;
+use thiserror::Error;
 
 use super::{Cost, FORBIDDEN, Goal, Try};
 
@@ -98,40 +97,22 @@ const EDGE: f64 = 0.01;
 const TURN: f64 = 2.0;
 
 /// A warning about a result.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum TuneRemark {
     /// No values are better than the scenario's own.
+    #[error("No values are better than the present ones.")]
     NoBetter,
     /// The record has little information on this setting: half and twice the value are as good.
+    #[error("The record hardly determines {0}: half and twice the value are as good.")]
     Flat(String),
     /// The best value of this setting is at an end of its axis.
+    #[error("The best value of {0} is at an end of its range: widen the range, or doubt the model.")]
     Edge(String),
     /// The goal prefers a filter with a bad verdict.
+    #[error(
+        "{} is best for a filter whose verdict is “{}”: no Q or R replaces what the model lacks.", .0.subject(), .1.name()
+    )]
     Inconsistent(Goal, VerdictKind),
-}
-
-impl fmt::Display for TuneRemark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoBetter => f.write_str("No values are better than the present ones."),
-            Self::Flat(key) => write!(f, "The record hardly determines {key}: half and twice the value are as good."),
-            Self::Edge(key) => {
-                write!(f, "The best value of {key} is at an end of its range: widen the range, or doubt the model.")
-            }
-            Self::Inconsistent(goal, verdict) => {
-                let goal = match goal {
-                    Goal::Likelihood => "The likelihood",
-                    Goal::FreeRun(_) => "The free run",
-                    Goal::Consistency => "The mean NIS",
-                };
-                write!(
-                    f,
-                    "{goal} is best for a filter whose verdict is “{}”: no Q or R replaces what the model lacks.",
-                    verdict.name()
-                )
-            }
-        }
-    }
 }
 
 pub(super) fn remarks(cost: &Cost, path: &[Try], verdict: Option<VerdictKind>) -> Vec<TuneRemark> {
