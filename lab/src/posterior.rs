@@ -32,18 +32,9 @@ const SAMPLES: usize = 700_000;
 /// Why there is no posterior to compare a filter with.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPosterior {
-    /// The filter estimates no parameter.
-    #[error("the filter estimates no parameter of its plant")]
-    Known,
-    /// Readings are weighed, so they have no likelihood.
-    #[error("the filter weighs its readings, which then have no likelihood")]
-    Weighs,
-    /// Noise is learnt, so that nobody knows the likelihood beforehand.
-    #[error("the filter learns its noise, so the likelihood is not known beforehand")]
-    Learns,
-    /// Parameters are considered: their ±2σ is that of the initial belief on purpose.
-    #[error("the filter considers parameters that it does not estimate")]
-    Considers,
+    /// The filter has no likelihood of constant parameters.
+    #[error("the filter {0}")]
+    Filter(&'static str),
     /// The filter cannot run over the record.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -170,17 +161,17 @@ impl Target {
         Pass::new(scenario, place, record)?;
         let filter = scenario.filters[place].clone();
         let channels = parameters(&filter, &scenario.plant.kind);
-        if channels.is_empty() {
-            return Err(NoPosterior::Known);
-        }
-        if filter.robust.is_on() {
-            return Err(NoPosterior::Weighs);
-        }
-        if filter.adaptation.is_on() || filter.process_scales > 1 {
-            return Err(NoPosterior::Learns);
-        }
-        if channels.iter().any(|channel| filter.consider.contains(channel)) {
-            return Err(NoPosterior::Considers);
+        let learns = filter.adaptation.is_on() || filter.process_scales > 1;
+        // Those of considered parameters have the ±2σ of the initial belief on purpose.
+        let considers = channels.iter().any(|channel| filter.consider.contains(channel));
+        let reasons = [
+            (channels.is_empty(), "estimates no parameter of its plant"),
+            (filter.robust.is_on(), "weighs its readings, which then have no likelihood"),
+            (learns, "learns its noise, so the likelihood is not known beforehand"),
+            (considers, "considers parameters that it does not estimate"),
+        ];
+        if let Some((_, why)) = reasons.into_iter().find(|(is_so, _)| *is_so) {
+            return Err(NoPosterior::Filter(why));
         }
         let belief = channels.iter().map(|&c| [filter.initial_mean[c], filter.initial_std[c]]).collect();
         let bounds = channels.iter().map(|channel| filter.bounds.of(*channel).ends()).collect();

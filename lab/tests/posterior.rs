@@ -197,13 +197,13 @@ fn filters_without_a_likelihood_of_constant_parameters_are_refused() {
     let reason = |change: fn(&mut FilterSettings)| {
         let mut scenario = plain.clone();
         change(&mut scenario.filters[0]);
-        Target::new(&scenario, 0, &record).err()
+        Target::new(&scenario, 0, &record).err().unwrap().to_string()
     };
-    assert_eq!(reason(|filter| filter.kind = FilterKind::KF), Some(NoPosterior::Known));
-    assert_eq!(reason(|filter| filter.initial_std = Values::ZERO), Some(NoPosterior::Known));
-    assert_eq!(reason(|filter| filter.robust = Robust::HUBER), Some(NoPosterior::Weighs));
-    assert_eq!(reason(|filter| filter.consider = vec![Channel::DAMPING_RATIO]), Some(NoPosterior::Considers));
-    assert_eq!(reason(|filter| filter.adaptation.sensor_noise = true), Some(NoPosterior::Learns));
+    assert!(reason(|filter| filter.kind = FilterKind::KF).contains("estimates no parameter"));
+    assert!(reason(|filter| filter.initial_std = Values::ZERO).contains("estimates no parameter"));
+    assert!(reason(|filter| filter.robust = Robust::HUBER).contains("weighs"));
+    assert!(reason(|filter| filter.consider = vec![Channel::DAMPING_RATIO]).contains("considers"));
+    assert!(reason(|filter| filter.adaptation.sensor_noise = true).contains("learns"));
     assert!(matches!(Target::new(&plain, 1, &record), Err(NoPosterior::Run(_))));
 }
 
