@@ -34,27 +34,15 @@ pub enum EnsembleError {
     /// An axis is impossible.
     #[error(transparent)]
     Axis(#[from] AxisError),
-    /// Two axes vary one setting.
-    #[error("two axes vary `{0}`")]
-    Repeated(String),
-    /// A measure is no number of a single filter's run.
-    #[error("a cell has one run of one filter, and `{0}` is not a number of that")]
-    Measure(Measure),
-    /// There are too many cells.
-    #[error("the axes have {0} cells, but there may be at most {MAX_CELLS}")]
-    Cells(f64),
     /// The scenario or the record does not fit.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// An axis varies what the population draws.
-    #[error("`{0}` is drawn for each seed, and cannot be an axis beside the seed")]
-    Drawn(String),
     /// An axis would change a record that is given.
     #[error("the record is given, so only settings of filters can be varied, and `{0}` is none")]
     Fixed(String),
-    /// The text is no ensemble.
-    #[error("the ensemble cannot be read: {0}")]
-    Syntax(String),
+    /// Its axes or measures do not go together, or its text cannot be read.
+    #[error("{0}")]
+    Plan(String),
 }
 
 impl Ensemble {
@@ -70,17 +58,19 @@ impl Ensemble {
             axis.check()?;
             let setting = Address::parse(&scenario, &axis.key)?;
             if settings.contains(&setting) {
-                return Err(EnsembleError::Repeated(axis.key.clone()));
+                return Err(EnsembleError::Plan(format!("two axes vary `{}`", axis.key)));
             }
             settings.push(setting);
         }
         let is_served = |measure: &&Measure| measure.info().is_number() && !measure.info().needs_others;
         if let Some(measure) = plan.measures.iter().find(|measure| !is_served(measure)) {
-            return Err(EnsembleError::Measure(*measure));
+            let problem = format!("a cell has one run of one filter, and `{measure}` is not a number of that");
+            return Err(EnsembleError::Plan(problem));
         }
         let cells = plan.axes.iter().map(|axis| axis.count as f64).product::<f64>();
         if cells > MAX_CELLS as f64 {
-            return Err(EnsembleError::Cells(cells));
+            let problem = format!("the axes have {cells} cells, but there may be at most {MAX_CELLS}");
+            return Err(EnsembleError::Plan(problem));
         }
         if let Some(&place) = plan.filters.iter().find(|place| **place >= scenario.filters.len()) {
             return Err(RunError::NoFilter(place).into());
@@ -89,7 +79,8 @@ impl Ensemble {
         let keys = scenario.draw.keys().filter(|_| is_drawn);
         let drawn = keys.map(|key| Address::parse(&scenario, key)).collect::<Result<Vec<Address>, _>>()?;
         if let Some((axis, _)) = plan.axes.iter().zip(&settings).find(|(_, s)| drawn.iter().any(|d| d.overlaps(s))) {
-            return Err(EnsembleError::Drawn(axis.key.clone()));
+            let problem = format!("`{}` is drawn for each seed, and cannot be an axis beside the seed", axis.key);
+            return Err(EnsembleError::Plan(problem));
         }
         Ok(Self { scenario, plan, settings, drawn })
     }
@@ -102,10 +93,10 @@ impl Ensemble {
     /// The ensemble that [`Self::to_json`] has written. Unlike a TOML file, the JSON leaves no default out.
     ///
     /// # Errors
-    /// As [`Self::new`], and [`EnsembleError::Syntax`] where it cannot be read.
+    /// As [`Self::new`], and [`EnsembleError::Plan`] where it cannot be read.
     pub fn from_json(text: &str) -> Result<Self, EnsembleError> {
-        let read = document::read_json(text).map_err(|error: DocumentError| EnsembleError::Syntax(error.to_string()));
-        let (scenario, plan) = read?;
+        let unread = |error: DocumentError| EnsembleError::Plan(format!("the ensemble cannot be read: {error}"));
+        let (scenario, plan) = document::read_json(text).map_err(unread)?;
         Self::new(scenario, plan)
     }
 
