@@ -33,16 +33,15 @@ pub enum RunVerdicts {
     Causes,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Filter {
-    channels: Vec<Channel>,
     squares: Vec<[(f64, u32); 2]>,
     errors: Vec<Vec<Vec<f32>>>,
     variances: Vec<Vec<(f64, u32)>>,
     finals: Vec<Vec<f64>>,
     last: Vec<Vec<LastError>>,
-    verdicts: [usize; VerdictKind::ALL.len()],
-    causes: [usize; CAUSES.len()],
+    verdicts: Vec<usize>,
+    causes: Vec<usize>,
     unexplained: usize,
     diverged: usize,
     stopped: usize,
@@ -78,19 +77,16 @@ impl MonteCarlo {
         let trace = ensemble.trace();
         let times = trace.samples().len();
         let filter = |nth: usize| {
-            let channels = trace.channels(nth).to_vec();
+            let channels = trace.channels(nth).len();
             Filter {
                 squares: vec![[(0.0, 0); 2]; times],
-                errors: vec![vec![Vec::new(); channels.len()]; times],
-                variances: vec![vec![(0.0, 0); channels.len()]; times],
-                finals: vec![Vec::new(); channels.len()],
-                last: vec![Vec::new(); channels.len()],
-                verdicts: [0; VerdictKind::ALL.len()],
-                causes: [0; CAUSES.len()],
-                unexplained: 0,
-                channels,
-                diverged: 0,
-                stopped: 0,
+                errors: vec![vec![Vec::new(); channels]; times],
+                variances: vec![vec![(0.0, 0); channels]; times],
+                finals: vec![Vec::new(); channels],
+                last: vec![Vec::new(); channels],
+                verdicts: vec![0; VerdictKind::ALL.len()],
+                causes: vec![0; CAUSES.len()],
+                ..Filter::default()
             }
         };
         let filters = (0..ensemble.plan().filters.len()).map(filter).collect();
@@ -124,13 +120,12 @@ impl MonteCarlo {
                         filter.unexplained += 1;
                     }
                 }
-                let Filter { channels, finals, last, .. } = &mut *filter;
-                for (&channel, (finals, last)) in channels.iter().zip(finals.iter_mut().zip(last)) {
+                for (place, &channel) in self.trace.channels(nth).iter().enumerate() {
                     let estimate = number(Measure::estimate(channel));
-                    finals.push(estimate);
+                    filter.finals[place].push(estimate);
                     let (error, std) = (number(Measure::error(channel)), number(Measure::std(channel)));
                     if error.is_finite() {
-                        last.push(LastError { error, truth: estimate - error, std });
+                        filter.last[place].push(LastError { error, truth: estimate - error, std });
                     }
                 }
                 for time in 0..self.trace.samples().len() {
@@ -139,7 +134,7 @@ impl MonteCarlo {
                             *sum = (sum.0 + square, sum.1 + 1);
                         }
                     }
-                    for channel in 0..filter.channels.len() {
+                    for channel in 0..filter.finals.len() {
                         let [error, std] = self.trace.error(row, nth, time, channel);
                         if error.is_finite() {
                             filter.errors[time][channel].push(error as f32);
@@ -174,7 +169,7 @@ impl MonteCarlo {
 
     /// The channels of the `nth` filter.
     pub fn channels(&self, nth: usize) -> &[Channel] {
-        &self.filters[nth].channels
+        self.trace.channels(nth)
     }
 
     /// The shares of the `nth` filter's runs that lost the truth or stopped, and that stopped.

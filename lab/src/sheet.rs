@@ -47,14 +47,9 @@ impl EnsembleRows {
 
     /// The row of a cell, or else that of the finest known cell that stands in for it in a picture.
     pub fn shown(&self, cell: usize) -> Option<&[f64]> {
-        let mut stride = 1;
-        while stride <= widest(&self.counts) {
-            if let Some(row) = self.row(stand_in(&self.counts, cell, stride)) {
-                return Some(row);
-            }
-            stride *= 2;
-        }
-        None
+        let strides = std::iter::successors(Some(1), |stride| Some(2 * stride));
+        let strides = strides.take_while(|stride| *stride <= widest(&self.counts));
+        strides.map(|stride| stand_in(&self.counts, cell, stride)).find_map(|cell| self.row(cell))
     }
 
     /// A hash of all rows, to compare platforms.
@@ -62,11 +57,6 @@ impl EnsembleRows {
         // NaN has many bit patterns.
         let bits = |number: &f64| if number.is_nan() { u64::MAX } else { number.to_bits() };
         self.rows.iter().fold(0, |sum: u64, number| sum.rotate_left(5) ^ bits(number))
-    }
-
-    /// The number of values on each axis.
-    pub fn counts(&self) -> &[usize] {
-        &self.counts
     }
 
     /// The number of cells.
