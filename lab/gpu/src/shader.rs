@@ -131,8 +131,8 @@ fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[N
         return None;
     }
     let text = ShaderText { builder: &notes.builder, size };
-    let values = text.values(name, &format!("array<f32, {count}>"), &outputs)?;
-    let mut all = values + &text.values(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries)?;
+    let values = text.function(name, &format!("array<f32, {count}>"), &outputs, false)?;
+    let mut all = values + &text.function(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries, false)?;
     if name == "readings" {
         let of_row = |row: usize, first: usize| {
             let entries = entries.iter().map(move |(place, _)| *place);
@@ -168,5 +168,6 @@ fn apart(notes: &Notes, name: &str, count: &str, nodes: &[Node]) -> Option<Strin
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
     let text = ShaderText { builder: &notes.builder, size: notes.size };
     let array = format!("array<f32, {count}>");
-    Some(text.values(name, &array, &outputs)? + &text.differences(&format!("{name}_apart"), &array, &outputs)?)
+    let values = text.function(name, &array, &outputs, false)?;
+    Some(values + &text.function(&format!("{name}_apart"), &array, &outputs, true)?)
 }

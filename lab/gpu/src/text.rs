@@ -12,20 +12,13 @@ pub(crate) struct ShaderText<'a> {
 
 impl ShaderText<'_> {
     /// `NAME(y, f)`: numbers at their places in an array, zeros elsewhere. `None` if a constant does not fit single precision.
-    pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        self.function(&format!("{name}(y: array<f32, N>, f: f32)"), array, outputs, false)
-    }
-
-    /// The changes from y to y + d, without a difference of numbers that are almost the same:
+    /// Or `NAME(y, d, f)`: the changes from y to y + d, without a difference of numbers that are almost the same:
     /// ```text
     /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
     /// ```
-    pub(crate) fn differences(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
-        self.function(&format!("{name}(y: array<f32, N>, d: array<f32, N>, f: f32)"), array, outputs, true)
-    }
-
-    fn function(&self, head: &str, array: &str, outputs: &[(usize, Node)], changes: bool) -> Option<String> {
-        let mut text = format!("fn {head} -> {array} {{\n  var out: {array};\n");
+    pub(crate) fn function(&self, name: &str, array: &str, outputs: &[(usize, Node)], changes: bool) -> Option<String> {
+        let by = if changes { "d: array<f32, N>, " } else { "" };
+        let mut text = format!("fn {name}(y: array<f32, N>, {by}f: f32) -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
             writeln!(text, "  let v{place} = {};", self.value(place)?).ok()?;
             if changes && self.change_name(Node::at(place)).is_some() {
