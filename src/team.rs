@@ -50,7 +50,7 @@ pub trait Team {
 
     fn cells(&self, cells: &CellBatch, ctx: &Context) -> Option<Handle<CellRows>> {
         let (threads, _) = self.threads()?;
-        let (by, ctx) = (Computer::Threads(threads.count()), ctx.clone());
+        let (by, ctx) = (Computer::Threads(threads.count), ctx.clone());
         let CellBatch { runner, order, priority, .. } = cells.clone();
         let parts = threads.rows(priority, &runner, order, move |_| ctx.request_repaint());
         Some(Handle::new(move || {

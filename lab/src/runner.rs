@@ -25,7 +25,8 @@ pub struct CellRun {
 /// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row always has the same bits.
 pub struct Runner {
     ensemble: Ensemble,
-    source: Source,
+    /// The source of the samples.
+    pub source: Source,
     records: Mutex<Vec<(usize, Arc<Record>)>>,
 }
 
@@ -49,11 +50,6 @@ impl Runner {
     /// The ensemble.
     pub fn ensemble(&self) -> &Ensemble {
         &self.ensemble
-    }
-
-    /// The source of the samples.
-    pub fn source(&self) -> &Source {
-        &self.source
     }
 
     /// The time that the filters of a cell take on an ordinary processor, to within a factor of three \[s\].

@@ -58,7 +58,8 @@ pub struct Lost;
 /// The threads that do all tasks of a program.
 pub struct Threads {
     queue: Arc<Queue>,
-    count: usize,
+    /// The number of threads for all tasks.
+    pub count: usize,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -122,11 +123,6 @@ impl Threads {
         let threads = std::mem::take(&mut self.threads);
         drop(self);
         threads.into_iter().for_each(|thread| _ = thread.join());
-    }
-
-    /// The number of threads for all tasks.
-    pub fn count(&self) -> usize {
-        self.count
     }
 
     /// Begins work that some steps do side by side. `wake` is called after each part, and with true at an end.

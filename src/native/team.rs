@@ -128,7 +128,9 @@ impl AdapterState {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
         match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {
-            Ok((cells, numbers)) => Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
+            Ok((cells, numbers)) => {
+                Some(CellRows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name.as_str())) })
+            }
             Err(GpuError::Unwanted) => None,
             Err(error) => {
                 log::warn!("The graphics processor has failed: {error}");

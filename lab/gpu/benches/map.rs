@@ -36,8 +36,8 @@ fn main() {
     let team = Threads::new(0, 0).expect("threads can be started");
     let gpu = pollster::block_on(Gpu::find(Software::Allowed));
     match &gpu {
-        Ok(gpu) => println!("{} threads against {}, single precision\n", team.count(), gpu.name()),
-        Err(error) => println!("{} threads, without a graphics processor: {error}\n", team.count()),
+        Ok(gpu) => println!("{} threads against {}, single precision\n", team.count, gpu.name),
+        Err(error) => println!("{} threads, without a graphics processor: {error}\n", team.count),
     }
     println!(
         "| map | cells | threads | threads, first picture | preparation | graphics | graphics, first picture | times as fast |"
@@ -147,7 +147,7 @@ fn monte_carlo(team: &Threads) {
         let each = all.as_secs_f64() * 1e9 / (SEEDS * LONG) as f64;
         println!(
             "Monte Carlo of {SEEDS} seeds × {LONG} samples, looked at at {times} times, {} threads: {}, {each:.0} ns a sample",
-            team.count(),
+            team.count,
             seconds(all),
         );
     }

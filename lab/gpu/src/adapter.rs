@@ -20,7 +20,8 @@ pub enum Software {
 
 /// A graphics processor with the filters' programs.
 pub struct Gpu {
-    name: String,
+    /// The adapter's name, from its driver.
+    pub name: String,
     pub(crate) device: Device,
     pub(crate) queue: Queue,
     pub(crate) pipelines: Mutex<HashMap<String, ComputePipeline>>,
@@ -54,17 +55,12 @@ impl Gpu {
         trouble.check()?;
         Ok(Self { name, device, queue, pipelines: Mutex::default(), trouble })
     }
-
-    /// The adapter's name, from its driver.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
 }
 
 #[cfg(not(target_arch = "wasm32"))]
 async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
-    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
-    adapters.sort_by_key(|adapter| {
+    let adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    let first = adapters.into_iter().min_by_key(|adapter| {
         let info = adapter.get_info();
         let rank = match info.device_type {
             DeviceType::DiscreteGpu => 0,
@@ -73,8 +69,7 @@ async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuE
         };
         (is_software(&info), rank)
     });
-    let first = adapters.into_iter().next().ok_or_else(|| GpuError::None("no driver offers one".to_owned()))?;
-    accept(first, software).await
+    accept(first.ok_or_else(|| GpuError::None("no driver offers one".to_owned()))?, software).await
 }
 
 #[cfg(target_arch = "wasm32")]

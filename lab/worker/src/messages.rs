@@ -14,7 +14,7 @@ use crate::scope::{Portions, Words, answer, count, fail, hear, in_portions, numb
 
 /// The message that gives a worker an ensemble, of which it is to run cells.
 pub fn cells_message(number: u32, runner: &Runner) -> Array {
-    let record = in_message(runner.source());
+    let record = in_message(&runner.source);
     Array::of4(&"cells".into(), &number.into(), &runner.ensemble().to_json().into(), &record)
 }
 

@@ -70,7 +70,7 @@ fn compare(name: &str, runner: &Arc<Runner>) -> Tally {
     println!(
         "{name}: of {runs} cells {same} of the same class, {lost} lost; of {kept} converged {close} close, the worst by {worst:.1e}: \
          {score}; threads {exact_time:.2?}, {} {time:.2?}",
-        gpu().name()
+        gpu().name
     );
     tally
 }
@@ -174,7 +174,7 @@ fn work_that_is_not_wanted_ends() {
 #[test]
 fn a_program_is_no_graphics_processor() {
     match pollster::block_on(Gpu::find(Software::Refused)) {
-        Ok(gpu) => assert!(!gpu.name().to_lowercase().contains("llvmpipe"), "{}", gpu.name()),
+        Ok(gpu) => assert!(!gpu.name.to_lowercase().contains("llvmpipe"), "{}", gpu.name),
         Err(error) => assert!(matches!(error, GpuError::Software(_)), "{error}"),
     }
 }

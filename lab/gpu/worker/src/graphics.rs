@@ -33,7 +33,7 @@ impl GraphicsWorker {
         spawn_local(async move {
             match Gpu::find(software).await {
                 Ok(found) => {
-                    tell(&Array::of2(&"graphics".into(), &found.name().into()));
+                    tell(&Array::of2(&"graphics".into(), &found.name.as_str().into()));
                     *gpu.borrow_mut() = Some(Rc::new(found));
                 }
                 Err(error) => tell(&Array::of2(&"no graphics".into(), &error.to_string().into())),
