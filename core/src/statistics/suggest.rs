@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::scenario::cost::steps_over;
 use crate::{FilterSettings, Scenario, Sensor, Signal};
 use ambient::has_no_input;
-use conditioning::{Course, LostReadings};
+use conditioning::LostReadings;
 use forced::forced;
 use likeliest::first_alone;
 use response::{DecayFit, decay, free_response, response};
@@ -154,7 +154,7 @@ impl Suggestion {
             free = decay(record, measured, mapping);
             best = (free.map(|free| free.found), "fitted to the readings as a free decay");
         } else if by_spectra.is_none_or(|found| found.natural_frequency * span < COARSE) {
-            let finer = if steps > 1 { Course::BandLimited.of(record) } else { None };
+            let finer = if steps > 1 { record.finer(steps) } else { None };
             if let found @ Some(_) = forced(finer.as_ref().unwrap_or(record), quantity, band, by_spectra.as_ref()) {
                 best = (found, "fitted to the readings over time as a motion that the input causes");
             }

@@ -33,7 +33,7 @@ pub(super) fn has_no_input(record: &Record) -> bool {
 pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
     sizes: Sizes,
-    left_out: Vec<Quantity>,
+    pub(super) left_out: Vec<Quantity>,
 }
 
 impl Ambient {
@@ -44,11 +44,6 @@ impl Ambient {
         suggestion.problem = None;
         suggestion.substeps(record.dt(), None);
         Some(Self { suggestion, sizes, left_out })
-    }
-
-    /// Takes the sensors out of a scenario that filters of the white force do without: likelihoods compare on equal readings.
-    pub(super) fn leave_out(&self, scenario: &mut Scenario) {
-        self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
     pub(super) async fn best(&self, record: &Record, samples: usize, progress: impl Fn(f64)) -> Option<(Sizes, f64)> {

@@ -223,22 +223,20 @@ impl Course {
         if matches!(self, Self::BandLimited) { STEPS } else { 1 }
     }
 
-    /// A record whose input has this course. `None` if it would be too long, or its readings have times of their own.
-    pub(super) fn of(self, record: &Record) -> Option<Record> {
+    /// A record whose input has this course, which its scenario takes over. `None` if it would be too long, or its readings have times
+    /// of their own.
+    pub(super) fn of(self, record: &Record, scenario: &mut Scenario) -> Option<Record> {
         match self {
             Self::Linear => Some(record.clone()),
-            Self::Held => Some(record.clone().with_hold(Hold::Zero)),
-            Self::BandLimited => record.finer(STEPS),
-        }
-    }
-
-    pub(super) fn set(self, scenario: &mut Scenario) {
-        match self {
-            Self::Linear => {}
-            Self::Held => scenario.hold = Hold::Zero,
+            Self::Held => {
+                scenario.hold = Hold::Zero;
+                Some(record.clone().with_hold(Hold::Zero))
+            }
             Self::BandLimited => {
+                let finer = record.finer(STEPS)?;
                 scenario.dt /= STEPS as f64;
                 scenario.record.iter_mut().for_each(|mapping| mapping.interpolate = STEPS);
+                Some(finer)
             }
         }
     }
@@ -268,9 +266,9 @@ pub(super) async fn likeliest_course(
         let more = record.part(0..record.len().min(TRIED + 2 * ENDS));
         let steps = course.steps();
         let samples = (more.len().min(TRIED) - 1) * steps + 1;
-        let Some(part) = course.of(&more).map(|part| part.part(0..samples)) else { continue };
         let mut suggestion = suggestion.clone();
-        course.set(&mut suggestion.scenario);
+        let Some(part) = course.of(&more, &mut suggestion.scenario) else { continue };
+        let part = part.part(0..samples);
         suggestion.substeps(part.dt(), None);
         for (place, share) in SHARES.into_iter().enumerate() {
             progress((course as usize as f64 + place as f64 / SHARES.len() as f64) / Course::ALL.len() as f64);

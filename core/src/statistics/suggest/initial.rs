@@ -25,7 +25,10 @@ impl Suggestion {
         self.gain(record, gain);
         let displacement = self.expect_motion(record, quantity, natural_frequency, 1);
         let measured = record.measured_quantity(quantity).unwrap_or_default();
-        let cubic = cubic_scale(natural_frequency, measured, order(quantity));
+        let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
+        let largest = most / libm::pow(natural_frequency, f64::from(order(quantity)));
+        let cubic = 0.5 * natural_frequency * natural_frequency / (largest * largest);
+        let cubic = if largest > 0.0 { cubic } else { 1.0 };
         for filter in self.filters() {
             let std = |value: f64| rounded(value.max(f64::MIN_POSITIVE));
             begin_with(filter, Channel::NATURAL_FREQUENCY, (wn, std(0.1 * natural_frequency)));
@@ -127,12 +130,6 @@ impl Suggestion {
         }
         displacement
     }
-}
-
-fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
-    let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
-    let displacement = most / libm::pow(natural_frequency, f64::from(order));
-    if displacement > 0.0 { 0.5 * natural_frequency * natural_frequency / (displacement * displacement) } else { 1.0 }
 }
 
 /// Share of the load that the spring keeps after yielding, to begin with.

@@ -136,9 +136,8 @@ impl Maker {
     }
 
     fn take_course(&mut self, course: Course) {
-        if let Some(record) = course.of(&self.record) {
+        if let Some(record) = course.of(&self.record, &mut self.suggestion.scenario) {
             self.record = record;
-            course.set(&mut self.suggestion.scenario);
         }
     }
 
@@ -165,7 +164,9 @@ impl Maker {
         for (place, share) in SHARES.into_iter().enumerate() {
             self.at(2 + place, 0.0);
             let mut scenario = self.suggestion.with_share(share);
-            self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+            // Likelihoods compare on equal readings.
+            let left_out = self.ambient.iter().flat_map(|ambient| &ambient.left_out);
+            left_out.for_each(|quantity| scenario.remove_sensor(*quantity));
             let run = tried(&scenario, &self.record, self.likely()).await;
             all.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
         }
