@@ -88,5 +88,4 @@ pub use statistics::diagnostics::Diagnostics;
 pub use statistics::free_run::{Fit, FreeRun, Identified};
 pub use statistics::model_classes::{Evidence, ModelClasses};
 pub use statistics::score::Scores;
-pub use statistics::spectrogram::Spectrogram;
-pub use statistics::spectrum::Spectrum;
+pub use statistics::spectrum::{Spectrogram, Spectrum};

@@ -7,6 +7,5 @@ pub mod free_run;
 pub mod frequency_response;
 pub(crate) mod model_classes;
 pub mod score;
-pub(crate) mod spectrogram;
 pub(crate) mod spectrum;
 pub mod suggest;
