@@ -115,7 +115,7 @@ fn times_of_any_size_come_to_an_end() {
             }
             let table = read(text.as_bytes(), None).unwrap();
             let (mapping, kind) = Mapping::guess(&table);
-            let _ = Ring::of(&table);
+            let _ = table.sound().and_then(|(rate, values)| Ring::in_samples(rate, values));
             let _ = ThreeAxes::of(&table).map(|axes| Decay::alike(&axes.readings(&table)));
             let Ok(imported) = build(&table, &mapping, kind, Hold::First, &[]) else {
                 continue;

@@ -295,7 +295,8 @@ fn pitch_and_damping_are_found_from_what_was_struck() {
             let sound = Sound { seed, modes, noise, rate, ..FORK };
             let table = read(sound.wav(1), None).expect("it is a sound");
             let (frequency, damping, _) = modes[0];
-            let ring = Ring::of(&table).unwrap_or_else(|| panic!("seed {seed}, {frequency} Hz"));
+            let (rate, values) = table.sound().expect("it is a sound");
+            let ring = Ring::in_samples(rate, values).unwrap_or_else(|| panic!("seed {seed}, {frequency} Hz"));
             let (found, run) = identified(&table);
             let name = format!("seed {seed}, {frequency} Hz: {found:?} {ring:?}");
             count_inside(&mut inside, found, [TAU * frequency, damping], &name);

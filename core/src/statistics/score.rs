@@ -135,11 +135,8 @@ pub const LOST: f64 = 10.0;
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelSums {
-    /// All errors.
     pub total: ErrorSums,
-    /// The first absolute error.
     pub first_error: f64,
-    /// The largest absolute truth.
     pub largest_truth: f64,
     /// The sample since which the error has stayed small, or the number of samples.
     pub settled: usize,
@@ -147,9 +144,7 @@ pub struct ChannelSums {
     pub recent: (f64, u32),
     /// The last mean minus the truth, in canonical form.
     pub error: f64,
-    /// The last standard deviation.
     pub std: f64,
-    /// The first standard deviation.
     pub initial_std: f64,
 }
 

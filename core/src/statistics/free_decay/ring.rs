@@ -51,16 +51,10 @@ const GROWTH: f64 = 1.5;
 const FEWEST: f64 = 20.0;
 
 impl Ring {
-    /// The ring in the first channel of a sound. `None` for a table that is no sound, or where nothing rings.
-    pub fn of(table: &Table) -> Option<Self> {
-        let (rate, values) = table.sound()?;
-        Self::in_samples(rate, values)
-    }
-
     /// Sets part, band and samples of a sound's mapping to those of its ring. Returns a sentence; `None` for another table.
     pub fn choose(table: &Table, mapping: &mut Mapping) -> Option<String> {
-        table.sound()?;
-        let Some(Self { pitch, part, band, every }) = Self::of(table) else {
+        let (rate, values) = table.sound()?;
+        let Some(Self { pitch, part, band, every }) = Self::in_samples(rate, values) else {
             return Some("nothing rings in this sound: a line that is louder than the room and fades".to_owned());
         };
         let round = |x: f64, digits: f64| libm::round(x * digits) / digits;
@@ -182,11 +176,6 @@ impl RingSpectrum {
         ((frequency / self.step) as usize).min(self.powers.len() - 1)
     }
 
-    fn largest_about(&self, frequency: f64, width: f64) -> f64 {
-        let range = self.at(frequency - width)..=self.at(frequency + width);
-        self.powers[range].iter().fold(0.0, |a: f64, b| a.max(*b))
-    }
-
     fn lines(&self, before: Option<&Self>) -> Vec<Line> {
         let mut found = Vec::new();
         let (low, high) = (self.at(LOWEST).max(2), self.at(HIGHEST * self.rate));
@@ -205,7 +194,10 @@ impl RingSpectrum {
             let shift = if bend < 0.0 { 0.5 * (a - c) / bend } else { 0.0 };
             let frequency = (k as f64 + shift.clamp(-0.5, 0.5)) * self.step;
             let width = before.map_or(0.0, |before| 2.0 * before.step.max(self.step));
-            let there = before.map_or(0.0, |before| before.largest_about(frequency, width));
+            let there = before.map_or(0.0, |before| {
+                let range = before.at(frequency - width)..=before.at(frequency + width);
+                before.powers[range].iter().fold(0.0, |a: f64, b| a.max(*b))
+            });
             let power = here - 4.0 * there;
             if here > ABOVE * usual && power > 0.0 {
                 found.push(Line { frequency, power, above: here / usual });
