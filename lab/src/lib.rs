@@ -22,12 +22,10 @@ mod ensemble;
 mod monte_carlo;
 pub mod posterior;
 mod runner;
-mod sheet;
 mod threads;
 pub mod tune;
 
-pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
+pub use ensemble::{Ensemble, EnsembleError, EnsembleRows, MAX_CELLS, Plan, Slice, Trace, channels};
 pub use monte_carlo::{LastError, MonteCarlo, RunVerdicts, share_interval};
 pub use runner::{CellRun, Runner, cell_task};
-pub use sheet::{EnsembleRows, Slice};
 pub use threads::{Lost, Priority, Report, Threads, WorkParts, WorkStep, WorkToken, in_parts, processors};

@@ -255,7 +255,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 /// Source: Wilson (1927), Probable inference, the law of succession, and statistical inference, *Journal of the American
 /// Statistical Association* 22.
 pub fn share_interval(count: usize, of: usize) -> [f64; 2] {
-    const Z: f64 = 1.959_963_984_540_054;
+    const Z: f64 = chi_squared::NORMAL_95;
     let (n, share) = (of as f64, count as f64 / of as f64);
     let middle = share + Z * Z / (2.0 * n);
     let half = Z * libm::sqrt(share * (1.0 - share) / n + Z * Z / (4.0 * n * n));

@@ -245,11 +245,9 @@ impl Target {
         };
         let runs: Vec<Option<CellRun>> = points.iter().map(run).collect();
         let outcomes = outcomes_of(&runs, 0, &[]);
-        let likelihood = |outcome: Outcome| {
-            let is_whole = outcome.stop.is_none() && outcome.log_likelihood.is_finite();
-            if is_whole { outcome.log_likelihood } else { f64::NEG_INFINITY }
-        };
-        outcomes.into_iter().map(|outcome| outcome.map_or(f64::NEG_INFINITY, likelihood)).collect()
+        let is_whole = |outcome: &&Outcome| outcome.stop.is_none() && outcome.log_likelihood.is_finite();
+        let likelihood = |outcome: &Option<Outcome>| outcome.as_ref().filter(is_whole).map(|one| one.log_likelihood);
+        outcomes.iter().map(|outcome| likelihood(outcome).unwrap_or(f64::NEG_INFINITY)).collect()
     }
 }
 
