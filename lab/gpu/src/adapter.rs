@@ -1,7 +1,7 @@
 //! The search for a graphics processor.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use thiserror::Error;
 use wgpu::{
@@ -156,17 +156,15 @@ pub enum GpuError {
 }
 
 #[derive(Clone, Default)]
-pub(crate) struct AdapterFault(Arc<Mutex<Option<String>>>);
+pub(crate) struct AdapterFault(Arc<OnceLock<String>>);
 
 impl AdapterFault {
     fn report(&self, text: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+        // The first one is the cause of the others.
+        let _ = self.0.set(text);
     }
 
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(text) => Err(GpuError::Failed(text.clone())),
-            None => Ok(()),
-        }
+        self.0.get().map_or(Ok(()), |text| Err(GpuError::Failed(text.clone())))
     }
 }
