@@ -210,13 +210,9 @@ impl Ensemble {
     /// The cells in the best order for a picture, which covers the grid evenly at every moment: first every cell at places that are
     /// multiples of the widest stride, then those of half the stride, down to 1.
     pub fn coarse_to_fine(&self) -> Vec<usize> {
-        let (counts, mut order, mut stride) = (self.counts(), Vec::with_capacity(self.cells()), widest(&self.counts()));
-        let is_on = |cell: usize, stride: usize| stand_in(&counts, cell, stride) == cell;
-        order.extend((0..self.cells()).filter(|&cell| is_on(cell, stride)));
-        while stride > 1 {
-            stride /= 2;
-            order.extend((0..self.cells()).filter(|&cell| is_on(cell, stride) && !is_on(cell, 2 * stride)));
-        }
+        let (counts, mut order) = (self.counts(), Vec::from_iter(0..self.cells()));
+        let halvings = |cell: &usize| (0..).find(|i| stand_in(&counts, *cell, widest(&counts) >> i) == *cell);
+        order.sort_by_cached_key(halvings);
         order
     }
 
