@@ -26,18 +26,14 @@ pub(super) async fn tried(scenario: &Scenario, record: &Record, samples: usize) 
 /// A run, and the errors of a free run of its final model, one for each sensor.
 pub(super) async fn tried_freely(scenario: &Scenario, record: &Record) -> Option<(Run, Option<Vec<f64>>)> {
     let run = tried(scenario, record, FREE).await?;
-    let Some(model) = identified(&run) else { return Some((run, None)) };
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none() && !estimates.is_empty());
+    let Some(estimates) = estimates else { return Some((run, None)) };
+    let model = Identified::at(run.scenario(), &run.scenario().filters[0], estimates, estimates.len() - 1);
     let free = model.run_in_pieces(run.record(), 0..run.record().len(), |_| ()).await;
     let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
     let errors = scenario.sensors.iter().map(of).collect::<Option<Vec<f64>>>();
     let errors = errors.filter(|errors| errors.iter().all(|error| error.is_finite()));
     Some((run, errors))
-}
-
-fn identified(run: &Run) -> Option<Identified> {
-    let scenario = run.scenario();
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    Some(Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?))
 }
 
 pub(super) fn likelihood(run: &Run) -> Option<f64> {
