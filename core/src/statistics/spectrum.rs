@@ -55,8 +55,7 @@ impl Spectrum {
     /// The density at every frequency, zero before the first sample; in the samples' unit squared per rad/s.
     pub fn density(&self) -> Vec<f64> {
         let scale = self.dt / (PI * self.samples.max(1) as f64);
-        let mut sums: Vec<f64> = Vec::new();
-        self.groups.iter().for_each(|group| sums.extend_from_slice(&group.sums()));
+        let sums: Vec<f64> = self.groups.iter().flat_map(Group::sums).collect();
         mapped(&sums[..self.frequencies.len()], &|sum| sum * scale)
     }
 }
