@@ -221,11 +221,6 @@ impl Ensemble {
         axes.filter(|((_, setting), _)| !setting.is_of_filters())
             .fold(0, |number, ((axis, _), place)| number * axis.count + place)
     }
-
-    /// The channels of the filters that are scored.
-    pub fn channels(&self) -> Vec<Channel> {
-        channels(&self.scenario, &self.plan.filters)
-    }
 }
 
 fn is_seed(setting: &Address) -> bool {
@@ -314,9 +309,6 @@ impl Trace {
     }
 
     pub(crate) fn fill(&self, nth: usize, sample_scores: &[SampleScore], row: &mut [f64]) {
-        if self.samples.is_empty() {
-            return;
-        }
         let begin = self.at(nth, 0);
         for (numbers, look) in row[begin..].chunks_mut(stride(&self.channels[nth])).zip(sample_scores) {
             numbers[..2].copy_from_slice(&[look.nees, look.nis]);

@@ -276,7 +276,7 @@ const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 impl SeedRuns {
     pub fn to_csv(&self) -> String {
         let (scenario, statistics) = (self.scenario(), &self.statistics);
-        let channels = self.ensemble.channels();
+        let channels = kalmanscope_lab::channels(self.ensemble.scenario(), &self.ensemble.plan().filters);
         let mut text = "filter,t,seeds,mean_nees,mean_nis".to_owned();
         for channel in &channels {
             for column in ["error_2.5", "error_50", "error_97.5", "rmse", "std"] {
