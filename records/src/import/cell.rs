@@ -41,11 +41,8 @@ pub(super) enum Content {
     Number(f64),
     /// Has one reading, such as `1.234,5`.
     Grouped(f64),
-    /// \[s\]: since midnight, or with a date since 1970.
-    Clock {
-        seconds: f64,
-        is_dated: bool,
-    },
+    /// \[s\], and whether there is a date: since midnight, or with one since 1970.
+    Clock(f64, bool),
     Missing,
     Word,
     Text,
@@ -54,7 +51,7 @@ pub(super) enum Content {
 impl Content {
     pub(super) fn value(self) -> f64 {
         match self {
-            Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
+            Self::Number(value) | Self::Grouped(value) | Self::Clock(value, _) => value,
             Self::Missing | Self::Word | Self::Text => f64::NAN,
         }
     }
@@ -100,7 +97,7 @@ impl Decimal {
             Some(value) => Content::Number(value),
             None if is_missing(cell) => Content::Missing,
             None if is_word(cell) => Content::Word,
-            None if let Some((seconds, is_dated)) = clock(cell) => Content::Clock { seconds, is_dated },
+            None if let Some((seconds, is_dated)) = clock(cell) => Content::Clock(seconds, is_dated),
             None => self.duration(cell).map_or(Content::Text, Content::Number),
         }
     }

@@ -174,7 +174,7 @@ impl TextForm {
                 counts.cells += 1;
                 match decimal.read(cell, false) {
                     Content::Number(number) if number.is_nan() => {}
-                    Content::Number(_) | Content::Clock { .. } => counts.numbers += 1,
+                    Content::Number(_) | Content::Clock(..) => counts.numbers += 1,
                     Content::Grouped(_) => {
                         counts.numbers += 1;
                         thousands = true;

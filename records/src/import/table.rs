@@ -84,7 +84,7 @@ impl Column {
         };
         match found {
             Content::Number(_) | Content::Grouped(_) | Content::Missing => {}
-            Content::Clock { is_dated, .. } => {
+            Content::Clock(_, is_dated) => {
                 self.is_time_of_day |= !is_dated;
                 self.is_dated |= is_dated;
             }
