@@ -100,7 +100,7 @@ impl Outcome {
                 println!("{seed} {fault:?} [{}] {known}, {off:.1}σ: {verdict}", situation.note);
                 for e in &diagnosis.evidence {
                     println!(
-                        "#{seed},{fault:?},{known},{},{},{},{},{},{:?}",
+                        "#{seed},{fault:?},{known},{},{:?},{},{},{},{:?}",
                         e.test.name, e.subject, e.statistic, e.p_value, e.effect, e.speaks_for
                     );
                 }

@@ -8,10 +8,8 @@ use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run,
 use crate::Diagnosis;
 use smoothing::Smoothing;
 
-/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
-const DIAGNOSTICS_CHUNK: usize = 10_000;
-
-const EVIDENCE_CHUNK: usize = 10_000;
+/// Limits the samples that diagnostics and evidence take in between two checks of the time: about 0.5 ms.
+const CHUNK: usize = 10_000;
 
 const BOUND_CHUNK: usize = 2_000;
 
@@ -216,7 +214,7 @@ impl Analysis {
                 *one = DiagnosedFilter { id: one.id, begun: true, ..DiagnosedFilter::default() };
             }
             let mut follow = || {
-                diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
+                diagnostics.follow_to(diagnostics.len() + CHUNK, estimates, record);
                 diagnostics.len() == estimates.len()
             };
             if !in_time(&mut follow, while_time) {
@@ -237,7 +235,7 @@ impl Analysis {
         for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
             let evidence = &mut self.evidences[place];
             let mut follow = || {
-                evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
+                evidence.follow_to(evidence.len() + CHUNK, estimates);
                 evidence.len() >= estimates.len()
             };
             if !in_time(&mut follow, while_time) {

@@ -167,9 +167,8 @@ impl Trials {
             let rank = if is_beyond { gain.max(open) } else { gain };
             let achieved = outcome.achieved - before.log_likelihood - penalty * likely.fitted;
             let mut likely = likely.clone();
-            if let Some(sign) = likely.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
-                let sentence = if outcome.learnt > 0.0 { sign.positive } else { sign.negative };
-                likely.sentence = sentence.to_owned();
+            if let Some((_, [positive, negative])) = likely.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
+                likely.sentence = if outcome.learnt > 0.0 { positive } else { negative }.to_owned();
             }
             let edits = likely.edits.clone();
             let remedy = Remedy { first: likely, then: Vec::new(), edits, gain, after: outcome.verdict.clone() };

@@ -21,8 +21,6 @@ pub struct Verdict {
 
 const ENOUGH: u32 = 20;
 
-const MOST: usize = 3;
-
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.kind.name(), self.reason)
@@ -48,7 +46,7 @@ impl Verdict {
             told.push(of);
             is_new
         });
-        let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
+        let mut reasons: Vec<String> = grounds.iter().take(3).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
         sort_items(&mut besides, |a, b| {
             (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)

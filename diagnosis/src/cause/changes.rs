@@ -60,8 +60,6 @@ const FADES: f64 = 0.9;
 
 const LEVEL: f64 = 1e-4;
 
-const FADING: [f64; 2] = [1.005, 1.02];
-
 pub(super) static SUDDEN_CHANGE: Cause = Cause {
     key: "sudden_change",
     name: "a sudden change",
@@ -81,7 +79,7 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let chance = if p_value > 0.0 { format!(" (p = {p_value:.0e})") } else { String::new() };
     let weight = 1.0 - 1.0 / rise;
     let jump = (!bad.filter.jump).then(|| bad.edit("jump", true));
-    let fading = FADING.into_iter().filter(|fading| *fading > bad.filter.fading);
+    let fading = [1.005, 1.02].into_iter().filter(|fading| *fading > bad.filter.fading);
     let fading = fading.map(|fading| (FADES, bad.edit("fading", fading)));
     for (share, edit) in jump.map(|jump| (1.0, jump)).into_iter().chain(fading) {
         let sentence =
@@ -90,10 +88,6 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         found.push(LikelyCause { samples: Some(samples.clone()), begins_anew: true, ..likely });
     }
 }
-
-const WALKS: [f64; 2] = [0.05, 0.3];
-
-const SINGLY: usize = 4;
 
 pub(super) static SLOW_DRIFT: Cause = Cause {
     key: "slow_drift",
@@ -106,7 +100,7 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
         let all: Vec<(usize, Channel)> =
             case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
         let mut propose = |parameters: &[(usize, Channel)], told: &str| {
-            for walk in WALKS {
+            for walk in [0.05, 0.3] {
                 let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
                 if !edits.is_empty() {
                     let sentence = format!("{told}, by about {} over the record", percent(walk));
@@ -115,7 +109,7 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
             }
         };
         propose(&all, "the parameters drift");
-        if (2..=SINGLY).contains(&all.len()) {
+        if (2..=4).contains(&all.len()) {
             for one in &all {
                 propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
             }

@@ -253,8 +253,6 @@ pub(super) static WHITE_FORCE: Cause = Cause {
     },
 };
 
-const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
-
 pub(super) static PROCESS_NOISE: Cause = Cause {
     key: "process_noise",
     name: "Q of the motion",
@@ -271,7 +269,7 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
     let motions = || case.estimates.channels().iter().copied().filter(moves);
-    for factor in FACTORS {
+    for factor in [0.03, 0.1, 0.3, 3.0, 10.0, 30.0] {
         let edits =
             motions().map(|channel| bad.entry("process_std", channel, factor * process_std(bad, filter, channel)));
         let agrees = (first > 0.0) == (factor > 1.0);

@@ -77,8 +77,6 @@ pub(super) static COARSE: Cause = Cause {
     },
 };
 
-const RULES: [&str; 2] = ["student_t", "gate"];
-
 pub(super) static OUTLIERS: Cause = Cause {
     key: "outliers",
     name: "outliers of a sensor",
@@ -104,7 +102,7 @@ fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         return;
     }
     let sentence = sentences.join("; ");
-    for (place, rule) in RULES.into_iter().enumerate() {
+    for (place, rule) in ["student_t", "gate"].into_iter().enumerate() {
         let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
         let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
         found.push(LikelyCause { certain: true, ..likely });

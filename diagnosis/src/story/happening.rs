@@ -12,8 +12,6 @@ use crate::words::plain;
 /// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
 const SETTLING: f64 = 1.0;
 
-const MOST_FAULTS: usize = 2;
-
 pub(super) struct TrueChange {
     pub(super) channel: Channel,
     pub(super) signal: Signal,
@@ -110,7 +108,7 @@ pub(super) fn sentence(changes: &[TrueChange], run: &Run) -> Vec<Phrase> {
 
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
     let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
-    all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
+    all.take(2).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
 }
 
 fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {

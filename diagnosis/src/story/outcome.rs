@@ -8,7 +8,7 @@ use kalmanscope_core::scenario::cost::turn_at;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
 use super::happening::TrueChange;
-use super::{Adjustable, Form, Phrase, Writer};
+use super::{Adjustable, Phrase, Writer};
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
 use crate::{Diagnosis, Evidence, Subject, VerdictKind};
 
@@ -26,8 +26,6 @@ const LOOKS: usize = 100;
 
 /// The least share of the power that a band leaves white noise: noise may have colours.
 const LEAST_BEHIND: f64 = 0.5;
-
-const OTHERS: usize = 2;
 
 pub(super) struct FilterOutcome<'a> {
     pub(super) filter: &'a FilterSettings,
@@ -157,7 +155,7 @@ impl<'a> FilterOutcome<'a> {
 
     fn fading(&self) -> Adjustable {
         let fading = Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "");
-        Adjustable { form: Form::Decimals(3), ..fading }
+        Adjustable { has_three_decimals: true, ..fading }
     }
 
     pub(super) fn aside(&self, is_told: bool) -> Vec<Adjustable> {
@@ -189,7 +187,7 @@ impl<'a> FilterOutcome<'a> {
         let Some(truth) = &main.truth else {
             let text = text.say(format!(" finds {symbol} = ")).result(main.text());
             let text = text.say(main.hertz().map_or(String::new(), |hertz| format!(" ({hertz})")));
-            let others = self.others.iter().take(OTHERS);
+            let others = self.others.iter().take(2);
             let told =
                 |text: Writer, other: &Main| text.say(format!(", {} = ", other.channel.symbol())).result(other.text());
             return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);

@@ -114,8 +114,6 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
 
 const EQUAL: f64 = 1.05;
 
-const MOST: usize = 2;
-
 pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Option<Vec<Phrase>> {
     let compared = filters.iter().filter_map(|(id, name, before, now)| {
         let channel = now.known().find(|channel| channel.is_parameter())?;
@@ -125,7 +123,7 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
     let words = filters.first().and_then(|one| words.strip_prefix(&format!("{} ", one.1))).unwrap_or(words);
     let begin = if words.starts_with("with") { "Before, " } else { "With " };
     let mut text = Writer::default().say(format!("{begin}{words}"));
-    for (place, (id, name, channel, ratio)) in compared.take(MOST).enumerate() {
+    for (place, (id, name, channel, ratio)) in compared.take(2).enumerate() {
         let begin = [", the error of ", ", and that of "][place.min(1)];
         text = text.say(begin).filter(id, name).say(format!(" in {} was ", channel.symbol()));
         text = match ratio {
