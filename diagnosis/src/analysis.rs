@@ -73,14 +73,12 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, it is computed again after half as
-    /// many samples as are kept, and at the end; while diagnoses are put off, it is that of an earlier run with as many samples.
+    /// The diagnosis of the filter at a place, made again after half as many samples as are kept, and at the end; `None` before the first.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.judged.get(place).filter(|_| self.diagnosed)?.diagnosis.as_ref()
     }
 
-    /// The smoothed estimates of the filters that have a smoother. Those with a fixed look-ahead go along with the run, and end
-    /// that much before its last sample; the others need the whole run, and all are empty until they are complete.
+    /// The smoothed estimates of the filters that have a smoother. Without a fixed look-ahead they are empty until the run is complete.
     pub fn smoothed(&self) -> &[Estimates] {
         self.smoothing.estimates()
     }

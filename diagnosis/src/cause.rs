@@ -105,8 +105,7 @@ pub struct LikelyCause {
     pub edits: Vec<Edit>,
     /// The number of values that they fit to the record.
     pub fitted: f64,
-    /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
-    /// the larger one: an edit acts too slowly on a sudden change.
+    /// Whether its trial may restart the filter at the first of `samples`, if that is likelier: an edit acts slowly on a sudden change.
     pub begins_anew: bool,
     /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,

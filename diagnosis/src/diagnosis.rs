@@ -29,9 +29,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// The diagnosis of a filter. `None` if the diagnostics are empty.
-    ///
-    /// One pass over the kept samples, of about 0.1 µs each.
+    /// The diagnosis of a filter, in one pass of about 0.1 µs a kept sample. `None` if the diagnostics are empty.
     pub fn new(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Self> {
         Self::over(0..diagnostics.len(), diagnostics, estimates, record)
     }

@@ -17,9 +17,7 @@ pub struct Remedy {
     pub then: Vec<LikelyCause>,
     /// The edits of all causes together, the last of each key.
     pub edits: Vec<Edit>,
-    /// The log likelihood that the edits gain over the window, less half the logarithm of the number of samples for each
-    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
-    ///
+    /// The gain in log likelihood over the window, less ½ ln n for each fitted number, of n samples (BIC); NaN where it is not tried.
     /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
     pub gain: f64,
     /// The verdict on the filter with the edits made, over the window.
@@ -36,8 +34,7 @@ impl Remedy {
         self.first.edits.iter().any(|edit| edit.inner() == "plant")
     }
 
-    /// Whether nothing is left to explain. Either the filter with the edits made has a good verdict, or its only
-    /// fault is a parameter that is not identifiable; or the cause is certain and has no edit, or is a fault of the record.
+    /// Whether the verdict after it is good or not identifiable, or the cause is a fault of the record, or certain and without an edit.
     pub fn explains(&self) -> bool {
         let of_nothing = self.first.certain && self.edits.is_empty();
         of_nothing || self.first.of_record || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
@@ -62,7 +59,6 @@ impl Remedy {
 
     /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
     /// one of the faults that are known was put into random situations. The rest to 1 is for none of them.
-    ///
     /// ```text
     /// p = o / (1 + Σ o),  o = exp(Σ w x)
     /// ```

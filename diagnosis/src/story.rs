@@ -211,8 +211,4 @@ impl Writer {
         self.0.push(Phrase::Filter { id, name: name.to_owned() });
         self
     }
-
-    fn done(self) -> Vec<Phrase> {
-        self.0
-    }
 }

@@ -47,29 +47,18 @@ pub(super) static TOGETHER: Test = Test {
 };
 
 fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose: &str) -> Evidence {
-    let effect = libm::log(level).abs() / libm::log(TOLERANCE);
-    Evidence {
-        statistic: level,
-        p_value: chi_squared_p(level, count),
-        effect: if level.is_nan() { f64::INFINITY } else { effect },
-        speaks_for: if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() },
-        sentence: format!("innovations² {whose} are {} times what the filter expects", short(level)),
-        ..evidence
-    }
+    let effect = if level.is_nan() { f64::INFINITY } else { libm::log(level).abs() / libm::log(TOLERANCE) };
+    let kind = if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() };
+    let sentence = format!("innovations² {whose} are {} times what the filter expects", short(level));
+    Evidence { p_value: chi_squared_p(level, count), ..evidence.certain(kind, effect, level, sentence) }
 }
 
 /// The numbers are the statistic, its p-value and the effect.
 fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, numbers: [f64; 3], said: &str) -> Evidence {
     let [statistic, p_value, effect] = numbers;
-    let (speaks_for, sentence) = (case.pattern(one), format!("prediction errors of the {} {said}", one.sensor.key()));
-    Evidence {
-        statistic,
-        p_value,
-        effect,
-        speaks_for,
-        sentence,
-        ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-    }
+    let sentence = format!("prediction errors of the {} {said}", one.sensor.key());
+    let evidence = Evidence::new(test, Subject::Sensor(one.sensor), case);
+    Evidence { p_value, ..evidence.certain(case.pattern(one), effect, statistic, sentence) }
 }
 
 const OFF_ZERO: f64 = 0.1;

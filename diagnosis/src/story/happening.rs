@@ -103,7 +103,7 @@ pub(super) fn sentence(changes: &[TrueChange], run: &Run) -> Vec<Phrase> {
     };
     let text = if changes.len() > 1 { text.say(", and other parameters change too") } else { text };
     let hidden = if scenario.plant.disturbance_std > 0.0 { "; an unmeasured force shakes it too" } else { "" };
-    text.say(hidden).say(".").done()
+    text.say(hidden).say(".").0
 }
 
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
@@ -124,7 +124,7 @@ fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
         let range = (low * size, high * size);
         text = text.setting(Adjustable::new(key, value, range, number.scale.unit(quantity))).say(piece);
     }
-    text.say(".").done()
+    text.say(".").0
 }
 
 fn named(channel: Channel) -> String {

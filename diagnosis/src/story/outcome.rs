@@ -138,7 +138,7 @@ impl<'a> FilterOutcome<'a> {
         let memory = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
         let text = if change.is_some() { text.say(memory).setting(self.fading()).say("),") } else { text };
         if let Some((stop, at)) = &self.stop {
-            return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).done();
+            return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).0;
         }
         let text = match self.kind {
             Some(VerdictKind::Diverged) => text.say(" has lost the truth"),
@@ -150,7 +150,7 @@ impl<'a> FilterOutcome<'a> {
                 self.verdict(text, is_off)
             }
         };
-        text.say(".").done()
+        text.say(".").0
     }
 
     fn fading(&self) -> Adjustable {

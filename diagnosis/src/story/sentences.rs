@@ -23,7 +23,7 @@ pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     let input = if has_input(run) { "" } else { ", and no input" };
     let (begin, so_far) = if run.is_live() { ("Live measurement: ", " so far") } else { ("A measured record: ", "") };
     let text = Writer::default().say(begin).result(seconds(length));
-    text.say(format!(" of {of}{so_far}{input}.")).done()
+    text.say(format!(" of {of}{so_far}{input}.")).0
 }
 
 pub(super) fn has_input(run: &Run) -> bool {
@@ -40,7 +40,7 @@ pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<V
         return None;
     }
     if judged.iter().any(|outcome| outcome.is_early()) {
-        return Some(Writer::default().say("It is too early to say which to trust.").done());
+        return Some(Writer::default().say("It is too early to say which to trust.").0);
     }
     let honest: Vec<&FilterOutcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
     let text = Writer::default();
@@ -77,7 +77,7 @@ pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<V
         }
     };
     let more = outcomes.len().saturating_sub(told);
-    Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).done() } else { text.done() })
+    Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).0 } else { text.0 })
 }
 
 fn narrowest<'a, 'b>(several: &[&'a FilterOutcome<'b>]) -> Option<&'a FilterOutcome<'b>> {
@@ -105,11 +105,11 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     if p < FOUND {
         let text = text.say("The readings do not separate the models yet: the probability is ");
         let text = text.result(percent_to_a_tenth(p)).say(" for ").filter(estimates.id(), estimates.name());
-        return Some(text.say(".").done());
+        return Some(text.say(".").0);
     }
     let text = text.say("The likeliest model is that of ").filter(estimates.id(), estimates.name());
     let certainty = ModelClasses::in_percent(p).replace('>', "more than");
-    Some(text.say(", with a probability of ").result(certainty).say(".").done())
+    Some(text.say(", with a probability of ").result(certainty).say(".").0)
 }
 
 const EQUAL: f64 = 1.05;
@@ -132,7 +132,7 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
             _ => text.say("the same"),
         };
     }
-    (text.0.len() > 1).then(|| text.say(".").done())
+    (text.0.len() > 1).then(|| text.say(".").0)
 }
 
 fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
@@ -175,5 +175,5 @@ pub(super) fn of_swing(outcomes: &[FilterOutcome<'_>]) -> Option<Vec<Phrase>> {
     let text = text.say(": Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
     let decrement = 2.0 * PI * zeta / damped;
     let text = text.say(", logarithmic decrement ").result(with_band(decrement, shares[1] * decrement, ""));
-    Some(text.say(".").done())
+    Some(text.say(".").0)
 }
