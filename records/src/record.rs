@@ -24,11 +24,8 @@ pub const MOST: usize = 2_000_000;
 
 /// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
-/// A run can forget its first samples (`Run::forget` of kalmanscope-core). Indices count from the first sample that
-/// is kept; only [`Self::time_of`] counts from the run's beginning.
-///
-/// A measured record can also have the [times that readings and input have](Clocks): filters then go from one to the next, and
-/// what the columns say at the samples is for plots, spectra and start values.
+/// A run can forget its first samples: indices count from the first that is kept, only [`Self::time_of`] from the run's beginning. With
+/// [times of readings and input](Clocks) filters go from one to the next; the columns are then for plots, spectra and start values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     dt: f64,
@@ -92,10 +89,8 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
-    /// The same record, with times for its readings, and maybe for its input.
-    ///
-    /// A reading counts in the step in which it falls, and its column should have its value at the end of that step: a filter
-    /// reports the innovation there.
+    /// The same record, with times for its readings, and maybe for its input. A reading counts in the step in which it falls, and its
+    /// column should have its value at the end of that step: a filter reports the innovation there.
     ///
     /// # Errors
     /// [`RecordError::Clocks`].
@@ -219,8 +214,7 @@ impl Record {
         self.kind.force(self.input[k])
     }
 
-    /// The force over mass \[m/s²\] that acts at sample `k` where the plant feels the input `delay` samples after it is
-    /// recorded, or before if that is negative. Beyond the record's ends its first or last value holds.
+    /// The force over mass \[m/s²\] at sample `k` that was recorded `delay` samples before. Beyond the ends the nearest value holds.
     #[inline]
     pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
         let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };

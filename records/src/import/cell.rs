@@ -58,8 +58,7 @@ impl Content {
 }
 
 impl Decimal {
-    /// The number in a cell, such as `1.234,5`, `1.5D-3` or the seconds of `13:05:00.25`, with or without a date; NaN in an empty one and
-    /// for `nan`, `OVLD` and the like; `None` in one with other text.
+    /// The number in a cell, or the seconds of a time of day; NaN in an empty one and for `nan`, `OVLD` and the like; `None` for other text.
     pub fn number(self, cell: &str) -> Option<f64> {
         let found = self.read(cell, false);
         (found != Content::Text).then(|| found.value())

@@ -86,8 +86,7 @@ impl Record {
         }
     }
 
-    /// The same record with other measurements: `change` gets the place of a sensor, a sample of those that are kept and the
-    /// reading, and returns the one in its place, in the same unit; NaN where it is missing.
+    /// The same record with other measurements: `change` gets the place of a sensor, a kept sample and the reading, NaN if it is missing.
     #[must_use]
     pub fn with_measured(mut self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
         self.change_measured(change);
