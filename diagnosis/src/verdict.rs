@@ -19,8 +19,6 @@ pub struct Verdict {
     pub reason: String,
 }
 
-const ENOUGH: u32 = 20;
-
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.kind.name(), self.reason)
@@ -31,7 +29,7 @@ impl Verdict {
     /// The gravest verdict that the evidence supports. `None` if there are too few measurements.
     pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
         let stopped = case.diagnostics.stop.is_some();
-        if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < ENOUGH {
+        if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < 20 {
             return None;
         }
         let counting = || evidence.iter().filter(|one| one.counts);
@@ -135,8 +133,6 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
 /// Scores count as correlated over this many samples, or over a swing if that is longer.
 const LEAST: usize = 40;
 
-const ENOUGH_WINDOWS: usize = 4;
-
 /// The standard deviation is about that of the error over the filter's own, for each parameter alone. An update moves a parameter by
 /// `Δ = K e`; `s = Δ / P` is the score, and correlated scores increase the variance of the estimate by
 /// ```text
@@ -168,7 +164,7 @@ fn size_of_pattern(case: &Case<'_>) -> Option<(Channel, f64)> {
         }
         let mean = |(sum, count): (f64, usize)| sum / count as f64;
         let size = (level * mean(sums) / (window as f64 * mean(squares))).sqrt();
-        (size.is_finite() && squares.1 >= ENOUGH_WINDOWS * window).then_some((channel, size))
+        (size.is_finite() && squares.1 >= 4 * window).then_some((channel, size))
     });
     sizes.max_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -58,8 +58,6 @@ const RISE: f64 = 1.3;
 /// The weight of fading relative to a jump: it forgets what was before the change too; λ = 1.005 doubled all errors.
 const FADES: f64 = 0.9;
 
-const LEVEL: f64 = 1e-4;
-
 pub(super) static SUDDEN_CHANGE: Cause = Cause {
     key: "sudden_change",
     name: "a sudden change",
@@ -71,7 +69,7 @@ pub(super) static SUDDEN_CHANGE: Cause = Cause {
 fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
     let change = change_point(&case.estimates.nis()[case.samples.clone()]);
-    let is_one = |change: &ParameterChange| change.rise >= RISE && change.p_value < LEVEL;
+    let is_one = |change: &ParameterChange| change.rise >= RISE && change.p_value < 1e-4;
     let Some(ParameterChange { at, rise, p_value }) = change.filter(is_one) else { return };
     let at = case.samples.start + at;
     let samples = at..case.samples.end;
@@ -125,8 +123,6 @@ fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> O
     moves.then(|| bad.entry("process_std", channel, std))
 }
 
-const WIDER: f64 = 5.0;
-
 const OPEN: f64 = 0.3;
 
 /// A guess is far off where it differs by more than this share from the measured frequency, which is spread by that share.
@@ -144,7 +140,7 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let channels = bad.case.estimates.channels();
     let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
     let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
-    let wider = |one: &Channel| bad.entry("initial_std", *one, WIDER * doubt(one));
+    let wider = |one: &Channel| bad.entry("initial_std", *one, 5.0 * doubt(one));
     let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
     let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
     let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();

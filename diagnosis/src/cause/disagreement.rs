@@ -18,10 +18,6 @@ const ALIKE: f64 = 0.02;
 /// This many times its first σ leaves a sensor out.
 const SILENCE: f64 = 1000.0;
 
-const IN_TIME: f64 = 0.1;
-
-const GAIN_STD: f64 = 0.05;
-
 pub(super) static SIGN: Cause = Cause {
     key: "sensor_sign",
     name: "the sign of a sensor",
@@ -152,7 +148,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                 Fault::Sign | Fault::Scale => {
                     let channel = sensors[which].gain();
                     let mean = bad.entry("initial_mean", channel, gain);
-                    let std = bad.entry("initial_std", channel, GAIN_STD * gain.abs());
+                    let std = bad.entry("initial_std", channel, 0.05 * gain.abs());
                     let [times, rate, not] = [gain.abs(), 1.0 / (pair.of_time().abs() * dt), 1.0 / dt].map(short);
                     let scale =
                         format!("reads {times} times what it should, or there are {rate} samples a second, not {not}");
@@ -207,7 +203,7 @@ fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
     // The two were compared at whole steps of each.
     let between = libm::round(delays.of(own)) - libm::round(delays.of(other));
     let delay = delays.of(other) + between + steps;
-    if delay.abs() < IN_TIME { 0.0 } else { delay * dt }
+    if delay.abs() < 0.1 { 0.0 } else { delay * dt }
 }
 
 /// Two sensors of one mass compared: the changes of one with the integral of the other.

@@ -96,11 +96,7 @@ fn far(factor: f64) -> bool {
     factor.is_finite() && libm::log(factor).abs() > libm::log(TOLERANCE)
 }
 
-const LEAST_CHANGE: f64 = 1.5;
-
 const WHITE: f64 = 0.2;
-
-const LEVEL: f64 = 1e-4;
 
 pub(super) static CHANGING_NOISE: Cause = Cause {
     key: "changing_noise",
@@ -150,8 +146,8 @@ fn change(one: &SensorInnovations) -> Option<NoiseChange> {
         }
     }
     let (gain, change) = best?;
-    let is_chance = looked * chi_squared_p(gain.max(1.0), 1.0) > LEVEL;
-    (change.ratio > LEAST_CHANGE && !is_chance).then_some(change)
+    let is_chance = looked * chi_squared_p(gain.max(1.0), 1.0) > 1e-4;
+    (change.ratio > 1.5 && !is_chance).then_some(change)
 }
 
 fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &NoiseChange) -> String {

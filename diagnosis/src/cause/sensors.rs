@@ -16,8 +16,6 @@ pub(super) static CLIPPED: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::clipped, "are at the end of its range"),
 };
 
-const RISE: f64 = 1.5;
-
 pub(super) static STICKING: Cause = Cause {
     key: "sticking",
     name: "a sensor that sticks",
@@ -32,7 +30,7 @@ fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     for (place, one) in bad.case.sensors.iter().enumerate() {
         let Some(Marked { share, levels }) = Readings::of(bad.case, place).as_ref().and_then(look) else { continue };
         let [there, elsewhere] = levels;
-        if there <= RISE * elsewhere.max(1.0) {
+        if there <= 1.5 * elsewhere.max(1.0) {
             continue;
         }
         let (some, name, times, others) = (percent(share), one.sensor.key(), short(there), short(elsewhere));
@@ -148,8 +146,6 @@ const COLOURED: f64 = 0.08;
 /// Over the correlation time of innovations, which is shorter than that of the noise: a filter takes a part of it for motion.
 const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
 
-const WHITE_PART: f64 = 0.05;
-
 pub(super) static COLOURED_NOISE: Cause = Cause {
     key: "coloured_noise",
     name: "coloured noise of a sensor",
@@ -173,7 +169,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
         let of_part = (next > first && next < 1.0).then(|| (last(next), (1.0 - first / next).sqrt()));
-        for (readings, white) in LONGER.map(|by| (by * last(first), WHITE_PART)).into_iter().chain(of_part) {
+        for (readings, white) in LONGER.map(|by| (by * last(first), 0.05)).into_iter().chain(of_part) {
             let samples = readings * lag as f64;
             let (mut stds, coloured) = (bad.filter.sensor_std.clone(), size * (1.0 - white * white).sqrt());
             stds[place] = white * size;
@@ -194,8 +190,6 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
 
 /// A step of more than this share of the range, from near one end to near the other, is a turn.
 const TURN: f64 = 0.8;
-
-const LEAST_TURNS: usize = 3;
 
 pub(super) static WRAPS: Cause = Cause {
     key: "wraps",
@@ -301,7 +295,7 @@ impl Readings {
                 return None;
             }
         }
-        (jumps >= LEAST_TURNS).then(|| (jumps, sum / jumps as f64))
+        (jumps >= 3).then(|| (jumps, sum / jumps as f64))
     }
 
     /// The step to which readings are rounded.
@@ -311,7 +305,7 @@ impl Readings {
         sort_numbers(&mut values);
         values.dedup();
         let [first, .., last] = values[..] else { return None };
-        if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {
+        if count < 50 || values.len() as f64 > 0.3 * count as f64 {
             return None;
         }
         // Equal readings may differ by rounding, which would pass for the step.
@@ -345,8 +339,8 @@ impl Readings {
         // Noise that grows once has its large values behind that time alone.
         let quarters = marks.chunks(marks.len().div_ceil(4).max(1));
         let spread = quarters.map(|part| part.iter().filter(|mark| **mark).count() as f64 / many);
-        let alone = alone && spread.fold(f64::INFINITY, f64::min) > LEAST_PART;
-        if many >= FEWEST as f64 && share >= OUTLYING && alone { self.marked(&marks) } else { None }
+        let alone = alone && spread.fold(f64::INFINITY, f64::min) > 0.06;
+        if many >= FEWEST as f64 && share >= 0.004 && alone { self.marked(&marks) } else { None }
     }
 }
 
@@ -381,16 +375,10 @@ const SHARE: f64 = 0.01;
 /// The least number of spells at an end: one alone may be a rest.
 const SPELLS: usize = 3;
 
-const MOST_LEVELS: f64 = 0.3;
-
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Chance puts 6 of ten million innovations beyond this many usual ones.
 const FAR: f64 = 5.0;
-
-const OUTLYING: f64 = 0.004;
-
-const LEAST_PART: f64 = 0.06;
 
 fn spells(marks: impl Iterator<Item = bool>) -> usize {
     let mut before = false;

@@ -277,12 +277,6 @@ fn largest_error(case: &Case<'_>) -> (f64, String) {
     (off, format!("the {name} is off by {} times its σ", short(off)))
 }
 
-const FALL: f64 = 100.0;
-
-const FEWEST: f64 = 2.0;
-
-const A_WHILE: usize = 10;
-
 pub(super) static SAMPLE: Test = Test {
     name: "the sample of particles",
     statistic: "the largest fall of a σ from one sample to the next; the least effective sample size",
@@ -314,25 +308,23 @@ fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
         let samples = at..case.samples.end;
         let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-        found.push(one.certain(VerdictKind::Collapsed, fall / FALL, fall, sentence));
+        found.push(one.certain(VerdictKind::Collapsed, fall / 100.0, fall, sentence));
     }
     let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
     for &size in sizes.iter().filter(|size| !size.is_nan()) {
-        present = if size < FEWEST { present + 1 } else { 0 };
+        present = if size < 2.0 { present + 1 } else { 0 };
         longest = longest.max(present);
         least = size.min(least);
     }
     let sentence =
         format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
     let one = Evidence::new(test, Subject::All, case);
-    found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, least, sentence));
+    found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / 10.0, least, sentence));
 }
 
 const SHARE: f64 = 0.25;
 
 const TIMES: f64 = 3.0;
-
-const MOST: f64 = 1.0 - 1e-6;
 
 pub(super) static DIVERSITY: Test = Test {
     name: "diversity of the particles",
@@ -384,5 +376,5 @@ fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {
 }
 
 fn shrinks_by(share: f64) -> f64 {
-    -0.5 * libm::log(1.0 - share.min(MOST))
+    -0.5 * libm::log(1.0 - share.min(1.0 - 1e-6))
 }

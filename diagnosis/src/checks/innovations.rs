@@ -61,8 +61,6 @@ fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, number
     Evidence { p_value, ..evidence.certain(case.pattern(one), effect, statistic, sentence) }
 }
 
-const OFF_ZERO: f64 = 0.1;
-
 pub(super) static MEAN: Test = Test {
     name: "mean of the innovations",
     statistic: "mean of ν times √N",
@@ -74,7 +72,7 @@ pub(super) static MEAN: Test = Test {
             let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
             if count > 0.0 {
                 let statistic = mean * count.sqrt();
-                let numbers = [statistic, normal_p(statistic), mean.abs() / OFF_ZERO];
+                let numbers = [statistic, normal_p(statistic), mean.abs() / 0.1];
                 found.push(pattern(case, test, one, numbers, &format!("are {mean:.2}σ on average, not 0")));
             }
         }

@@ -14,8 +14,6 @@ use crate::{Diagnosis, Evidence, Subject, VerdictKind};
 
 const FOUND: f64 = 0.05;
 
-const SURE: f64 = 3.0;
-
 /// The motion turns by this angle in a long step \[°\].
 const LONG_STEP: f64 = 30.0;
 
@@ -218,7 +216,7 @@ impl<'a> FilterOutcome<'a> {
 
     fn spring(&self) -> Option<&'static str> {
         let cubic = self.others.iter().find(|other| other.channel == Channel::CUBIC_STIFFNESS)?;
-        let is_sure = cubic.mean.abs() > SURE * cubic.std;
+        let is_sure = cubic.mean.abs() > 3.0 * cubic.std;
         is_sure.then_some(if cubic.mean > 0.0 { "; the spring hardens" } else { "; the spring softens" })
     }
 

@@ -30,8 +30,6 @@ pub(super) fn has_input(run: &Run) -> bool {
     run.record().input().iter().any(|input| *input != 0.0)
 }
 
-const NARROWER: f64 = 1.1;
-
 /// None before there are verdicts. `told` limits the filters to those of the story.
 pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<Vec<Phrase>> {
     let judged: Vec<&FilterOutcome<'_>> = outcomes.iter().filter(|outcome| outcome.kind.is_some()).collect();
@@ -85,10 +83,8 @@ fn narrowest<'a, 'b>(several: &[&'a FilterOutcome<'b>]) -> Option<&'a FilterOutc
     let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
     let others = several.iter().filter(|other| other.filter.id != best.filter.id);
     let next = others.map(|other| band(&other)).fold(f64::INFINITY, f64::min);
-    (next.is_finite() && band(&best) > 0.0 && next > NARROWER * band(&best)).then_some(*best)
+    (next.is_finite() && band(&best) > 0.0 && next > 1.1 * band(&best)).then_some(*best)
 }
-
-const FOUND: f64 = 0.95;
 
 pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
     let truth = &run.scenario().plant.kind;
@@ -102,7 +98,7 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     let estimates = &run.estimates()[best];
     let p = classes.probabilities[best];
     let text = Writer::default();
-    if p < FOUND {
+    if p < 0.95 {
         let text = text.say("The readings do not separate the models yet: the probability is ");
         let text = text.result(percent_to_a_tenth(p)).say(" for ").filter(estimates.id(), estimates.name());
         return Some(text.say(".").0);
@@ -143,8 +139,6 @@ fn times(ratio: f64) -> String {
     if ratio < 9.95 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
 
-const VAGUE: f64 = 0.5;
-
 /// Below this period nobody counts swings \[s\].
 const QUICK: f64 = 0.05;
 
@@ -159,7 +153,7 @@ pub(super) fn of_swing(outcomes: &[FilterOutcome<'_>]) -> Option<Vec<Phrase>> {
     let believable_first = outcomes.iter().filter(may_be_believed).chain(outcomes);
     let [(frequency, spread), (damping, doubt)] = believable_first.into_iter().find_map(FilterOutcome::swing)?;
     let (shares, zeta) = ([2.0 * spread / frequency, 2.0 * doubt / damping], damping);
-    if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..VAGUE).contains(share))) {
+    if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..0.5).contains(share))) {
         return None;
     }
     let damped = libm::sqrt(1.0 - zeta * zeta);
