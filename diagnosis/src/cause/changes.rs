@@ -133,46 +133,44 @@ pub(super) static INITIAL_GUESS: Cause = Cause {
     key: "initial_guess",
     name: "an initial guess with too small a σ",
     hint: "A filter searches only near its guess. Begin with larger standard deviations, or with a better guess.",
-    likely_causes: initial_guess,
+    likely_causes: |bad, cause, found| {
+        let channels = bad.case.estimates.channels();
+        let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
+        let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
+        let wider = |one: &Channel| bad.entry("initial_std", *one, 5.0 * doubt(one));
+        let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
+        let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
+        let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
+        if !frozen.is_empty() {
+            let spread = |channel: &Channel| {
+                let mean = bad.filter.initial_mean[*channel].abs();
+                bad.entry("initial_std", *channel, if mean > 0.0 { OPEN * mean } else { OPEN })
+            };
+            let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
+            let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
+            let edits = mapped(&frozen, &spread);
+            found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
+        }
+        if edits.is_empty() {
+            return;
+        }
+        let sentence = "the initial guess is far off, and its σ is too small".to_owned();
+        found.push(LikelyCause::new(cause, 0.1, 1.0, edits.clone(), sentence));
+        // From far off, a filter may settle elsewhere however wide it begins: then the measured motion has a better guess.
+        let frequency = Channel::NATURAL_FREQUENCY;
+        let is_estimated = bad.filter.initial_std[frequency] > 0.0 && !bad.filter.knows(frequency);
+        let guess = bad.frequency().filter(|_| is_estimated);
+        let peak = bad.measured_peak().filter(|peak| guess.is_some_and(|guess| (peak / guess - 1.0).abs() > FAR));
+        if let Some(peak) = peak {
+            let new = [("initial_mean", peak), ("initial_std", SPREAD * peak)]
+                .map(|(table, x)| bad.entry(table, frequency, x));
+            let edits = edits.into_iter().filter(|edit| edit.key != new[1].key).chain(new.clone()).collect();
+            let sentence =
+                format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
+            found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));
+        }
+    },
 };
-
-fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let channels = bad.case.estimates.channels();
-    let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
-    let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
-    let wider = |one: &Channel| bad.entry("initial_std", *one, 5.0 * doubt(one));
-    let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
-    let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
-    let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
-    if !frozen.is_empty() {
-        let spread = |channel: &Channel| {
-            let mean = bad.filter.initial_mean[*channel].abs();
-            bad.entry("initial_std", *channel, if mean > 0.0 { OPEN * mean } else { OPEN })
-        };
-        let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
-        let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
-        let edits = mapped(&frozen, &spread);
-        found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
-    }
-    if edits.is_empty() {
-        return;
-    }
-    let sentence = "the initial guess is far off, and its σ is too small".to_owned();
-    found.push(LikelyCause::new(cause, 0.1, 1.0, edits.clone(), sentence));
-    // From far off, a filter may settle elsewhere however wide it begins: then the measured motion has a better guess.
-    let frequency = Channel::NATURAL_FREQUENCY;
-    let is_estimated = bad.filter.initial_std[frequency] > 0.0 && !bad.filter.knows(frequency);
-    let guess = bad.frequency().filter(|_| is_estimated);
-    let peak = bad.measured_peak().filter(|peak| guess.is_some_and(|guess| (peak / guess - 1.0).abs() > FAR));
-    if let Some(peak) = peak {
-        let new =
-            [("initial_mean", peak), ("initial_std", SPREAD * peak)].map(|(table, x)| bad.entry(table, frequency, x));
-        let edits = edits.into_iter().filter(|edit| edit.key != new[1].key).chain(new.clone()).collect();
-        let sentence =
-            format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
-        found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));
-    }
-}
 
 /// Limits a square, so that one reading makes no change.
 const LARGEST: f64 = 50.0;

@@ -80,32 +80,30 @@ pub(super) static OUTLIERS: Cause = Cause {
     name: "outliers of a sensor",
     hint: "Single readings are far off, and their neighbours are not. A larger R would weaken all readings because of \
            a few. Let the filter weigh each reading by its fit.",
-    likely_causes: outliers,
+    likely_causes: |bad, cause, found| {
+        if bad.filter.robust.is_on() || !bad.filter.can(&WEIGHED) || bad.filter.walk > 0.0 {
+            return;
+        }
+        let (mut sentences, mut most) = (Vec::new(), f64::NAN);
+        for (place, one) in bad.case.sensors.iter().enumerate() {
+            let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
+            let [there, elsewhere] = marked.levels;
+            most = there.max(most);
+            let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
+            let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
+            sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
+        }
+        if sentences.is_empty() {
+            return;
+        }
+        let sentence = sentences.join("; ");
+        for (place, rule) in ["student_t", "gate"].into_iter().enumerate() {
+            let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
+            let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
+            found.push(LikelyCause { certain: true, ..likely });
+        }
+    },
 };
-
-fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.robust.is_on() || !bad.filter.can(&WEIGHED) || bad.filter.walk > 0.0 {
-        return;
-    }
-    let (mut sentences, mut most) = (Vec::new(), f64::NAN);
-    for (place, one) in bad.case.sensors.iter().enumerate() {
-        let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
-        let [there, elsewhere] = marked.levels;
-        most = there.max(most);
-        let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
-        let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
-        sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
-    }
-    if sentences.is_empty() {
-        return;
-    }
-    let sentence = sentences.join("; ");
-    for (place, rule) in ["student_t", "gate"].into_iter().enumerate() {
-        let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
-        let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
-        found.push(LikelyCause { certain: true, ..likely });
-    }
-}
 
 const WIDE: f64 = 10.0;
 
@@ -113,33 +111,31 @@ pub(super) static SENSOR_BIAS: Cause = Cause {
     key: "sensor_bias",
     name: "a sensor's bias or drift",
     hint: "The sensor's zero is off, or drifts. Let the filter estimate it, with process noise if it drifts.",
-    likely_causes: bias,
-};
-
-fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
-        let bias = one.sensor.bias();
-        let mean = one.mean(&case.kept).abs();
-        let name = one.sensor.key();
-        // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
-        let step = WIDE * std / (case.len().max(1) as f64).sqrt();
-        if bad.filter.augment.contains(&bias) {
-            for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
-                let edits = vec![bad.entry("process_std", bias, step)];
-                let sentence = format!("the bias of the {name} drifts, but its Q is too small");
-                found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
+    likely_causes: |bad, cause, found| {
+        let case = bad.case;
+        for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
+            let bias = one.sensor.bias();
+            let mean = one.mean(&case.kept).abs();
+            let name = one.sensor.key();
+            // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
+            let step = WIDE * std / (case.len().max(1) as f64).sqrt();
+            if bad.filter.augment.contains(&bias) {
+                for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
+                    let edits = vec![bad.entry("process_std", bias, step)];
+                    let sentence = format!("the bias of the {name} drifts, but its Q is too small");
+                    found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
+                }
+                continue;
             }
-            continue;
+            let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
+            let mut drifting = still.clone();
+            drifting.push(bad.entry("process_std", bias, step));
+            let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+            found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
+            found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
         }
-        let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
-        let mut drifting = still.clone();
-        drifting.push(bad.entry("process_std", bias, step));
-        let weight = 2.0 * mean / (1.0 + 2.0 * mean);
-        found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
-        found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
-    }
-}
+    },
+};
 
 const COLOURED: f64 = 0.08;
 

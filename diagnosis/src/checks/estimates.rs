@@ -283,44 +283,42 @@ pub(super) static SAMPLE: Test = Test {
     distribution: "none",
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems",
     reading: "above 100 times, or fewer than 2 particles for a while: one has all the weight, and σ means nothing",
-    run: sample,
-};
-
-fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    if case.estimates.effective_samples().is_empty() {
-        return;
-    }
-    let sizes = &case.estimates.effective_samples()[case.samples.clone()];
-    let fall_of = |(place, channel): (usize, &Channel)| {
-        let variances = &case.estimates.variances(place)[case.samples.clone()];
-        let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
-        let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((fall.sqrt(), k + 1, *channel))
-    };
-    let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
-    if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        let at = case.samples.start + k;
-        let time = short(case.record.time(at));
-        let with = match sizes[k] {
-            size if size.is_nan() => "where nothing is measured".to_owned(),
-            size => format!("with {} effective particles", short(size)),
+    run: |case, test, found| {
+        if case.estimates.effective_samples().is_empty() {
+            return;
+        }
+        let sizes = &case.estimates.effective_samples()[case.samples.clone()];
+        let fall_of = |(place, channel): (usize, &Channel)| {
+            let variances = &case.estimates.variances(place)[case.samples.clone()];
+            let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
+            let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some((fall.sqrt(), k + 1, *channel))
         };
-        let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
-        let samples = at..case.samples.end;
-        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-        found.push(one.certain(VerdictKind::Collapsed, fall / 100.0, fall, sentence));
-    }
-    let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
-    for &size in sizes.iter().filter(|size| !size.is_nan()) {
-        present = if size < 2.0 { present + 1 } else { 0 };
-        longest = longest.max(present);
-        least = size.min(least);
-    }
-    let sentence =
-        format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
-    let one = Evidence::new(test, Subject::All, case);
-    found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / 10.0, least, sentence));
-}
+        let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
+        if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            let at = case.samples.start + k;
+            let time = short(case.record.time(at));
+            let with = match sizes[k] {
+                size if size.is_nan() => "where nothing is measured".to_owned(),
+                size => format!("with {} effective particles", short(size)),
+            };
+            let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
+            let samples = at..case.samples.end;
+            let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+            found.push(one.certain(VerdictKind::Collapsed, fall / 100.0, fall, sentence));
+        }
+        let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
+        for &size in sizes.iter().filter(|size| !size.is_nan()) {
+            present = if size < 2.0 { present + 1 } else { 0 };
+            longest = longest.max(present);
+            least = size.min(least);
+        }
+        let sentence =
+            format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
+        let one = Evidence::new(test, Subject::All, case);
+        found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / 10.0, least, sentence));
+    },
+};
 
 const SHARE: f64 = 0.25;
 

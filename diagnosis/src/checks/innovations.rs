@@ -91,35 +91,33 @@ pub(super) static WHITENESS: Test = Test {
     source: "Ljung and Box (1978); Mehra (1970), On the identification of variances and adaptive Kalman filtering",
     reading: "positive at lag 1: the gain is too low, and a part of each error remains in the next; negative: the gain \
               is too high",
-    run: whiteness,
-};
-
-fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        for span in case.spans() {
-            let count = one.count(&span.parts);
-            if count < 2.0 * LAGS as f64 {
-                continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            for span in case.spans() {
+                let count = one.count(&span.parts);
+                if count < 2.0 * LAGS as f64 {
+                    continue;
+                }
+                let correlation = one.autocorrelation(&span.parts);
+                let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
+                let statistic = count * (count + 2.0) * terms.sum::<f64>();
+                let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                let (lag, largest) = largest.unwrap_or((1, 0.0));
+                let (next, first) = one.first_correlation(&span.parts);
+                let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
+                let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+                let degrees = correlation.iter().filter(|r| **r != 0.0).count() as u32;
+                let p_value = chi_squared::upper_tail(statistic, degrees).unwrap_or(1.0);
+                let said = format!("are correlated{}: {first:.2} at lag {next}{also}", span.words);
+                found.push(Evidence {
+                    speaks_for: direction(case, one, telling, one.level(&span.parts)),
+                    samples: span.samples,
+                    ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said)
+                });
             }
-            let correlation = one.autocorrelation(&span.parts);
-            let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
-            let statistic = count * (count + 2.0) * terms.sum::<f64>();
-            let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let (lag, largest) = largest.unwrap_or((1, 0.0));
-            let (next, first) = one.first_correlation(&span.parts);
-            let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
-            let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
-            let degrees = correlation.iter().filter(|r| **r != 0.0).count() as u32;
-            let p_value = chi_squared::upper_tail(statistic, degrees).unwrap_or(1.0);
-            let said = format!("are correlated{}: {first:.2} at lag {next}{also}", span.words);
-            found.push(Evidence {
-                speaks_for: direction(case, one, telling, one.level(&span.parts)),
-                samples: span.samples,
-                ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said)
-            });
         }
-    }
-}
+    },
+};
 
 pub(super) static PAIRS: Test = Test {
     name: "whiteness between two sensors",
