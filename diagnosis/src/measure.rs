@@ -12,8 +12,7 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, Quantity, Record, Scenar
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::Diagnosis;
-use crate::{CAUSES, Search};
+use crate::{CAUSES, Diagnosis, Search};
 
 pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};

@@ -5,8 +5,8 @@ use kalmanscope_core::setting::Edit;
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
+use super::diagnosis::Verdict;
 use super::trial::{TrialOutcome, Trials};
-use super::verdict::Verdict;
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]

@@ -14,10 +14,9 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, Record, RunError, Scenar
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
-use super::diagnosis::Diagnosis;
+use super::diagnosis::{Diagnosis, Verdict};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::{TrialOutcome, Trials};
-use super::verdict::Verdict;
 
 const STEPS: usize = 4;
 

@@ -6,8 +6,7 @@ use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
 use super::cause::LikelyCause;
-use super::diagnosis::Diagnosis;
-use super::verdict::Verdict;
+use super::diagnosis::{Diagnosis, Verdict};
 
 /// Limits the samples of a trial; it takes the last ones of the record.
 const WINDOW: usize = 10_000;

@@ -3,8 +3,7 @@
 use kalmanscope_core::scenario::option::{EXCLUSIONS, FilterOption};
 use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
 use kalmanscope_core::{Aspect, Channel, FilterKind, PlantKind, Robust, Scenario};
-use kalmanscope_diagnosis::MeasureKind;
-use kalmanscope_diagnosis::{CAUSES, Cause};
+use kalmanscope_diagnosis::{CAUSES, Cause, MeasureKind};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
 const PLANTS: &str = include_str!("../../docs/plants.md");

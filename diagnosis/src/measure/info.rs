@@ -3,8 +3,7 @@
 use std::fmt;
 
 use super::observed::ObservedSums;
-use crate::CAUSES;
-use crate::VerdictKind;
+use crate::{CAUSES, VerdictKind};
 
 /// The description of a measure.
 #[derive(Debug)]
