@@ -71,7 +71,7 @@ impl Remedy {
             let seen = [
                 1.0,
                 flag(place == 0),
-                libm::copysign(libm::log1p(lead.abs() / SCALE), lead),
+                libm::copysign(libm::log1p(lead.abs() / 8.0), lead),
                 flag(remedy.explains()),
                 flag(others().any(Self::explains)),
                 flag(remedy.first.certain),
@@ -98,8 +98,6 @@ fn rests(kind: VerdictKind) -> u8 {
 pub(super) const WORTH: f64 = 8.0;
 
 const SIGNIFICANT: f64 = 4.0;
-
-const BEYOND: f64 = 20.0;
 
 pub(super) const UNKNOWN_FORCE: &str = "unknown_force";
 
@@ -159,7 +157,7 @@ impl Trials {
                 continue;
             }
             let open = open(likely, outcome);
-            let is_beyond = !is_noise(likely) && open > of_noise + BEYOND;
+            let is_beyond = !is_noise(likely) && open > of_noise + 20.0;
             let rank = if is_beyond { gain.max(open) } else { gain };
             let achieved = outcome.achieved - before.log_likelihood - penalty * likely.fitted;
             let mut likely = likely.clone();
@@ -191,8 +189,6 @@ pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::O
 /// explained verdict are larger, so that half of the remedies that explain nothing are right where one fault in five has no name here.
 /// Source: Platt (1999), Probabilistic outputs for support vector machines.
 const WEIGHTS: [f64; 8] = [-4.7, 2.6, 0.5, 4.3, -0.4, 5.3, -1.5, -3.3];
-
-const SCALE: f64 = 8.0;
 
 /// A probability as it is read: never quite none or all.
 pub fn in_percent(probability: f64) -> String {

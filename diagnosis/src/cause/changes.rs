@@ -181,8 +181,6 @@ const MARGINS: (f64, f64) = (0.15, 0.03);
 /// Samples of a block. The dispersion of block means includes the correlation of successive squares.
 const BLOCK: usize = 20;
 
-const FEWEST: usize = 2;
-
 /// A rise of the squares of innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterChange {
@@ -232,7 +230,7 @@ pub fn change_point(squares: &[f64]) -> Option<ParameterChange> {
     let dispersion = of_both.iter().map(|(sum, _)| sum).sum::<f64>() / blocks.max(1) as f64;
     let ratio = 2.0 * (n as f64 * libm::log(total / n as f64) - cost);
     // Squares that vary less than exponential numbers make no change more certain.
-    let p_value = if blocks < 2 * FEWEST { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
+    let p_value = if blocks < 4 { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
     Some(ParameterChange { at, rise: second / first, p_value })
 }
 

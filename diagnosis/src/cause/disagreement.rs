@@ -13,8 +13,6 @@ const LATE: f64 = 1.0;
 
 const SURE: f64 = 5.0;
 
-const ALIKE: f64 = 0.02;
-
 /// This many times its first σ leaves a sensor out.
 const SILENCE: f64 = 1000.0;
 
@@ -121,7 +119,7 @@ fn common_factor(pairs: &[SensorPair]) -> Option<f64> {
     let (factor, std) = (first.of_time(), first.agreement.std);
     let is_same = |pair: &SensorPair| {
         let (other, other_std) = (pair.of_time(), pair.agreement.std);
-        (other - factor).abs() <= ALIKE * factor.abs() + SURE * libm::hypot(std, other_std)
+        (other - factor).abs() <= 0.02 * factor.abs() + SURE * libm::hypot(std, other_std)
     };
     let is_common = !others.is_empty() && factor > 0.0 && others.iter().all(is_same);
     (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
@@ -226,8 +224,6 @@ const MOST_LATE: usize = 60;
 /// Limits the changes that are compared: more add little.
 const PAIRS: usize = 1000;
 
-const CLEAR: f64 = 0.9;
-
 /// The spans over which changes are taken, in samples: the one in which both are most alike is used.
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
@@ -252,7 +248,7 @@ impl Agreement {
         let (_, best) = likenesses.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let sums = at(span, best)?;
         let r = sums.correlation();
-        if r.abs() < CLEAR {
+        if r.abs() < 0.9 {
             return None;
         }
         let (before, here, after) = (likeness(&at(span, best - 1)), r.abs(), likeness(&at(span, best + 1)));

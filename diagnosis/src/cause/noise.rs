@@ -11,8 +11,6 @@ use crate::checks::Subject;
 use crate::sums::{Chosen, PARTS, SensorInnovations};
 use crate::words::short;
 
-const TOLERANCE: f64 = 1.15;
-
 /// Limits the factors on a variance that may come first: a larger one silences the sensor.
 const SILENCE: f64 = 100.0;
 
@@ -93,10 +91,8 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
 }
 
 fn far(factor: f64) -> bool {
-    factor.is_finite() && libm::log(factor).abs() > libm::log(TOLERANCE)
+    factor.is_finite() && libm::log(factor).abs() > libm::log(1.15)
 }
-
-const WHITE: f64 = 0.2;
 
 pub(super) static CHANGING_NOISE: Cause = Cause {
     key: "changing_noise",
@@ -141,7 +137,7 @@ fn change(one: &SensorInnovations) -> Option<NoiseChange> {
         if gain.is_finite() && best.as_ref().is_none_or(|(most, _)| gain > *most) {
             let levels = (one.level(&rest), one.level(&within));
             let ratio = (levels.1 / levels.0).max(levels.0 / levels.1);
-            let is_white = [&within, &rest].iter().all(|chosen| one.autocorrelation(chosen)[0].abs() < WHITE);
+            let is_white = [&within, &rest].iter().all(|chosen| one.autocorrelation(chosen)[0].abs() < 0.2);
             best = Some((gain, NoiseChange { parts, levels, ratio: if is_white { ratio } else { 1.0 } }));
         }
     }

@@ -137,8 +137,6 @@ pub(super) static SENSOR_BIAS: Cause = Cause {
     },
 };
 
-const COLOURED: f64 = 0.08;
-
 /// Over the correlation time of innovations, which is shorter than that of the noise: a filter takes a part of it for motion.
 const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
 
@@ -156,7 +154,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
     let case = bad.case;
     for (place, one) in case.sensors.iter().enumerate() {
         let (bias, (lag, first)) = (one.sensor.bias(), one.first_correlation(&case.kept));
-        if first < COLOURED || bad.filter.augment.contains(&bias) {
+        if first < 0.08 || bad.filter.augment.contains(&bias) {
             continue;
         }
         let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();

@@ -42,8 +42,6 @@ fn divergence(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits an estimate, relative to its initial mean and standard deviation.
 const FAR: f64 = 1e3;
 
-const BELOW: f64 = 4.0;
-
 pub(super) static RANGE: Test = Test {
     name: "size and sign of the estimates",
     statistic: "the last estimates",
@@ -84,7 +82,7 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let sentence =
                 format!("the {name} is negative, {}{space}{unit} ± {}{whose}", short(mean), short(2.0 * std));
             if below > 0.0 {
-                push(below / BELOW, sentence);
+                push(below / 4.0, sentence);
             }
         }
     }
@@ -172,8 +170,6 @@ const GROWN: f64 = 3.0;
 
 const GROWS: f64 = 1.2;
 
-const UNLEARNT_SHARE: f64 = 0.9;
-
 pub(super) static WIND_UP: Test = Test {
     name: "growth of P",
     statistic: "last σ of a parameter over its initial σ",
@@ -224,14 +220,10 @@ pub(super) static UNLEARNT: Test = Test {
             let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
             let samples = since..case.samples.end;
             let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-            found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
+            found.push(one.certain(VerdictKind::NotIdentifiable, share / 0.9, share, sentence));
         }
     },
 };
-
-const CALM: std::ops::Range<f64> = 0.8..1.25;
-
-const MENTIONED: f64 = 2.0;
 
 pub(super) static RECOVERY: Test = Test {
     name: "recovery",
@@ -246,7 +238,7 @@ pub(super) static RECOVERY: Test = Test {
         let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
         let (level, of_innovations) = level_of_innovations(case);
         let (off, of_errors) = largest_error(case);
-        let is_error = off > MENTIONED && CALM.contains(&level);
+        let is_error = off > 2.0 && (0.8..1.25).contains(&level);
         let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
         if !statistic.is_finite() {
             return;
@@ -320,10 +312,6 @@ pub(super) static SAMPLE: Test = Test {
     },
 };
 
-const SHARE: f64 = 0.25;
-
-const TIMES: f64 = 3.0;
-
 pub(super) static DIVERSITY: Test = Test {
     name: "diversity of the particles",
     statistic: "D = Σ -½ ln(1 - 1/N_eff) over all resamplings, as a share of D + Σ -½ ln(1 - K S Kᵀ / P) over all updates",
@@ -350,7 +338,7 @@ pub(super) static DIVERSITY: Test = Test {
             let (name, times, part) = (channel.name(), short(times), percent(share));
             let sentence =
                 format!("resampling alone makes σ of the {name} {times} times smaller, {part} of all its shrinking");
-            let effect = (share / SHARE).min(lost / libm::log(TIMES));
+            let effect = (share / 0.25).min(lost / libm::log(3.0));
             let one = Evidence::new(test, Subject::Channel(channel), case);
             found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
         }

@@ -194,8 +194,6 @@ pub(super) static INPUT: Test = Test {
     },
 };
 
-const LINE: f64 = 5.0;
-
 pub(super) static LINES: Test = Test {
     name: "lines in the spectrum of the innovations",
     statistic: "the largest power of a Welch periodogram over the mean power",
@@ -214,7 +212,7 @@ pub(super) static LINES: Test = Test {
             let p_value = (one_p * one.periodogram.power.len() as f64).min(1.0);
             let (times, frequency) = (short(statistic), short(turn / case.record.dt()));
             let said = format!("have a peak of {times} times the mean power at {frequency} rad/s");
-            found.push(pattern(case, test, one, [statistic, p_value, statistic / LINE], &said));
+            found.push(pattern(case, test, one, [statistic, p_value, statistic / 5.0], &said));
         }
     },
 };

@@ -85,13 +85,11 @@ impl Encoding {
     }
 }
 
-const MOST_LINES: usize = 300;
-
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
-        let lines = &lines[..lines.len().min(MOST_LINES)];
+        let lines = &lines[..lines.len().min(300)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| TextForm::new(delimiter, decimal, lines));
         let form = delimiters.flat_map(both).rev().max_by_key(TextForm::score).filter(|form| form.score() > 0)?;
