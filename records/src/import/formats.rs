@@ -20,7 +20,11 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-const SERIES: [(&str, fn(&[&str]) -> bool, Next); 5] = [
+type Is = fn(&[&str]) -> bool;
+
+type FindRows = fn(&[&str]) -> Option<Rows>;
+
+const SERIES: [(&str, Is, Next); 5] = [
     ("PEER (AT2)", |lines| lines.iter().take(6).any(|line| series::size(line).is_some()), series::peer),
     ("strong motion (CSMIP, COSMOS)", series::is_strong_motion, series::strong_motion),
     ("SLIST", |lines| lines[0].starts_with("TIMESERIES ") && lines[0].contains(", SLIST,"), series::slist),
@@ -28,7 +32,7 @@ const SERIES: [(&str, fn(&[&str]) -> bool, Next); 5] = [
     ("SAC", series::is_sac, series::sac),
 ];
 
-const ROWS: [(&str, fn(&[&str]) -> Option<Rows>); 4] = [
+const ROWS: [(&str, FindRows); 4] = [
     ("LabVIEW measurement", rows::lvm),
     ("Campbell TOA5", rows::toa5),
     ("Rigol", rows::rigol),
