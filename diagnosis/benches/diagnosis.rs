@@ -1,7 +1,7 @@
 //! The share of right diagnoses over situations drawn at random.
 //!
 //! ```text
-//! cargo bench -p kalmanscope-core --bench diagnosis -- [FROM] [NUMBER]
+//! cargo bench -p kalmanscope-diagnosis --bench diagnosis -- [FROM] [NUMBER]
 //! ```
 //!
 //! Prints confusion tables of verdict and cause, with and without the truth, and what first remedies do; with `--two`, of two faults
@@ -100,7 +100,7 @@ impl Outcome {
                 println!("{seed} {fault:?} [{}] {known}, {off:.1}σ: {verdict}", situation.note);
                 for e in &diagnosis.evidence {
                     println!(
-                        "#{seed},{fault:?},{known},{},{},{},{},{},{:?}",
+                        "#{seed},{fault:?},{known},{},{:?},{},{},{},{:?}",
                         e.test.name, e.subject, e.statistic, e.p_value, e.effect, e.speaks_for
                     );
                 }

@@ -8,10 +8,8 @@ use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Evidence, Record, Run,
 use crate::Diagnosis;
 use smoothing::Smoothing;
 
-/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
-const DIAGNOSTICS_CHUNK: usize = 10_000;
-
-const EVIDENCE_CHUNK: usize = 10_000;
+/// Limits the samples that diagnostics and evidence take in between two checks of the time: about 0.5 ms.
+const CHUNK: usize = 10_000;
 
 const BOUND_CHUNK: usize = 2_000;
 
@@ -75,14 +73,12 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The diagnosis of the filter at a place, or `None` before the first one. While a run continues, it is computed again after half as
-    /// many samples as are kept, and at the end; while diagnoses are put off, it is that of an earlier run with as many samples.
+    /// The diagnosis of the filter at a place, made again after half as many samples as are kept, and at the end; `None` before the first.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.judged.get(place).filter(|_| self.diagnosed)?.diagnosis.as_ref()
     }
 
-    /// The smoothed estimates of the filters that have a smoother. Those with a fixed look-ahead go along with the run, and end
-    /// that much before its last sample; the others need the whole run, and all are empty until they are complete.
+    /// The smoothed estimates of the filters that have a smoother. Without a fixed look-ahead they are empty until the run is complete.
     pub fn smoothed(&self) -> &[Estimates] {
         self.smoothing.estimates()
     }
@@ -216,7 +212,7 @@ impl Analysis {
                 *one = DiagnosedFilter { id: one.id, begun: true, ..DiagnosedFilter::default() };
             }
             let mut follow = || {
-                diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
+                diagnostics.follow_to(diagnostics.len() + CHUNK, estimates, record);
                 diagnostics.len() == estimates.len()
             };
             if !in_time(&mut follow, while_time) {
@@ -237,7 +233,7 @@ impl Analysis {
         for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
             let evidence = &mut self.evidences[place];
             let mut follow = || {
-                evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
+                evidence.follow_to(evidence.len() + CHUNK, estimates);
                 evidence.len() >= estimates.len()
             };
             if !in_time(&mut follow, while_time) {

@@ -105,25 +105,18 @@ pub struct LikelyCause {
     pub edits: Vec<Edit>,
     /// The number of values that they fit to the record.
     pub fitted: f64,
-    /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
-    /// the larger one: an edit acts too slowly on a sudden change.
+    /// Whether its trial may restart the filter at the first of `samples`, if that is likelier: an edit acts slowly on a sudden change.
     pub begins_anew: bool,
     /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,
-    pub(crate) sign: Option<Sign>,
+    /// The parameter whose sign counts, with the sentences for a positive and a negative one.
+    pub(crate) sign: Option<(Channel, [&'static str; 2])>,
     /// Whether a hardening spring, or a slow force that fits as well, rules it out.
     pub(crate) softens: bool,
     pub(crate) renews_guess: bool,
     pub(crate) of_record: bool,
     /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
     pub(crate) silences: bool,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sign {
-    pub(crate) channel: Channel,
-    pub(crate) positive: &'static str,
-    pub(crate) negative: &'static str,
 }
 
 pub(crate) struct BadFilter<'a> {

@@ -97,16 +97,6 @@ impl Evidence {
     }
 }
 
-impl std::fmt::Display for Subject {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::All => f.write_str("all"),
-            Self::Sensor(quantity) => f.write_str(quantity.key()),
-            Self::Channel(channel) => f.write_str(channel.name()),
-        }
-    }
-}
-
 /// Limits the probability that any test rejects a consistent filter.
 const LEVEL: f64 = 1e-4;
 

@@ -14,14 +14,13 @@ mod study;
 mod summary;
 mod sums;
 mod trial;
-mod verdict;
 mod words;
 
 pub use analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use case::VerdictKind;
 pub use cause::{CAUSES, Cause, LikelyCause};
 pub use checks::{Evidence, Subject, TESTS, Test};
-pub use diagnosis::Diagnosis;
+pub use diagnosis::{Diagnosis, Verdict};
 pub use measure::{
     Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
 };
@@ -30,7 +29,6 @@ pub use search::Search;
 pub use story::{Adjustable, Phrase, Story};
 pub use study::{Job, Progress, Study};
 pub use summary::{Final, Score, Summary};
-pub use verdict::Verdict;
 pub use words::with_band;
 
 /// Parts that the tests take from inside. They are not the library: any of them may change or go at any time.

@@ -12,8 +12,7 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, Quantity, Record, Scenar
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::Diagnosis;
-use crate::{CAUSES, Search};
+use crate::{CAUSES, Diagnosis, Search};
 
 pub use info::{Best, MeasureInfo, Value, ValueKind};
 pub use observed::{Observed, Times, Whole};
@@ -235,20 +234,16 @@ impl FromStr for Measure {
     type Err = UnknownMeasure;
 
     fn from_str(text: &str) -> Result<Self, UnknownMeasure> {
-        read(text).ok_or_else(|| UnknownMeasure(text.to_owned()))
+        let mut parts = text.split('.');
+        let mut read = || {
+            let kind = MeasureKind::from_word(parts.next()?)?;
+            let channel = if kind.needs_channel() { Some(KnownChannels::channel(parts.next()?)?) } else { None };
+            let sensor = parts.next().map(|key| Quantity::from_key(key).ok_or(())).transpose().ok()?;
+            let measure = Self::new(kind, channel, sensor)?;
+            (measure.sensor == sensor && parts.next().is_none()).then_some(measure)
+        };
+        read().ok_or_else(|| UnknownMeasure(text.to_owned()))
     }
-}
-
-fn read(text: &str) -> Option<Measure> {
-    let mut parts = text.split('.');
-    let kind = MeasureKind::from_word(parts.next()?)?;
-    let channel = if kind.needs_channel() { Some(KnownChannels::channel(parts.next()?)?) } else { None };
-    let sensor = match parts.next() {
-        Some(key) => Some(Quantity::from_key(key)?),
-        None => None,
-    };
-    let measure = Measure::new(kind, channel, sensor)?;
-    (measure.sensor == sensor && parts.next().is_none()).then_some(measure)
 }
 
 impl TryFrom<String> for Measure {

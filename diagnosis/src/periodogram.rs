@@ -36,11 +36,11 @@ impl Periodogram {
         let Some(length) = lengths.into_iter().find(fits) else { return vec![Self::default(); series.len()] };
         let weights = numbers(length, &|k| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2));
         let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        let mut windows = WelchWindows { transform: Transform::new(length), weights, buffer: vec![(0.0, 0.0); length] };
+        let transform = Transform::new(length);
         let begins = kept.iter().flat_map(|run| run.clone().step_by(length).take(run.len() / length));
         let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series.len()];
         for begin in begins {
-            let pairs = windows.powers(series, begin);
+            let pairs = powers(&transform, &weights, series, begin);
             for (i, one) in all.iter_mut().enumerate() {
                 one.windows += 1;
                 for (sum, pair) in one.power.iter_mut().zip(&pairs[i / 2]) {
@@ -74,31 +74,23 @@ impl Periodogram {
     }
 }
 
-struct WelchWindows {
-    transform: Transform,
-    weights: Vec<f64>,
-    buffer: Vec<(f64, f64)>,
-}
-
-impl WelchWindows {
-    /// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
-    fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Vec<Vec<[f64; 2]>> {
-        let Self { transform, weights, buffer } = self;
-        let length = weights.len();
-        let of_pair = |pair: &[Vec<f64>]| {
-            for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(&*weights)) {
-                *slot = (weight * pair[0][k], pair.get(1).map_or(0.0, |second| weight * second[k]));
-            }
-            transform.apply(buffer);
-            let power = |j: usize| {
-                // The real series' transform is the even part, the imaginary one's the odd part.
-                let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[length - j]);
-                let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
-                let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
-                [0.25 * (even_re * even_re + even_im * even_im), 0.25 * (odd_re * odd_re + odd_im * odd_im)]
-            };
-            (FIRST..length / 2 - 1).map(power).collect()
+/// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
+fn powers(transform: &Transform, weights: &[f64], series: &[Vec<f64>], begin: usize) -> Vec<Vec<[f64; 2]>> {
+    let length = weights.len();
+    let mut buffer = vec![(0.0, 0.0); length];
+    let of_pair = |pair: &[Vec<f64>]| {
+        for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(weights)) {
+            *slot = (weight * pair[0][k], pair.get(1).map_or(0.0, |second| weight * second[k]));
+        }
+        transform.apply(&mut buffer);
+        let power = |j: usize| {
+            // The real series' transform is the even part, the imaginary one's the odd part.
+            let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[length - j]);
+            let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
+            let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
+            [0.25 * (even_re * even_re + even_im * even_im), 0.25 * (odd_re * odd_re + odd_im * odd_im)]
         };
-        series.chunks(2).map(of_pair).collect()
-    }
+        (FIRST..length / 2 - 1).map(power).collect()
+    };
+    series.chunks(2).map(of_pair).collect()
 }

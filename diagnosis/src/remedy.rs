@@ -5,8 +5,8 @@ use kalmanscope_core::setting::Edit;
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
+use super::diagnosis::Verdict;
 use super::trial::{TrialOutcome, Trials};
-use super::verdict::Verdict;
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]
@@ -17,9 +17,7 @@ pub struct Remedy {
     pub then: Vec<LikelyCause>,
     /// The edits of all causes together, the last of each key.
     pub edits: Vec<Edit>,
-    /// The log likelihood that the edits gain over the window, less half the logarithm of the number of samples for each
-    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
-    ///
+    /// The gain in log likelihood over the window, less ½ ln n for each fitted number, of n samples (BIC); NaN where it is not tried.
     /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
     pub gain: f64,
     /// The verdict on the filter with the edits made, over the window.
@@ -36,8 +34,7 @@ impl Remedy {
         self.first.edits.iter().any(|edit| edit.inner() == "plant")
     }
 
-    /// Whether nothing is left to explain. Either the filter with the edits made has a good verdict, or its only
-    /// fault is a parameter that is not identifiable; or the cause is certain and has no edit, or is a fault of the record.
+    /// Whether the verdict after it is good or not identifiable, or the cause is a fault of the record, or certain and without an edit.
     pub fn explains(&self) -> bool {
         let of_nothing = self.first.certain && self.edits.is_empty();
         of_nothing || self.first.of_record || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
@@ -62,7 +59,6 @@ impl Remedy {
 
     /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
     /// one of the faults that are known was put into random situations. The rest to 1 is for none of them.
-    ///
     /// ```text
     /// p = o / (1 + Σ o),  o = exp(Σ w x)
     /// ```
@@ -75,7 +71,7 @@ impl Remedy {
             let seen = [
                 1.0,
                 flag(place == 0),
-                libm::copysign(libm::log1p(lead.abs() / SCALE), lead),
+                libm::copysign(libm::log1p(lead.abs() / 8.0), lead),
                 flag(remedy.explains()),
                 flag(others().any(Self::explains)),
                 flag(remedy.first.certain),
@@ -102,8 +98,6 @@ fn rests(kind: VerdictKind) -> u8 {
 pub(super) const WORTH: f64 = 8.0;
 
 const SIGNIFICANT: f64 = 4.0;
-
-const BEYOND: f64 = 20.0;
 
 pub(super) const UNKNOWN_FORCE: &str = "unknown_force";
 
@@ -163,13 +157,12 @@ impl Trials {
                 continue;
             }
             let open = open(likely, outcome);
-            let is_beyond = !is_noise(likely) && open > of_noise + BEYOND;
+            let is_beyond = !is_noise(likely) && open > of_noise + 20.0;
             let rank = if is_beyond { gain.max(open) } else { gain };
             let achieved = outcome.achieved - before.log_likelihood - penalty * likely.fitted;
             let mut likely = likely.clone();
-            if let Some(sign) = likely.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
-                let sentence = if outcome.learnt > 0.0 { sign.positive } else { sign.negative };
-                likely.sentence = sentence.to_owned();
+            if let Some((_, [positive, negative])) = likely.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
+                likely.sentence = if outcome.learnt > 0.0 { positive } else { negative }.to_owned();
             }
             let edits = likely.edits.clone();
             let remedy = Remedy { first: likely, then: Vec::new(), edits, gain, after: outcome.verdict.clone() };
@@ -196,8 +189,6 @@ pub(super) fn compare(one: (&Remedy, f64), other: (&Remedy, f64)) -> std::cmp::O
 /// explained verdict are larger, so that half of the remedies that explain nothing are right where one fault in five has no name here.
 /// Source: Platt (1999), Probabilistic outputs for support vector machines.
 const WEIGHTS: [f64; 8] = [-4.7, 2.6, 0.5, 4.3, -0.4, 5.3, -1.5, -3.3];
-
-const SCALE: f64 = 8.0;
 
 /// A probability as it is read: never quite none or all.
 pub fn in_percent(probability: f64) -> String {

@@ -14,10 +14,9 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates, Record, RunError, Scenar
 
 use super::case::VerdictKind;
 use super::cause::LikelyCause;
-use super::diagnosis::Diagnosis;
+use super::diagnosis::{Diagnosis, Verdict};
 use super::remedy::{Ranked, Remedy, UNKNOWN_FORCE, WORTH, compare};
 use super::trial::{TrialOutcome, Trials};
-use super::verdict::Verdict;
 
 const STEPS: usize = 4;
 
@@ -50,11 +49,8 @@ pub struct Search {
 enum Stage {
     /// Causes of the unchanged filter, or of the remaining misfit on a path.
     Causes(Option<usize>),
-    Without {
-        path: usize,
-        step: usize,
-        shorter: Box<Path>,
-    },
+    /// The places of a path and of the step that is left out, and the shorter path.
+    Without(usize, usize, Box<Path>),
     Done,
 }
 
@@ -165,7 +161,7 @@ impl Search {
                 }
                 self.try_next();
             }
-            Stage::Without { path, step, mut shorter } => {
+            Stage::Without(path, step, mut shorter) => {
                 if let (Some(outcome), Some(before)) = (&self.trials.before, &self.before) {
                     let price = self.trials.price() * shorter.fitted();
                     shorter.gain = outcome.log_likelihood - before.log_likelihood - price;
@@ -197,7 +193,7 @@ impl Search {
         match shorter {
             Some((step, shorter)) => {
                 self.run(&shorter, false);
-                self.stage = Stage::Without { path, step, shorter: Box::new(shorter) };
+                self.stage = Stage::Without(path, step, Box::new(shorter));
             }
             None => self.stage = Stage::Done,
         }
@@ -279,7 +275,7 @@ impl Task for Search {
     fn progress(&self) -> f64 {
         match self.stage {
             Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } => NEARLY,
+            Stage::Without(..) => NEARLY,
             Stage::Done => 1.0,
         }
     }
@@ -298,8 +294,6 @@ impl Task for Search {
         self.remedies()
     }
 }
-
-const AUGMENT: &str = "augment";
 
 #[derive(Clone, Debug)]
 struct Path {
@@ -349,7 +343,7 @@ impl Path {
         for mut step in [&self.steps[..place], &self.steps[place + 1..]].concat() {
             let augment = &path.scenario.filters.first()?.augment;
             let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
-            let is_list = |edit: &&mut Edit| edit.inner() == AUGMENT;
+            let is_list = |edit: &&mut Edit| edit.inner() == "augment";
             step.likely.edits.iter_mut().filter(is_list).for_each(|edit| edit.value = keys.clone().into());
             path.scenario = Edit::apply_all(&step.likely.edits, &path.scenario).ok()?;
             path.steps.push(step);

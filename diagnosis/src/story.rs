@@ -113,39 +113,26 @@ pub struct Adjustable {
     pub range: (f64, f64),
     /// The unit of the shown number, empty for a pure one.
     pub unit: &'static str,
-    form: Form,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
-    Plain,
-    Decimals(usize),
-    /// A natural frequency after a change, shown as the stiffness that is lost (1) or gained (-1), in percent of that before.
-    Stiffness {
-        before: f64,
-        sign: f64,
-    },
+    has_three_decimals: bool,
+    /// Of a frequency after a change the one before; shown is the stiffness that is lost (1) or gained (-1), in percent of that before.
+    stiffness: Option<(f64, f64)>,
 }
 
 impl Adjustable {
     fn new(address: impl Into<String>, value: f64, range: (f64, f64), unit: &'static str) -> Self {
-        Self { address: address.into(), shown: value, range, unit, form: Form::Plain }
+        Self { address: address.into(), shown: value, range, unit, has_three_decimals: false, stiffness: None }
     }
 
     /// The stiffness that is lost or gained where the natural frequency goes from `before` to `after` \[rad/s\]: `k ∝ ωₙ²`.
     fn stiffness(address: impl Into<String>, before: f64, after: f64) -> Self {
         let lost = 1.0 - (after / before) * (after / before);
         let (sign, most) = if lost < 0.0 { (-1.0, 300.0) } else { (1.0, 95.0) };
-        let form = Form::Stiffness { before, sign };
-        Self { address: address.into(), shown: 100.0 * sign * lost, range: (1.0, most), unit: "%", form }
+        Self { stiffness: Some((before, sign)), ..Self::new(address, 100.0 * sign * lost, (1.0, most), "%") }
     }
 
     /// The name of the shown number, where it is not that of the setting.
     pub fn name(&self) -> Option<&'static str> {
-        match self.form {
-            Form::Stiffness { sign, .. } => Some(if sign > 0.0 { "loss of stiffness" } else { "gain of stiffness" }),
-            Form::Plain | Form::Decimals(_) => None,
-        }
+        self.stiffness.map(|(_, sign)| if sign > 0.0 { "loss of stiffness" } else { "gain of stiffness" })
     }
 
     /// The same with another number.
@@ -157,19 +144,14 @@ impl Adjustable {
     /// The same at another value of the setting, as while it is changed and the run does not follow yet.
     #[must_use]
     pub fn at(&self, value: f64) -> Self {
-        let shown = match self.form {
-            Form::Plain | Form::Decimals(_) => value,
-            Form::Stiffness { before, sign } => 100.0 * sign * (1.0 - (value / before) * (value / before)),
-        };
-        self.showing(shown)
+        let of = |(before, sign): (f64, f64)| 100.0 * sign * (1.0 - (value / before) * (value / before));
+        self.showing(self.stiffness.map_or(value, of))
     }
 
     /// The value of the setting for a number that the sentence shows.
     pub fn value(&self, shown: f64) -> f64 {
-        match self.form {
-            Form::Plain | Form::Decimals(_) => shown,
-            Form::Stiffness { before, sign } => before * libm::sqrt((1.0 - 0.01 * sign * shown).max(0.0)),
-        }
+        let of = |(before, sign): (f64, f64)| before * libm::sqrt((1.0 - 0.01 * sign * shown).max(0.0));
+        self.stiffness.map_or(shown, of)
     }
 }
 
@@ -192,10 +174,10 @@ impl fmt::Display for Phrase {
 
 impl fmt::Display for Adjustable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let number = match self.form {
-            Form::Stiffness { .. } => return f.write_str(&percent_to_a_tenth(0.01 * self.shown)),
-            Form::Decimals(decimals) if self.shown.abs() < 1e3 => format!("{:.decimals$}", self.shown),
-            Form::Decimals(_) | Form::Plain => plain(self.shown),
+        let number = match self.stiffness {
+            Some(_) => return f.write_str(&percent_to_a_tenth(0.01 * self.shown)),
+            None if self.has_three_decimals && self.shown.abs() < 1e3 => format!("{:.3}", self.shown),
+            None => plain(self.shown),
         };
         f.write_str(format!("{number} {}", self.unit).trim_end())
     }
@@ -228,9 +210,5 @@ impl Writer {
     fn filter(mut self, id: u32, name: &str) -> Self {
         self.0.push(Phrase::Filter { id, name: name.to_owned() });
         self
-    }
-
-    fn done(self) -> Vec<Phrase> {
-        self.0
     }
 }

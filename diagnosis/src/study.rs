@@ -175,8 +175,7 @@ impl Progress {
 }
 
 impl Job {
-    /// The job that computes `samples` samples of a study with another scenario, and maybe another source. It reuses what the change
-    /// does not affect, if the study has as many samples.
+    /// The job of `samples` samples of another scenario, maybe of another source. Of a study as long it reuses what the change leaves.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible, or the source does not fit it.
@@ -270,8 +269,7 @@ impl Job {
         study.analysis.recycle(self.analysis);
     }
 
-    /// Leaves the changed filters that take longer than `seconds` on an ordinary processor to the caller: the places that it returns.
-    /// None if the job does not keep the whole record.
+    /// Leaves the changed filters that take longer than `seconds` to the caller, if all samples are kept. Returns their places.
     pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples && *stage == *goal;

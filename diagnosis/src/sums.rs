@@ -120,7 +120,9 @@ pub(crate) struct InnovationSums {
 impl SensorInnovations {
     /// Of all sensors in a window of kept samples, before their periodograms; and ν of each one, limited, 0 where nothing was measured.
     pub(super) fn of_all(window: &Range<usize>, estimates: &Estimates, record: &Record) -> (Vec<Self>, Vec<Vec<f64>>) {
-        let input = around(INPUT_BEFORE, limited_input(&record.input()[window.clone()]), AFTER);
+        // Zeros stand for the numbers outside a window.
+        let input =
+            [vec![0.0; INPUT_BEFORE], limited_input(&record.input()[window.clone()]), vec![0.0; AFTER]].concat();
         let first = window.start + record.forgotten();
         let m = estimates.sensors().len();
         let of = |(place, &sensor): (usize, &Quantity)| {
@@ -128,7 +130,7 @@ impl SensorInnovations {
                 |k: usize| estimates.innovation(k)[place] / estimates.innovation_cov(k)[place * (m + 1)].sqrt();
             let values: Vec<f64> = window.clone().map(normalised).collect();
             let limited = mapped(&values, &|value| if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) });
-            let before = around(BEFORE, limited.clone(), 0);
+            let before = [&[0.0; BEFORE][..], &limited].concat();
             let by_part = std::array::from_fn(|part| {
                 let range = range_of(part, &(0..values.len()));
                 let input_square = sum_of(&input[INPUT_BEFORE..][range.clone()], |f| f * f);
@@ -224,11 +226,6 @@ impl Pair {
 const BEFORE: usize = LAGS - 1;
 const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 const INPUT_BEFORE: usize = CROSS_LAGS - 1 - AFTER;
-
-/// Zeros stand for the numbers outside a window.
-fn around(before: usize, values: Vec<f64>, after: usize) -> Vec<f64> {
-    [vec![0.0; before], values, vec![0.0; after]].concat()
-}
 
 /// Less its mean, up to a multiple of its root mean square.
 fn limited_input(values: &[f64]) -> Vec<f64> {

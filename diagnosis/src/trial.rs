@@ -6,8 +6,7 @@ use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
 use super::cause::LikelyCause;
-use super::diagnosis::Diagnosis;
-use super::verdict::Verdict;
+use super::diagnosis::{Diagnosis, Verdict};
 
 /// Limits the samples of a trial; it takes the last ones of the record.
 const WINDOW: usize = 10_000;
@@ -39,20 +38,12 @@ pub(super) struct TrialOutcome {
     /// The log likelihood with the edit made; `log_likelihood` may be that of a filter that is restarted.
     pub(super) achieved: f64,
     pub(super) scaled: f64,
-    /// The final estimate of the parameter that `Sign` names, in standard deviations; NaN without one.
+    /// The final estimate of the parameter whose sign counts, in standard deviations; NaN without one.
     pub(super) learnt: f64,
     pub(super) verdict: Option<Verdict>,
 }
 
 impl TrialOutcome {
-    const NOTHING: Self = Self {
-        log_likelihood: f64::NEG_INFINITY,
-        achieved: f64::NEG_INFINITY,
-        scaled: f64::NEG_INFINITY,
-        learnt: f64::NAN,
-        verdict: None,
-    };
-
     pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
@@ -101,7 +92,14 @@ impl Trials {
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates, record)) = self.current.take().or_else(|| self.begin()) else {
-                self.outcomes.push(TrialOutcome::NOTHING);
+                let (none, learnt, verdict) = (f64::NEG_INFINITY, f64::NAN, None);
+                self.outcomes.push(TrialOutcome {
+                    log_likelihood: none,
+                    achieved: none,
+                    scaled: none,
+                    learnt,
+                    verdict,
+                });
                 continue;
             };
             pass.follow(&record, pass.done() + CHUNK, &mut estimates);
@@ -191,7 +189,7 @@ impl Trials {
     }
 
     fn learnt(&self, estimates: &Estimates) -> f64 {
-        let place = self.current().and_then(|likely| estimates.place(likely.sign?.channel));
+        let place = self.current().and_then(|likely| estimates.place(likely.sign?.0));
         match (place, estimates.len().checked_sub(1)) {
             (Some(place), Some(last)) => estimates.canonical_mean(last, place) / estimates.std(last, place),
             _ => f64::NAN,

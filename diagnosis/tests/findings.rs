@@ -1,15 +1,15 @@
 //! Scenarios that were once judged wrongly, each with the verdict that it must have.
 
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Diagnostics, Run, Scenario, Task as _, simulate};
+use kalmanscope_core::{Channel, Diagnostics, Run, Scenario, simulate};
 use kalmanscope_diagnosis::Verdict;
 use kalmanscope_diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
 
-use crate::diagnosis;
 use crate::run::{asset, bound, finished, finished_on};
 use crate::situations::largest_error;
+use crate::{diagnosis, remedies};
 
 fn finding(name: &str) -> Scenario {
     asset("../diagnosis/tests/findings", name)
@@ -149,16 +149,7 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_remedy_helps() {
     let mut scenario = finding("accelerometer-disturbance");
     scenario.filters.truncate(1);
     let run = finished(&scenario);
-    let (estimates, record) = (&run.estimates()[0], run.record());
-    let diagnostics = Diagnostics::new(estimates, record);
-    let diagnosis = diagnosis(estimates, record);
-    let mut search = diagnosis.search(&scenario, 0, &diagnostics, estimates, record).unwrap();
-    let mut slices = 0;
-    while !search.advance(&mut || false) {
-        slices += 1;
-    }
-    assert!(slices > 100, "{slices}");
-    let remedies = search.finish();
+    let remedies = remedies(&run, 0, run.record());
     assert_eq!(remedies[0].first.cause.key, "felt_disturbance", "{remedies:?}");
     assert_eq!(remedies[0].after.as_ref().unwrap().kind, Consistent);
     // A white force explains the readings of the accelerometer, which a larger R forgets: it is the better remedy.

@@ -17,8 +17,6 @@ use crate::{diagnosis, remedies};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
-const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
-
 fn verdict_on(run: &Run) -> Option<Verdict> {
     diagnosis(&run.estimates()[0], run.record()).verdict
 }
@@ -53,7 +51,7 @@ fn frequency_falls(scenario: &mut Scenario, to: f64, fading: f64) {
 
 fn frequency_moves(scenario: &mut Scenario, signal: Signal) {
     scenario.plant.set(Channel::NATURAL_FREQUENCY, signal);
-    process_times(scenario, &PARAMETERS, 0.01);
+    process_times(scenario, &[Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO], 0.01);
 }
 
 fn no_excitation(scenario: &mut Scenario) {

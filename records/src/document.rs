@@ -120,8 +120,7 @@ fn in_toml(document: Document) -> Result<Option<toml::Value>, DocumentError> {
     }))
 }
 
-/// Puts a value at a path of keys and places from 0 on, with dots between them; null takes an entry of a table away. Returns
-/// whether the path leads to a table, or to a place of a list.
+/// Puts a value at a path of keys and places from 0 on, joined by dots; null removes an entry. Returns whether there is such a path.
 pub fn put(document: &mut Document, path: &str, value: &Document) -> bool {
     let (outer, last) = path.rsplit_once('.').unwrap_or(("", path));
     let pointer: String =

@@ -1,7 +1,6 @@
 //! Hashes of bytes (FNV-1a), which find accidents and no intent.
 
-/// A hash of a file's bytes (FNV-1a, 64 bits), to recognise the same file; it does not protect against forgery. The
-/// bytes may come in pieces.
+/// A hash of a file's bytes (FNV-1a, 64 bits), whole or in pieces, to recognise the same file; it does not protect against forgery.
 #[derive(Clone, Copy, Debug)]
 pub struct Hash(u64);
 

@@ -43,8 +43,7 @@ pub struct Mapping {
     /// The end of the part that is used \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
-    /// Lower and upper limit of a band-pass for input and sensors \[Hz\], by Butterworth filters of the fourth order run
-    /// forward and backward, so that nothing is shifted. A lower limit of 0 makes it a low-pass.
+    /// The limits of a band-pass for input and sensors \[Hz\], or from 0 on of a low-pass: Butterworth, order 4, forward and backward.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<[f64; 2]>,
     /// Keep one of this many samples, after a low-pass below the new Nyquist frequency.
@@ -71,8 +70,7 @@ pub struct Time {
     /// Whether the samples are equally spaced, and only their times are not. Else times off by more than rounding are those of readings.
     #[serde(skip_serializing_if = "is_default")]
     pub even: bool,
-    /// Time between samples \[s\] of a record whose readings keep their times; without it, that of the fastest clock. Filters go
-    /// from reading to reading all the same: it sets the times of their estimates, and the time that Q is for.
+    /// Time between estimates \[s\] where readings keep their times, and the time that Q is for; without it, that of the fastest clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dt: Option<f64>,
 }

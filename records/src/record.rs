@@ -1,22 +1,20 @@
-//! The input and the measurements, simulated or from a file, and the reasons why there are none.
+//! The input and the measurements, simulated or from a file, as a CSV file too, and the reasons why there are none.
 
 mod clocks;
-mod csv_file;
 mod growth;
 mod live;
 
+use std::io::Write;
 use std::sync::Arc;
 
 use kalmanscope_filters::catalogue::all_and;
-use kalmanscope_filters::lists::mapped;
+use kalmanscope_filters::lists::{mapped, numbers};
 use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 use thiserror::Error;
 
 use crate::resample::{finer_input, spread};
 
-pub use clocks::Parts;
-pub use clocks::{Clocks, ClocksError, Delays, Timed};
-pub(crate) use csv_file::input_name;
+pub use clocks::{Clocks, Delays, Parts, Timed};
 pub use live::{LiveError, LiveRecord};
 
 use clocks::{Course, Readings};
@@ -26,11 +24,8 @@ pub const MOST: usize = 2_000_000;
 
 /// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
-/// A run can forget its first samples (`Run::forget` of kalmanscope-core). Indices count from the first sample that
-/// is kept; only [`Self::time_of`] counts from the run's beginning.
-///
-/// A measured record can also have the [times that readings and input have](Clocks): filters then go from one to the next, and
-/// what the columns say at the samples is for plots, spectra and start values.
+/// A run can forget its first samples: indices count from the first that is kept, only [`Self::time_of`] from the run's beginning. With
+/// [times of readings and input](Clocks) filters go from one to the next; the columns are then for plots, spectra and start values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     dt: f64,
@@ -56,8 +51,6 @@ pub struct Input {
     /// The value at every sample \[m/s²\].
     pub values: Vec<f64>,
 }
-
-const OPTIONAL: &str = "a number or NaN";
 
 impl Record {
     /// A measured record with `dt` \[s\] between samples, from t = 0 on, and one column of measurements per quantity,
@@ -96,10 +89,8 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
-    /// The same record, with times for its readings, and maybe for its input.
-    ///
-    /// A reading counts in the step in which it falls, and its column should have its value at the end of that step: a filter
-    /// reports the innovation there.
+    /// The same record, with times for its readings, and maybe for its input. A reading counts in the step in which it falls, and its
+    /// column should have its value at the end of that step: a filter reports the innovation there.
     ///
     /// # Errors
     /// [`RecordError::Clocks`].
@@ -223,8 +214,7 @@ impl Record {
         self.kind.force(self.input[k])
     }
 
-    /// The force over mass \[m/s²\] that acts at sample `k` where the plant feels the input `delay` samples after it is
-    /// recorded, or before if that is negative. Beyond the record's ends its first or last value holds.
+    /// The force over mass \[m/s²\] at sample `k` that was recorded `delay` samples before. Beyond the ends the nearest value holds.
     #[inline]
     pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
         let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };
@@ -281,6 +271,64 @@ impl Record {
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
         channel.place_in(&self.truth_channels).map(|i| self.truth[i].as_slice())
     }
+
+    /// Writes a file that a [`build`](crate::import::build) reads back bit by bit, with 17 significant digits. Of a record
+    /// with the times of readings it is one with a column of times before each of its columns, without the truth.
+    ///
+    /// # Errors
+    /// [`RecordError::Csv`] where `output` cannot be written.
+    pub fn write_csv(&self, output: impl Write) -> Result<(), RecordError> {
+        let mut writer = csv::Writer::from_writer(output);
+        match self.clocks() {
+            Some(clocks) => self.write_clocks(clocks, &mut writer)?,
+            None => self.write_samples(&mut writer)?,
+        }
+        Ok(writer.flush().map_err(csv::Error::from)?)
+    }
+
+    fn write_samples(&self, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
+        let sensors = self.sensors.iter().map(|s| s.key().to_owned());
+        let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
+        writer
+            .write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
+        for k in 0..self.len() {
+            let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
+            let row = [self.time(k), self.input[k]].into_iter().chain(columns);
+            writer.write_record(row.map(digits))?;
+        }
+        Ok(())
+    }
+
+    fn write_clocks(&self, clocks: &Clocks, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
+        let of_samples = || Timed { times: numbers(self.len(), &|k| k as f64), values: self.input.clone() };
+        let input = clocks.input.clone().unwrap_or_else(of_samples);
+        let all: Vec<&Timed> = std::iter::once(&input).chain(&clocks.readings).collect();
+        let names = std::iter::once(input_name(self.kind)).chain(self.sensors.iter().map(|sensor| sensor.key()));
+        let header = names.enumerate().flat_map(|(place, name)| {
+            let time = if place == 0 { "t [s]".to_owned() } else { format!("t ({}) [s]", place + 1) };
+            [time, name.to_owned()]
+        });
+        writer.write_record(header)?;
+        for row in 0..all.iter().map(|timed| timed.times.len()).max().unwrap_or(0) {
+            let pair = |timed: &&Timed| match (timed.times.get(row), timed.values.get(row)) {
+                (Some(steps), Some(value)) => [self.time(0) + steps * self.dt, *value],
+                _ => [f64::NAN; 2],
+            };
+            writer.write_record(all.iter().flat_map(pair).map(digits))?;
+        }
+        Ok(())
+    }
+}
+
+fn digits(value: f64) -> String {
+    if value.is_nan() { String::new() } else { format!("{value:.16e}") }
+}
+
+pub(crate) fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "force",
+        InputKind::GroundAcceleration => "ground_acceleration",
+    }
 }
 
 fn complete<T: Copy + PartialEq>(
@@ -295,7 +343,7 @@ fn complete<T: Copy + PartialEq>(
         if values.len() != expected {
             return Err(RecordError::Length(name(*of), values.len(), expected));
         }
-        check(&name(*of), values, OPTIONAL, |x| !x.is_infinite())?;
+        check(&name(*of), values, "a number or NaN", |x| !x.is_infinite())?;
     }
     Ok(columns.into_iter().unzip())
 }
@@ -324,7 +372,7 @@ pub enum RecordError {
     /// The file cannot be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// The times that readings have do not fit.
-    #[error(transparent)]
-    Clocks(#[from] ClocksError),
+    /// The times that readings have do not fit: why.
+    #[error("{0}")]
+    Clocks(String),
 }

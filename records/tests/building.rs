@@ -22,14 +22,6 @@ fn units_gain_offset_and_delay_are_applied() {
 }
 
 #[test]
-fn gaps_in_the_input_are_filled_and_those_in_a_sensor_stay() {
-    let Imported { record, remarks, .. } = import(TEXT, |_| {}).unwrap();
-    assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
-    assert!(record.measured(0)[3].is_nan());
-    assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
-}
-
-#[test]
 fn an_input_without_a_number_at_irregular_times_is_said_and_zero() {
     let text = "t,force,x\n0,,1\n0.1,,2\n0.25,,3\n0.31,,4\n0.5,,5\n";
     let Imported { record, remarks, .. } = import(text, |mapping| {
@@ -172,10 +164,11 @@ fn bands_above_the_nyquist_frequency_are_told() {
 }
 
 #[test]
-fn gaps_are_filled_and_shifted() {
-    let text = "t,force,x\n0,,1\n1,1,2\n2,,3\n3,,4\n4,4,5\n5,,6\n";
+fn gaps_in_the_input_are_filled_and_those_in_a_sensor_stay_and_are_shifted() {
+    let text = "t,force,x\n0,,1\n1,1,2\n2,,3\n3,,\n4,4,5\n5,,6\n";
     let Imported { record, remarks, .. } = import(text, |mapping| mapping.time.unit = "s".to_owned()).unwrap();
     assert_eq!(record.input(), [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+    assert_eq!(format!("{:?}", record.measured(0)), "[1.0, 2.0, 3.0, NaN, 5.0, 6.0]");
     assert_eq!(remarks, ["the input is missing in 4 sample(s), the first at 0 s; it is interpolated there"]);
     for (delay, expected) in
         [(1, "[2.0, 3.0, NaN]"), (-2, "[NaN, NaN, 1.0]"), (0, "[1.0, 2.0, 3.0]"), (7, "[NaN, NaN, NaN]")]

@@ -58,10 +58,6 @@ const RISE: f64 = 1.3;
 /// The weight of fading relative to a jump: it forgets what was before the change too; λ = 1.005 doubled all errors.
 const FADES: f64 = 0.9;
 
-const LEVEL: f64 = 1e-4;
-
-const FADING: [f64; 2] = [1.005, 1.02];
-
 pub(super) static SUDDEN_CHANGE: Cause = Cause {
     key: "sudden_change",
     name: "a sudden change",
@@ -73,7 +69,7 @@ pub(super) static SUDDEN_CHANGE: Cause = Cause {
 fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
     let change = change_point(&case.estimates.nis()[case.samples.clone()]);
-    let is_one = |change: &ParameterChange| change.rise >= RISE && change.p_value < LEVEL;
+    let is_one = |change: &ParameterChange| change.rise >= RISE && change.p_value < 1e-4;
     let Some(ParameterChange { at, rise, p_value }) = change.filter(is_one) else { return };
     let at = case.samples.start + at;
     let samples = at..case.samples.end;
@@ -81,7 +77,7 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let chance = if p_value > 0.0 { format!(" (p = {p_value:.0e})") } else { String::new() };
     let weight = 1.0 - 1.0 / rise;
     let jump = (!bad.filter.jump).then(|| bad.edit("jump", true));
-    let fading = FADING.into_iter().filter(|fading| *fading > bad.filter.fading);
+    let fading = [1.005, 1.02].into_iter().filter(|fading| *fading > bad.filter.fading);
     let fading = fading.map(|fading| (FADES, bad.edit("fading", fading)));
     for (share, edit) in jump.map(|jump| (1.0, jump)).into_iter().chain(fading) {
         let sentence =
@@ -90,10 +86,6 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         found.push(LikelyCause { samples: Some(samples.clone()), begins_anew: true, ..likely });
     }
 }
-
-const WALKS: [f64; 2] = [0.05, 0.3];
-
-const SINGLY: usize = 4;
 
 pub(super) static SLOW_DRIFT: Cause = Cause {
     key: "slow_drift",
@@ -106,7 +98,7 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
         let all: Vec<(usize, Channel)> =
             case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
         let mut propose = |parameters: &[(usize, Channel)], told: &str| {
-            for walk in WALKS {
+            for walk in [0.05, 0.3] {
                 let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
                 if !edits.is_empty() {
                     let sentence = format!("{told}, by about {} over the record", percent(walk));
@@ -115,7 +107,7 @@ pub(super) static SLOW_DRIFT: Cause = Cause {
             }
         };
         propose(&all, "the parameters drift");
-        if (2..=SINGLY).contains(&all.len()) {
+        if (2..=4).contains(&all.len()) {
             for one in &all {
                 propose(std::slice::from_ref(one), &format!("{} drifts", one.1.name()));
             }
@@ -131,8 +123,6 @@ fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> O
     moves.then(|| bad.entry("process_std", channel, std))
 }
 
-const WIDER: f64 = 5.0;
-
 const OPEN: f64 = 0.3;
 
 /// A guess is far off where it differs by more than this share from the measured frequency, which is spread by that share.
@@ -143,46 +133,44 @@ pub(super) static INITIAL_GUESS: Cause = Cause {
     key: "initial_guess",
     name: "an initial guess with too small a σ",
     hint: "A filter searches only near its guess. Begin with larger standard deviations, or with a better guess.",
-    likely_causes: initial_guess,
+    likely_causes: |bad, cause, found| {
+        let channels = bad.case.estimates.channels();
+        let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
+        let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
+        let wider = |one: &Channel| bad.entry("initial_std", *one, 5.0 * doubt(one));
+        let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
+        let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
+        let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
+        if !frozen.is_empty() {
+            let spread = |channel: &Channel| {
+                let mean = bad.filter.initial_mean[*channel].abs();
+                bad.entry("initial_std", *channel, if mean > 0.0 { OPEN * mean } else { OPEN })
+            };
+            let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
+            let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
+            let edits = mapped(&frozen, &spread);
+            found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
+        }
+        if edits.is_empty() {
+            return;
+        }
+        let sentence = "the initial guess is far off, and its σ is too small".to_owned();
+        found.push(LikelyCause::new(cause, 0.1, 1.0, edits.clone(), sentence));
+        // From far off, a filter may settle elsewhere however wide it begins: then the measured motion has a better guess.
+        let frequency = Channel::NATURAL_FREQUENCY;
+        let is_estimated = bad.filter.initial_std[frequency] > 0.0 && !bad.filter.knows(frequency);
+        let guess = bad.frequency().filter(|_| is_estimated);
+        let peak = bad.measured_peak().filter(|peak| guess.is_some_and(|guess| (peak / guess - 1.0).abs() > FAR));
+        if let Some(peak) = peak {
+            let new = [("initial_mean", peak), ("initial_std", SPREAD * peak)]
+                .map(|(table, x)| bad.entry(table, frequency, x));
+            let edits = edits.into_iter().filter(|edit| edit.key != new[1].key).chain(new.clone()).collect();
+            let sentence =
+                format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
+            found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));
+        }
+    },
 };
-
-fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let channels = bad.case.estimates.channels();
-    let doubt = |channel: &Channel| bad.filter.initial_std[*channel];
-    let is_open = |channel: &&Channel| doubt(channel) > 0.0 && !bad.filter.knows(**channel);
-    let wider = |one: &Channel| bad.entry("initial_std", *one, WIDER * doubt(one));
-    let edits: Vec<_> = channels.iter().filter(is_open).map(wider).collect();
-    let frozen = |one: &&Channel| one.is_parameter() && doubt(one) == 0.0 && !bad.filter.knows(**one);
-    let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
-    if !frozen.is_empty() {
-        let spread = |channel: &Channel| {
-            let mean = bad.filter.initial_mean[*channel].abs();
-            bad.entry("initial_std", *channel, if mean > 0.0 { OPEN * mean } else { OPEN })
-        };
-        let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
-        let sentence = format!("σ of the {names} is 0 at first, so the filter assumes that its guess is exact");
-        let edits = mapped(&frozen, &spread);
-        found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
-    }
-    if edits.is_empty() {
-        return;
-    }
-    let sentence = "the initial guess is far off, and its σ is too small".to_owned();
-    found.push(LikelyCause::new(cause, 0.1, 1.0, edits.clone(), sentence));
-    // From far off, a filter may settle elsewhere however wide it begins: then the measured motion has a better guess.
-    let frequency = Channel::NATURAL_FREQUENCY;
-    let is_estimated = bad.filter.initial_std[frequency] > 0.0 && !bad.filter.knows(frequency);
-    let guess = bad.frequency().filter(|_| is_estimated);
-    let peak = bad.measured_peak().filter(|peak| guess.is_some_and(|guess| (peak / guess - 1.0).abs() > FAR));
-    if let Some(peak) = peak {
-        let new =
-            [("initial_mean", peak), ("initial_std", SPREAD * peak)].map(|(table, x)| bad.entry(table, frequency, x));
-        let edits = edits.into_iter().filter(|edit| edit.key != new[1].key).chain(new.clone()).collect();
-        let sentence =
-            format!("the initial guess is far off, and its σ is too small: the motion has {} rad/s", short(peak));
-        found.push(LikelyCause::new(cause, 0.1, 2.0, edits, sentence));
-    }
-}
 
 /// Limits a square, so that one reading makes no change.
 const LARGEST: f64 = 50.0;
@@ -192,8 +180,6 @@ const MARGINS: (f64, f64) = (0.15, 0.03);
 
 /// Samples of a block. The dispersion of block means includes the correlation of successive squares.
 const BLOCK: usize = 20;
-
-const FEWEST: usize = 2;
 
 /// A rise of the squares of innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -244,7 +230,7 @@ pub fn change_point(squares: &[f64]) -> Option<ParameterChange> {
     let dispersion = of_both.iter().map(|(sum, _)| sum).sum::<f64>() / blocks.max(1) as f64;
     let ratio = 2.0 * (n as f64 * libm::log(total / n as f64) - cost);
     // Squares that vary less than exponential numbers make no change more certain.
-    let p_value = if blocks < 2 * FEWEST { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
+    let p_value = if blocks < 4 { 1.0 } else { supremum_p((ratio / dispersion.max(1.0)).sqrt()) };
     Some(ParameterChange { at, rise: second / first, p_value })
 }
 

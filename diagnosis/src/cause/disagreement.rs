@@ -13,14 +13,8 @@ const LATE: f64 = 1.0;
 
 const SURE: f64 = 5.0;
 
-const ALIKE: f64 = 0.02;
-
 /// This many times its first σ leaves a sensor out.
 const SILENCE: f64 = 1000.0;
-
-const IN_TIME: f64 = 0.1;
-
-const GAIN_STD: f64 = 0.05;
 
 pub(super) static SIGN: Cause = Cause {
     key: "sensor_sign",
@@ -125,7 +119,7 @@ fn common_factor(pairs: &[SensorPair]) -> Option<f64> {
     let (factor, std) = (first.of_time(), first.agreement.std);
     let is_same = |pair: &SensorPair| {
         let (other, other_std) = (pair.of_time(), pair.agreement.std);
-        (other - factor).abs() <= ALIKE * factor.abs() + SURE * libm::hypot(std, other_std)
+        (other - factor).abs() <= 0.02 * factor.abs() + SURE * libm::hypot(std, other_std)
     };
     let is_common = !others.is_empty() && factor > 0.0 && others.iter().all(is_same);
     (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
@@ -152,7 +146,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                 Fault::Sign | Fault::Scale => {
                     let channel = sensors[which].gain();
                     let mean = bad.entry("initial_mean", channel, gain);
-                    let std = bad.entry("initial_std", channel, GAIN_STD * gain.abs());
+                    let std = bad.entry("initial_std", channel, 0.05 * gain.abs());
                     let [times, rate, not] = [gain.abs(), 1.0 / (pair.of_time().abs() * dt), 1.0 / dt].map(short);
                     let scale =
                         format!("reads {times} times what it should, or there are {rate} samples a second, not {not}");
@@ -207,7 +201,7 @@ fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
     // The two were compared at whole steps of each.
     let between = libm::round(delays.of(own)) - libm::round(delays.of(other));
     let delay = delays.of(other) + between + steps;
-    if delay.abs() < IN_TIME { 0.0 } else { delay * dt }
+    if delay.abs() < 0.1 { 0.0 } else { delay * dt }
 }
 
 /// Two sensors of one mass compared: the changes of one with the integral of the other.
@@ -229,8 +223,6 @@ const MOST_LATE: usize = 60;
 
 /// Limits the changes that are compared: more add little.
 const PAIRS: usize = 1000;
-
-const CLEAR: f64 = 0.9;
 
 /// The spans over which changes are taken, in samples: the one in which both are most alike is used.
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
@@ -256,7 +248,7 @@ impl Agreement {
         let (_, best) = likenesses.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let sums = at(span, best)?;
         let r = sums.correlation();
-        if r.abs() < CLEAR {
+        if r.abs() < 0.9 {
             return None;
         }
         let (before, here, after) = (likeness(&at(span, best - 1)), r.abs(), likeness(&at(span, best + 1)));

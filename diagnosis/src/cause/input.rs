@@ -120,10 +120,6 @@ pub(super) static INPUT_OFFSET: Cause = Cause {
     },
 };
 
-const STILL: f64 = 0.05;
-
-const SAMPLES: usize = 20;
-
 /// The least share of the other samples in which the input must change: steps and trains of blows are constant by nature.
 const MOVES: f64 = 0.5;
 
@@ -167,7 +163,7 @@ pub fn still_part(input: &[f64]) -> Option<Range<usize>> {
         end - run.len()..end
     });
     let longest = runs.reduce(|longest, run| if run.len() > longest.len() { run } else { longest }).unwrap_or(0..0);
-    let least = SAMPLES.max((STILL * input.len() as f64) as usize);
+    let least = ((0.05 * input.len() as f64) as usize).max(20);
     let elsewhere = input.len() - longest.len();
     // To the bit: a logger that stands still repeats its number, and a slow signal changes in its last digits.
     let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();

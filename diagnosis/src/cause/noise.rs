@@ -11,8 +11,6 @@ use crate::checks::Subject;
 use crate::sums::{Chosen, PARTS, SensorInnovations};
 use crate::words::short;
 
-const TOLERANCE: f64 = 1.15;
-
 /// Limits the factors on a variance that may come first: a larger one silences the sensor.
 const SILENCE: f64 = 100.0;
 
@@ -93,14 +91,8 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
 }
 
 fn far(factor: f64) -> bool {
-    factor.is_finite() && libm::log(factor).abs() > libm::log(TOLERANCE)
+    factor.is_finite() && libm::log(factor).abs() > libm::log(1.15)
 }
-
-const LEAST_CHANGE: f64 = 1.5;
-
-const WHITE: f64 = 0.2;
-
-const LEVEL: f64 = 1e-4;
 
 pub(super) static CHANGING_NOISE: Cause = Cause {
     key: "changing_noise",
@@ -145,13 +137,13 @@ fn change(one: &SensorInnovations) -> Option<NoiseChange> {
         if gain.is_finite() && best.as_ref().is_none_or(|(most, _)| gain > *most) {
             let levels = (one.level(&rest), one.level(&within));
             let ratio = (levels.1 / levels.0).max(levels.0 / levels.1);
-            let is_white = [&within, &rest].iter().all(|chosen| one.autocorrelation(chosen)[0].abs() < WHITE);
+            let is_white = [&within, &rest].iter().all(|chosen| one.autocorrelation(chosen)[0].abs() < 0.2);
             best = Some((gain, NoiseChange { parts, levels, ratio: if is_white { ratio } else { 1.0 } }));
         }
     }
     let (gain, change) = best?;
-    let is_chance = looked * chi_squared_p(gain.max(1.0), 1.0) > LEVEL;
-    (change.ratio > LEAST_CHANGE && !is_chance).then_some(change)
+    let is_chance = looked * chi_squared_p(gain.max(1.0), 1.0) > 1e-4;
+    (change.ratio > 1.5 && !is_chance).then_some(change)
 }
 
 fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &NoiseChange) -> String {
@@ -253,8 +245,6 @@ pub(super) static WHITE_FORCE: Cause = Cause {
     },
 };
 
-const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
-
 pub(super) static PROCESS_NOISE: Cause = Cause {
     key: "process_noise",
     name: "Q of the motion",
@@ -271,7 +261,7 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
     let motions = || case.estimates.channels().iter().copied().filter(moves);
-    for factor in FACTORS {
+    for factor in [0.03, 0.1, 0.3, 3.0, 10.0, 30.0] {
         let edits =
             motions().map(|channel| bad.entry("process_std", channel, factor * process_std(bad, filter, channel)));
         let agrees = (first > 0.0) == (factor > 1.0);

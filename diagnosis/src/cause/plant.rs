@@ -7,7 +7,7 @@ use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, PlantKind};
 use toml::{Table, Value};
 
-use super::{BadFilter, Cause, LikelyCause, Sign};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::words::short;
 
 pub(super) static SPRING: Cause = Cause {
@@ -27,13 +27,9 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         let mut edits = vec![bad.edit("plant", PlantKind::DUFFING.key())];
         // At the usual displacement, σ of the cubic force is three tenths of the linear one.
         edits.extend(bad.begins(Channel::CUBIC_STIFFNESS.key(), 0.0, 0.3 * frequency * frequency * square));
-        let sign = Sign {
-            channel: Channel::CUBIC_STIFFNESS,
-            positive: "the spring hardens: it has a cubic part",
-            negative: "the spring softens: it has a negative cubic part",
-        };
+        let said = ["the spring hardens: it has a cubic part", "the spring softens: it has a negative cubic part"];
         let likely = LikelyCause::new(cause, weight, 1.0, edits, "the spring has a cubic part".to_owned());
-        found.push(LikelyCause { sign: Some(sign), ..likely });
+        found.push(LikelyCause { sign: Some((Channel::CUBIC_STIFFNESS, said)), ..likely });
     }
     // With the other exponent β and γ have the size of the old ones times or over the displacement.
     let exponents =

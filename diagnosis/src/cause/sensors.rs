@@ -16,8 +16,6 @@ pub(super) static CLIPPED: Cause = Cause {
     likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::clipped, "are at the end of its range"),
 };
 
-const RISE: f64 = 1.5;
-
 pub(super) static STICKING: Cause = Cause {
     key: "sticking",
     name: "a sensor that sticks",
@@ -32,7 +30,7 @@ fn marked(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     for (place, one) in bad.case.sensors.iter().enumerate() {
         let Some(Marked { share, levels }) = Readings::of(bad.case, place).as_ref().and_then(look) else { continue };
         let [there, elsewhere] = levels;
-        if there <= RISE * elsewhere.max(1.0) {
+        if there <= 1.5 * elsewhere.max(1.0) {
             continue;
         }
         let (some, name, times, others) = (percent(share), one.sensor.key(), short(there), short(elsewhere));
@@ -77,39 +75,35 @@ pub(super) static COARSE: Cause = Cause {
     },
 };
 
-const RULES: [&str; 2] = ["student_t", "gate"];
-
 pub(super) static OUTLIERS: Cause = Cause {
     key: "outliers",
     name: "outliers of a sensor",
     hint: "Single readings are far off, and their neighbours are not. A larger R would weaken all readings because of \
            a few. Let the filter weigh each reading by its fit.",
-    likely_causes: outliers,
+    likely_causes: |bad, cause, found| {
+        if bad.filter.robust.is_on() || !bad.filter.can(&WEIGHED) || bad.filter.walk > 0.0 {
+            return;
+        }
+        let (mut sentences, mut most) = (Vec::new(), f64::NAN);
+        for (place, one) in bad.case.sensors.iter().enumerate() {
+            let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
+            let [there, elsewhere] = marked.levels;
+            most = there.max(most);
+            let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
+            let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
+            sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
+        }
+        if sentences.is_empty() {
+            return;
+        }
+        let sentence = sentences.join("; ");
+        for (place, rule) in ["student_t", "gate"].into_iter().enumerate() {
+            let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
+            let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
+            found.push(LikelyCause { certain: true, ..likely });
+        }
+    },
 };
-
-fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    if bad.filter.robust.is_on() || !bad.filter.can(&WEIGHED) || bad.filter.walk > 0.0 {
-        return;
-    }
-    let (mut sentences, mut most) = (Vec::new(), f64::NAN);
-    for (place, one) in bad.case.sensors.iter().enumerate() {
-        let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
-        let [there, elsewhere] = marked.levels;
-        most = there.max(most);
-        let (some, name, times, others) = (percent(marked.share), one.sensor.key(), short(there), short(elsewhere));
-        let sizes = format!("their innovations² are {times} times what is expected, those of the others {others}");
-        sentences.push(format!("{some} of the readings of the {name} stand alone and far off: {sizes}"));
-    }
-    if sentences.is_empty() {
-        return;
-    }
-    let sentence = sentences.join("; ");
-    for (place, rule) in RULES.into_iter().enumerate() {
-        let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
-        let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
-        found.push(LikelyCause { certain: true, ..likely });
-    }
-}
 
 const WIDE: f64 = 10.0;
 
@@ -117,40 +111,34 @@ pub(super) static SENSOR_BIAS: Cause = Cause {
     key: "sensor_bias",
     name: "a sensor's bias or drift",
     hint: "The sensor's zero is off, or drifts. Let the filter estimate it, with process noise if it drifts.",
-    likely_causes: bias,
-};
-
-fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let case = bad.case;
-    for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
-        let bias = one.sensor.bias();
-        let mean = one.mean(&case.kept).abs();
-        let name = one.sensor.key();
-        // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
-        let step = WIDE * std / (case.len().max(1) as f64).sqrt();
-        if bad.filter.augment.contains(&bias) {
-            for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
-                let edits = vec![bad.entry("process_std", bias, step)];
-                let sentence = format!("the bias of the {name} drifts, but its Q is too small");
-                found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
+    likely_causes: |bad, cause, found| {
+        let case = bad.case;
+        for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
+            let bias = one.sensor.bias();
+            let mean = one.mean(&case.kept).abs();
+            let name = one.sensor.key();
+            // Over a record of n samples the random walk of the bias goes by √n steps: ten σ of the sensor.
+            let step = WIDE * std / (case.len().max(1) as f64).sqrt();
+            if bad.filter.augment.contains(&bias) {
+                for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
+                    let edits = vec![bad.entry("process_std", bias, step)];
+                    let sentence = format!("the bias of the {name} drifts, but its Q is too small");
+                    found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
+                }
+                continue;
             }
-            continue;
+            let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
+            let mut drifting = still.clone();
+            drifting.push(bad.entry("process_std", bias, step));
+            let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+            found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
+            found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
         }
-        let still = vec![bad.augmented(bias), bad.entry("initial_std", bias, WIDE * std)];
-        let mut drifting = still.clone();
-        drifting.push(bad.entry("process_std", bias, step));
-        let weight = 2.0 * mean / (1.0 + 2.0 * mean);
-        found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
-        found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
-    }
-}
-
-const COLOURED: f64 = 0.08;
+    },
+};
 
 /// Over the correlation time of innovations, which is shorter than that of the noise: a filter takes a part of it for motion.
 const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
-
-const WHITE_PART: f64 = 0.05;
 
 pub(super) static COLOURED_NOISE: Cause = Cause {
     key: "coloured_noise",
@@ -166,7 +154,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
     let case = bad.case;
     for (place, one) in case.sensors.iter().enumerate() {
         let (bias, (lag, first)) = (one.sensor.bias(), one.first_correlation(&case.kept));
-        if first < COLOURED || bad.filter.augment.contains(&bias) {
+        if first < 0.08 || bad.filter.augment.contains(&bias) {
             continue;
         }
         let size = bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt();
@@ -175,7 +163,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
         // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
         let of_part = (next > first && next < 1.0).then(|| (last(next), (1.0 - first / next).sqrt()));
-        for (readings, white) in LONGER.map(|by| (by * last(first), WHITE_PART)).into_iter().chain(of_part) {
+        for (readings, white) in LONGER.map(|by| (by * last(first), 0.05)).into_iter().chain(of_part) {
             let samples = readings * lag as f64;
             let (mut stds, coloured) = (bad.filter.sensor_std.clone(), size * (1.0 - white * white).sqrt());
             stds[place] = white * size;
@@ -196,8 +184,6 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
 
 /// A step of more than this share of the range, from near one end to near the other, is a turn.
 const TURN: f64 = 0.8;
-
-const LEAST_TURNS: usize = 3;
 
 pub(super) static WRAPS: Cause = Cause {
     key: "wraps",
@@ -303,7 +289,7 @@ impl Readings {
                 return None;
             }
         }
-        (jumps >= LEAST_TURNS).then(|| (jumps, sum / jumps as f64))
+        (jumps >= 3).then(|| (jumps, sum / jumps as f64))
     }
 
     /// The step to which readings are rounded.
@@ -313,7 +299,7 @@ impl Readings {
         sort_numbers(&mut values);
         values.dedup();
         let [first, .., last] = values[..] else { return None };
-        if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {
+        if count < 50 || values.len() as f64 > 0.3 * count as f64 {
             return None;
         }
         // Equal readings may differ by rounding, which would pass for the step.
@@ -347,8 +333,8 @@ impl Readings {
         // Noise that grows once has its large values behind that time alone.
         let quarters = marks.chunks(marks.len().div_ceil(4).max(1));
         let spread = quarters.map(|part| part.iter().filter(|mark| **mark).count() as f64 / many);
-        let alone = alone && spread.fold(f64::INFINITY, f64::min) > LEAST_PART;
-        if many >= FEWEST as f64 && share >= OUTLYING && alone { self.marked(&marks) } else { None }
+        let alone = alone && spread.fold(f64::INFINITY, f64::min) > 0.06;
+        if many >= FEWEST as f64 && share >= 0.004 && alone { self.marked(&marks) } else { None }
     }
 }
 
@@ -383,16 +369,10 @@ const SHARE: f64 = 0.01;
 /// The least number of spells at an end: one alone may be a rest.
 const SPELLS: usize = 3;
 
-const MOST_LEVELS: f64 = 0.3;
-
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Chance puts 6 of ten million innovations beyond this many usual ones.
 const FAR: f64 = 5.0;
-
-const OUTLYING: f64 = 0.004;
-
-const LEAST_PART: f64 = 0.06;
 
 fn spells(marks: impl Iterator<Item = bool>) -> usize {
     let mut before = false;

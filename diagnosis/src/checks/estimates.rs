@@ -42,8 +42,6 @@ fn divergence(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits an estimate, relative to its initial mean and standard deviation.
 const FAR: f64 = 1e3;
 
-const BELOW: f64 = 4.0;
-
 pub(super) static RANGE: Test = Test {
     name: "size and sign of the estimates",
     statistic: "the last estimates",
@@ -84,7 +82,7 @@ fn range(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let sentence =
                 format!("the {name} is negative, {}{space}{unit} ± {}{whose}", short(mean), short(2.0 * std));
             if below > 0.0 {
-                push(below / BELOW, sentence);
+                push(below / 4.0, sentence);
             }
         }
     }
@@ -172,8 +170,6 @@ const GROWN: f64 = 3.0;
 
 const GROWS: f64 = 1.2;
 
-const UNLEARNT_SHARE: f64 = 0.9;
-
 pub(super) static WIND_UP: Test = Test {
     name: "growth of P",
     statistic: "last σ of a parameter over its initial σ",
@@ -224,14 +220,10 @@ pub(super) static UNLEARNT: Test = Test {
             let sentence = format!("σ of the {} is still {} times its first value{when}", channel.name(), short(share));
             let samples = since..case.samples.end;
             let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-            found.push(one.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, share, sentence));
+            found.push(one.certain(VerdictKind::NotIdentifiable, share / 0.9, share, sentence));
         }
     },
 };
-
-const CALM: std::ops::Range<f64> = 0.8..1.25;
-
-const MENTIONED: f64 = 2.0;
 
 pub(super) static RECOVERY: Test = Test {
     name: "recovery",
@@ -246,7 +238,7 @@ pub(super) static RECOVERY: Test = Test {
         let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
         let (level, of_innovations) = level_of_innovations(case);
         let (off, of_errors) = largest_error(case);
-        let is_error = off > MENTIONED && CALM.contains(&level);
+        let is_error = off > 2.0 && (0.8..1.25).contains(&level);
         let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
         if !statistic.is_finite() {
             return;
@@ -277,62 +269,48 @@ fn largest_error(case: &Case<'_>) -> (f64, String) {
     (off, format!("the {name} is off by {} times its σ", short(off)))
 }
 
-const FALL: f64 = 100.0;
-
-const FEWEST: f64 = 2.0;
-
-const A_WHILE: usize = 10;
-
 pub(super) static SAMPLE: Test = Test {
     name: "the sample of particles",
     statistic: "the largest fall of a σ from one sample to the next; the least effective sample size",
     distribution: "none",
     source: "Kong, Liu and Wong (1994), Sequential imputations and Bayesian missing data problems",
     reading: "above 100 times, or fewer than 2 particles for a while: one has all the weight, and σ means nothing",
-    run: sample,
-};
-
-fn sample(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    if case.estimates.effective_samples().is_empty() {
-        return;
-    }
-    let sizes = &case.estimates.effective_samples()[case.samples.clone()];
-    let fall_of = |(place, channel): (usize, &Channel)| {
-        let variances = &case.estimates.variances(place)[case.samples.clone()];
-        let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
-        let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((fall.sqrt(), k + 1, *channel))
-    };
-    let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
-    if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        let at = case.samples.start + k;
-        let time = short(case.record.time(at));
-        let with = match sizes[k] {
-            size if size.is_nan() => "where nothing is measured".to_owned(),
-            size => format!("with {} effective particles", short(size)),
+    run: |case, test, found| {
+        if case.estimates.effective_samples().is_empty() {
+            return;
+        }
+        let sizes = &case.estimates.effective_samples()[case.samples.clone()];
+        let fall_of = |(place, channel): (usize, &Channel)| {
+            let variances = &case.estimates.variances(place)[case.samples.clone()];
+            let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
+            let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some((fall.sqrt(), k + 1, *channel))
         };
-        let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
-        let samples = at..case.samples.end;
-        let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
-        found.push(one.certain(VerdictKind::Collapsed, fall / FALL, fall, sentence));
-    }
-    let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
-    for &size in sizes.iter().filter(|size| !size.is_nan()) {
-        present = if size < FEWEST { present + 1 } else { 0 };
-        longest = longest.max(present);
-        least = size.min(least);
-    }
-    let sentence =
-        format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
-    let one = Evidence::new(test, Subject::All, case);
-    found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, least, sentence));
-}
-
-const SHARE: f64 = 0.25;
-
-const TIMES: f64 = 3.0;
-
-const MOST: f64 = 1.0 - 1e-6;
+        let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
+        if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            let at = case.samples.start + k;
+            let time = short(case.record.time(at));
+            let with = match sizes[k] {
+                size if size.is_nan() => "where nothing is measured".to_owned(),
+                size => format!("with {} effective particles", short(size)),
+            };
+            let sentence = format!("σ of the {} falls {} times at {time} s, {with}", channel.name(), short(fall));
+            let samples = at..case.samples.end;
+            let one = Evidence { samples, ..Evidence::new(test, Subject::Channel(channel), case) };
+            found.push(one.certain(VerdictKind::Collapsed, fall / 100.0, fall, sentence));
+        }
+        let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
+        for &size in sizes.iter().filter(|size| !size.is_nan()) {
+            present = if size < 2.0 { present + 1 } else { 0 };
+            longest = longest.max(present);
+            least = size.min(least);
+        }
+        let sentence =
+            format!("the effective sample size falls to {}, and stays below 2 for {longest} samples", short(least));
+        let one = Evidence::new(test, Subject::All, case);
+        found.push(one.certain(VerdictKind::Collapsed, f64::from(longest) / 10.0, least, sentence));
+    },
+};
 
 pub(super) static DIVERSITY: Test = Test {
     name: "diversity of the particles",
@@ -360,7 +338,7 @@ pub(super) static DIVERSITY: Test = Test {
             let (name, times, part) = (channel.name(), short(times), percent(share));
             let sentence =
                 format!("resampling alone makes σ of the {name} {times} times smaller, {part} of all its shrinking");
-            let effect = (share / SHARE).min(lost / libm::log(TIMES));
+            let effect = (share / 0.25).min(lost / libm::log(3.0));
             let one = Evidence::new(test, Subject::Channel(channel), case);
             found.push(one.certain(VerdictKind::Collapsed, effect, share, sentence));
         }
@@ -384,5 +362,5 @@ fn learnt_share(case: &Case<'_>, k: usize, place: usize) -> f64 {
 }
 
 fn shrinks_by(share: f64) -> f64 {
-    -0.5 * libm::log(1.0 - share.min(MOST))
+    -0.5 * libm::log(1.0 - share.min(1.0 - 1e-6))
 }

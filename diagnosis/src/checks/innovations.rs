@@ -47,32 +47,19 @@ pub(super) static TOGETHER: Test = Test {
 };
 
 fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose: &str) -> Evidence {
-    let effect = libm::log(level).abs() / libm::log(TOLERANCE);
-    Evidence {
-        statistic: level,
-        p_value: chi_squared_p(level, count),
-        effect: if level.is_nan() { f64::INFINITY } else { effect },
-        speaks_for: if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() },
-        sentence: format!("innovations² {whose} are {} times what the filter expects", short(level)),
-        ..evidence
-    }
+    let effect = if level.is_nan() { f64::INFINITY } else { libm::log(level).abs() / libm::log(TOLERANCE) };
+    let kind = if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() };
+    let sentence = format!("innovations² {whose} are {} times what the filter expects", short(level));
+    Evidence { p_value: chi_squared_p(level, count), ..evidence.certain(kind, effect, level, sentence) }
 }
 
 /// The numbers are the statistic, its p-value and the effect.
 fn pattern(case: &Case<'_>, test: &'static Test, one: &SensorInnovations, numbers: [f64; 3], said: &str) -> Evidence {
     let [statistic, p_value, effect] = numbers;
-    let (speaks_for, sentence) = (case.pattern(one), format!("prediction errors of the {} {said}", one.sensor.key()));
-    Evidence {
-        statistic,
-        p_value,
-        effect,
-        speaks_for,
-        sentence,
-        ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-    }
+    let sentence = format!("prediction errors of the {} {said}", one.sensor.key());
+    let evidence = Evidence::new(test, Subject::Sensor(one.sensor), case);
+    Evidence { p_value, ..evidence.certain(case.pattern(one), effect, statistic, sentence) }
 }
-
-const OFF_ZERO: f64 = 0.1;
 
 pub(super) static MEAN: Test = Test {
     name: "mean of the innovations",
@@ -85,7 +72,7 @@ pub(super) static MEAN: Test = Test {
             let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
             if count > 0.0 {
                 let statistic = mean * count.sqrt();
-                let numbers = [statistic, normal_p(statistic), mean.abs() / OFF_ZERO];
+                let numbers = [statistic, normal_p(statistic), mean.abs() / 0.1];
                 found.push(pattern(case, test, one, numbers, &format!("are {mean:.2}σ on average, not 0")));
             }
         }
@@ -104,35 +91,33 @@ pub(super) static WHITENESS: Test = Test {
     source: "Ljung and Box (1978); Mehra (1970), On the identification of variances and adaptive Kalman filtering",
     reading: "positive at lag 1: the gain is too low, and a part of each error remains in the next; negative: the gain \
               is too high",
-    run: whiteness,
-};
-
-fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    for one in &case.sensors {
-        for span in case.spans() {
-            let count = one.count(&span.parts);
-            if count < 2.0 * LAGS as f64 {
-                continue;
+    run: |case, test, found| {
+        for one in &case.sensors {
+            for span in case.spans() {
+                let count = one.count(&span.parts);
+                if count < 2.0 * LAGS as f64 {
+                    continue;
+                }
+                let correlation = one.autocorrelation(&span.parts);
+                let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
+                let statistic = count * (count + 2.0) * terms.sum::<f64>();
+                let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                let (lag, largest) = largest.unwrap_or((1, 0.0));
+                let (next, first) = one.first_correlation(&span.parts);
+                let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
+                let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+                let degrees = correlation.iter().filter(|r| **r != 0.0).count() as u32;
+                let p_value = chi_squared::upper_tail(statistic, degrees).unwrap_or(1.0);
+                let said = format!("are correlated{}: {first:.2} at lag {next}{also}", span.words);
+                found.push(Evidence {
+                    speaks_for: direction(case, one, telling, one.level(&span.parts)),
+                    samples: span.samples,
+                    ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said)
+                });
             }
-            let correlation = one.autocorrelation(&span.parts);
-            let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
-            let statistic = count * (count + 2.0) * terms.sum::<f64>();
-            let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let (lag, largest) = largest.unwrap_or((1, 0.0));
-            let (next, first) = one.first_correlation(&span.parts);
-            let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
-            let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
-            let degrees = correlation.iter().filter(|r| **r != 0.0).count() as u32;
-            let p_value = chi_squared::upper_tail(statistic, degrees).unwrap_or(1.0);
-            let said = format!("are correlated{}: {first:.2} at lag {next}{also}", span.words);
-            found.push(Evidence {
-                speaks_for: direction(case, one, telling, one.level(&span.parts)),
-                samples: span.samples,
-                ..pattern(case, test, one, [statistic, p_value, largest.abs() / CORRELATED], &said)
-            });
         }
-    }
-}
+    },
+};
 
 pub(super) static PAIRS: Test = Test {
     name: "whiteness between two sensors",
@@ -209,8 +194,6 @@ pub(super) static INPUT: Test = Test {
     },
 };
 
-const LINE: f64 = 5.0;
-
 pub(super) static LINES: Test = Test {
     name: "lines in the spectrum of the innovations",
     statistic: "the largest power of a Welch periodogram over the mean power",
@@ -229,7 +212,7 @@ pub(super) static LINES: Test = Test {
             let p_value = (one_p * one.periodogram.power.len() as f64).min(1.0);
             let (times, frequency) = (short(statistic), short(turn / case.record.dt()));
             let said = format!("have a peak of {times} times the mean power at {frequency} rad/s");
-            found.push(pattern(case, test, one, [statistic, p_value, statistic / LINE], &said));
+            found.push(pattern(case, test, one, [statistic, p_value, statistic / 5.0], &said));
         }
     },
 };

@@ -3,8 +3,7 @@
 use std::fmt;
 
 use super::observed::ObservedSums;
-use crate::CAUSES;
-use crate::VerdictKind;
+use crate::{CAUSES, VerdictKind};
 
 /// The description of a measure.
 #[derive(Debug)]
@@ -157,8 +156,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The value as a number: 1 for yes and 0 for no; the place of the verdict in [`VerdictKind::ALL`], and of the
-    /// cause in [`CAUSES`]. NaN for words, and where there is none.
+    /// As a number: 1 for yes, 0 for no, the place in [`VerdictKind::ALL`] or [`CAUSES`]; NaN for words, and where there is none.
     pub fn number(&self) -> f64 {
         match self {
             Self::Number(number) => *number,

@@ -12,8 +12,6 @@ use crate::words::plain;
 /// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
 const SETTLING: f64 = 1.0;
 
-const MOST_FAULTS: usize = 2;
-
 pub(super) struct TrueChange {
     pub(super) channel: Channel,
     pub(super) signal: Signal,
@@ -105,12 +103,12 @@ pub(super) fn sentence(changes: &[TrueChange], run: &Run) -> Vec<Phrase> {
     };
     let text = if changes.len() > 1 { text.say(", and other parameters change too") } else { text };
     let hidden = if scenario.plant.disturbance_std > 0.0 { "; an unmeasured force shakes it too" } else { "" };
-    text.say(hidden).say(".").done()
+    text.say(hidden).say(".").0
 }
 
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
     let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
-    all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
+    all.take(2).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
 }
 
 fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
@@ -126,7 +124,7 @@ fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
         let range = (low * size, high * size);
         text = text.setting(Adjustable::new(key, value, range, number.scale.unit(quantity))).say(piece);
     }
-    text.say(".").done()
+    text.say(".").0
 }
 
 fn named(channel: Channel) -> String {

@@ -8,13 +8,11 @@ use kalmanscope_core::scenario::cost::turn_at;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop};
 
 use super::happening::TrueChange;
-use super::{Adjustable, Form, Phrase, Writer};
+use super::{Adjustable, Phrase, Writer};
 use crate::words::{percent_to_a_tenth, plain, seconds, with_band};
 use crate::{Diagnosis, Evidence, Subject, VerdictKind};
 
 const FOUND: f64 = 0.05;
-
-const SURE: f64 = 3.0;
 
 /// The motion turns by this angle in a long step \[°\].
 const LONG_STEP: f64 = 30.0;
@@ -26,8 +24,6 @@ const LOOKS: usize = 100;
 
 /// The least share of the power that a band leaves white noise: noise may have colours.
 const LEAST_BEHIND: f64 = 0.5;
-
-const OTHERS: usize = 2;
 
 pub(super) struct FilterOutcome<'a> {
     pub(super) filter: &'a FilterSettings,
@@ -140,7 +136,7 @@ impl<'a> FilterOutcome<'a> {
         let memory = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
         let text = if change.is_some() { text.say(memory).setting(self.fading()).say("),") } else { text };
         if let Some((stop, at)) = &self.stop {
-            return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).done();
+            return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).0;
         }
         let text = match self.kind {
             Some(VerdictKind::Diverged) => text.say(" has lost the truth"),
@@ -152,12 +148,12 @@ impl<'a> FilterOutcome<'a> {
                 self.verdict(text, is_off)
             }
         };
-        text.say(".").done()
+        text.say(".").0
     }
 
     fn fading(&self) -> Adjustable {
         let fading = Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "");
-        Adjustable { form: Form::Decimals(3), ..fading }
+        Adjustable { has_three_decimals: true, ..fading }
     }
 
     pub(super) fn aside(&self, is_told: bool) -> Vec<Adjustable> {
@@ -189,7 +185,7 @@ impl<'a> FilterOutcome<'a> {
         let Some(truth) = &main.truth else {
             let text = text.say(format!(" finds {symbol} = ")).result(main.text());
             let text = text.say(main.hertz().map_or(String::new(), |hertz| format!(" ({hertz})")));
-            let others = self.others.iter().take(OTHERS);
+            let others = self.others.iter().take(2);
             let told =
                 |text: Writer, other: &Main| text.say(format!(", {} = ", other.channel.symbol())).result(other.text());
             return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);
@@ -220,7 +216,7 @@ impl<'a> FilterOutcome<'a> {
 
     fn spring(&self) -> Option<&'static str> {
         let cubic = self.others.iter().find(|other| other.channel == Channel::CUBIC_STIFFNESS)?;
-        let is_sure = cubic.mean.abs() > SURE * cubic.std;
+        let is_sure = cubic.mean.abs() > 3.0 * cubic.std;
         is_sure.then_some(if cubic.mean > 0.0 { "; the spring hardens" } else { "; the spring softens" })
     }
 

@@ -23,14 +23,12 @@ pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     let input = if has_input(run) { "" } else { ", and no input" };
     let (begin, so_far) = if run.is_live() { ("Live measurement: ", " so far") } else { ("A measured record: ", "") };
     let text = Writer::default().say(begin).result(seconds(length));
-    text.say(format!(" of {of}{so_far}{input}.")).done()
+    text.say(format!(" of {of}{so_far}{input}.")).0
 }
 
 pub(super) fn has_input(run: &Run) -> bool {
     run.record().input().iter().any(|input| *input != 0.0)
 }
-
-const NARROWER: f64 = 1.1;
 
 /// None before there are verdicts. `told` limits the filters to those of the story.
 pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<Vec<Phrase>> {
@@ -40,7 +38,7 @@ pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<V
         return None;
     }
     if judged.iter().any(|outcome| outcome.is_early()) {
-        return Some(Writer::default().say("It is too early to say which to trust.").done());
+        return Some(Writer::default().say("It is too early to say which to trust.").0);
     }
     let honest: Vec<&FilterOutcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
     let text = Writer::default();
@@ -77,7 +75,7 @@ pub(super) fn of_belief(outcomes: &[FilterOutcome<'_>], told: usize) -> Option<V
         }
     };
     let more = outcomes.len().saturating_sub(told);
-    Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).done() } else { text.done() })
+    Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).0 } else { text.0 })
 }
 
 fn narrowest<'a, 'b>(several: &[&'a FilterOutcome<'b>]) -> Option<&'a FilterOutcome<'b>> {
@@ -85,10 +83,8 @@ fn narrowest<'a, 'b>(several: &[&'a FilterOutcome<'b>]) -> Option<&'a FilterOutc
     let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
     let others = several.iter().filter(|other| other.filter.id != best.filter.id);
     let next = others.map(|other| band(&other)).fold(f64::INFINITY, f64::min);
-    (next.is_finite() && band(&best) > 0.0 && next > NARROWER * band(&best)).then_some(*best)
+    (next.is_finite() && band(&best) > 0.0 && next > 1.1 * band(&best)).then_some(*best)
 }
-
-const FOUND: f64 = 0.95;
 
 pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
     let truth = &run.scenario().plant.kind;
@@ -102,19 +98,17 @@ pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<P
     let estimates = &run.estimates()[best];
     let p = classes.probabilities[best];
     let text = Writer::default();
-    if p < FOUND {
+    if p < 0.95 {
         let text = text.say("The readings do not separate the models yet: the probability is ");
         let text = text.result(percent_to_a_tenth(p)).say(" for ").filter(estimates.id(), estimates.name());
-        return Some(text.say(".").done());
+        return Some(text.say(".").0);
     }
     let text = text.say("The likeliest model is that of ").filter(estimates.id(), estimates.name());
     let certainty = ModelClasses::in_percent(p).replace('>', "more than");
-    Some(text.say(", with a probability of ").result(certainty).say(".").done())
+    Some(text.say(", with a probability of ").result(certainty).say(".").0)
 }
 
 const EQUAL: f64 = 1.05;
-
-const MOST: usize = 2;
 
 pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Option<Vec<Phrase>> {
     let compared = filters.iter().filter_map(|(id, name, before, now)| {
@@ -125,7 +119,7 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
     let words = filters.first().and_then(|one| words.strip_prefix(&format!("{} ", one.1))).unwrap_or(words);
     let begin = if words.starts_with("with") { "Before, " } else { "With " };
     let mut text = Writer::default().say(format!("{begin}{words}"));
-    for (place, (id, name, channel, ratio)) in compared.take(MOST).enumerate() {
+    for (place, (id, name, channel, ratio)) in compared.take(2).enumerate() {
         let begin = [", the error of ", ", and that of "][place.min(1)];
         text = text.say(begin).filter(id, name).say(format!(" in {} was ", channel.symbol()));
         text = match ratio {
@@ -134,7 +128,7 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
             _ => text.say("the same"),
         };
     }
-    (text.0.len() > 1).then(|| text.say(".").done())
+    (text.0.len() > 1).then(|| text.say(".").0)
 }
 
 fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
@@ -144,8 +138,6 @@ fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
 fn times(ratio: f64) -> String {
     if ratio < 9.95 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
-
-const VAGUE: f64 = 0.5;
 
 /// Below this period nobody counts swings \[s\].
 const QUICK: f64 = 0.05;
@@ -161,7 +153,7 @@ pub(super) fn of_swing(outcomes: &[FilterOutcome<'_>]) -> Option<Vec<Phrase>> {
     let believable_first = outcomes.iter().filter(may_be_believed).chain(outcomes);
     let [(frequency, spread), (damping, doubt)] = believable_first.into_iter().find_map(FilterOutcome::swing)?;
     let (shares, zeta) = ([2.0 * spread / frequency, 2.0 * doubt / damping], damping);
-    if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..VAGUE).contains(share))) {
+    if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..0.5).contains(share))) {
         return None;
     }
     let damped = libm::sqrt(1.0 - zeta * zeta);
@@ -177,5 +169,5 @@ pub(super) fn of_swing(outcomes: &[FilterOutcome<'_>]) -> Option<Vec<Phrase>> {
     let text = text.say(": Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
     let decrement = 2.0 * PI * zeta / damped;
     let text = text.say(", logarithmic decrement ").result(with_band(decrement, shares[1] * decrement, ""));
-    Some(text.say(".").done())
+    Some(text.say(".").0)
 }

@@ -41,11 +41,8 @@ pub(super) enum Content {
     Number(f64),
     /// Has one reading, such as `1.234,5`.
     Grouped(f64),
-    /// \[s\]: since midnight, or with a date since 1970.
-    Clock {
-        seconds: f64,
-        is_dated: bool,
-    },
+    /// \[s\], and whether there is a date: since midnight, or with one since 1970.
+    Clock(f64, bool),
     Missing,
     Word,
     Text,
@@ -54,15 +51,14 @@ pub(super) enum Content {
 impl Content {
     pub(super) fn value(self) -> f64 {
         match self {
-            Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
+            Self::Number(value) | Self::Grouped(value) | Self::Clock(value, _) => value,
             Self::Missing | Self::Word | Self::Text => f64::NAN,
         }
     }
 }
 
 impl Decimal {
-    /// The number in a cell, such as `1.234,5`, `1.5D-3` or the seconds of `13:05:00.25`, with or without a date; NaN in an empty one and
-    /// for `nan`, `OVLD` and the like; `None` in one with other text.
+    /// The number in a cell, or the seconds of a time of day; NaN in an empty one and for `nan`, `OVLD` and the like; `None` for other text.
     pub fn number(self, cell: &str) -> Option<f64> {
         let found = self.read(cell, false);
         (found != Content::Text).then(|| found.value())
@@ -100,7 +96,7 @@ impl Decimal {
             Some(value) => Content::Number(value),
             None if is_missing(cell) => Content::Missing,
             None if is_word(cell) => Content::Word,
-            None if let Some((seconds, is_dated)) = clock(cell) => Content::Clock { seconds, is_dated },
+            None if let Some((seconds, is_dated)) = clock(cell) => Content::Clock(seconds, is_dated),
             None => self.duration(cell).map_or(Content::Text, Content::Number),
         }
     }

@@ -158,8 +158,6 @@ pub struct Sentinel {
 /// Limits from below the distance of a sentinel from all numbers, over their range: of a usual one, of any other number.
 const FAR: [f64; 2] = [3.0, 30.0];
 
-const FEWEST: usize = 3;
-
 #[derive(Clone, Copy)]
 struct End {
     value: f64,
@@ -178,7 +176,7 @@ impl Table {
             let is_usual = is_usual(end.value);
             let range = (end.next - other.value).abs();
             let far = (end.value - end.next).abs() > FAR[usize::from(!is_usual)] * range;
-            let enough = end.count >= if is_usual { 2 } else { FEWEST } && 2 * end.count < finite;
+            let enough = end.count >= if is_usual { 2 } else { 3 } && 2 * end.count < finite;
             let End { value, count, row, .. } = end;
             (range > 0.0 && far && enough).then(|| Sentinel { value, count, line: self.line(row), is_usual })
         };

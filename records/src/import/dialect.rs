@@ -85,13 +85,11 @@ impl Encoding {
     }
 }
 
-const MOST_LINES: usize = 300;
-
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
-        let lines = &lines[..lines.len().min(MOST_LINES)];
+        let lines = &lines[..lines.len().min(300)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
         let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| TextForm::new(delimiter, decimal, lines));
         let form = delimiters.flat_map(both).rev().max_by_key(TextForm::score).filter(|form| form.score() > 0)?;
@@ -174,7 +172,7 @@ impl TextForm {
                 counts.cells += 1;
                 match decimal.read(cell, false) {
                     Content::Number(number) if number.is_nan() => {}
-                    Content::Number(_) | Content::Clock { .. } => counts.numbers += 1,
+                    Content::Number(_) | Content::Clock(..) => counts.numbers += 1,
                     Content::Grouped(_) => {
                         counts.numbers += 1;
                         thousands = true;

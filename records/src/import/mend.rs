@@ -9,8 +9,6 @@ use super::header::{Dimension, unit};
 use super::times::{DAY, EPOCHS, median_step};
 use super::{Column, Table};
 
-const NEAR: usize = 64;
-
 /// Limits from below the distance of first rows from the others, over the time of these.
 const APART: f64 = 1e3;
 
@@ -203,7 +201,7 @@ fn first_rows_apart(times: &[f64]) -> Option<usize> {
 /// `None` unless each row is near its place and the sorted times have usual steps.
 fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
     let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
-    let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
+    let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= 64);
     let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
     let usual = 0.2 * step..100.0 * step;
     let has_steps = sorted.windows(2).all(|pair| usual.contains(&(times[pair[1]] - times[pair[0]])));

@@ -106,10 +106,6 @@ impl OwnTimes {
     }
 }
 
-const SAME: f64 = 1e-3;
-
-const UNITS: f64 = 10.0;
-
 pub(super) struct OneClock {
     pub(super) timing: Timing,
     pub(super) own: OwnTimes,
@@ -190,8 +186,8 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     let (Some(a), Some(b)) = (rises(table, one), rises(table, other)) else { return false };
     let spans = [&a, &b].map(|times| times[times.len() - 1] - times[0]);
     let scale = spans[1] / spans[0];
-    let limit = SAME * spans[1] / (b.len() - 1) as f64;
-    let is_other_unit = scale.max(1.0 / scale) > UNITS;
+    let limit = 1e-3 * spans[1] / (b.len() - 1) as f64;
+    let is_other_unit = scale.max(1.0 / scale) > 10.0;
     let (zero, scale) = if is_other_unit { (b[0] - scale * a[0], scale) } else { (0.0, 1.0) };
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
 }

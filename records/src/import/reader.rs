@@ -8,8 +8,6 @@ use crate::task::{Progress, Work, pause};
 
 const HEAD: usize = 65_536;
 
-const SLICE: usize = 256;
-
 enum Body {
     Rows(Box<RowsReader>),
     Series(SeriesReader),
@@ -25,7 +23,7 @@ pub(super) async fn read(bytes: &[u8], dialect: Option<Dialect>, progress: &Prog
     let (Dialect { encoding, data, .. }, mut body) = begin(bytes, dialect)?;
     let (mut place, mut line, mut text) = (encoding.mark(bytes), 0, String::new());
     while place < bytes.len() {
-        if line % SLICE == 0 {
+        if line % 256 == 0 {
             progress.set(place as f64 / bytes.len() as f64);
             pause().await;
         }

@@ -78,13 +78,10 @@ impl Column {
     /// Returns whether the number has thousands separators.
     fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
         let found = dialect.decimal.read(cell, dialect.thousands);
-        let quoted = || {
-            const QUOTED: usize = 40;
-            TextCell { line, text: cell.chars().take(QUOTED).collect() }
-        };
+        let quoted = || TextCell { line, text: cell.chars().take(40).collect() };
         match found {
             Content::Number(_) | Content::Grouped(_) | Content::Missing => {}
-            Content::Clock { is_dated, .. } => {
+            Content::Clock(_, is_dated) => {
                 self.is_time_of_day |= !is_dated;
                 self.is_dated |= is_dated;
             }

@@ -270,7 +270,7 @@ impl Timing {
                     }
                     let share = (time - times[row]) / (times[row + 1] - times[row]);
                     // A gap between distant values is not interpolated.
-                    let is_gap = times[row + 1] - times[row] > MOST_APART;
+                    let is_gap = times[row + 1] - times[row] > 3.0;
                     match share {
                         share if share <= 0.0 => rows[row],
                         share if share >= 1.0 => rows[row + 1],
@@ -307,8 +307,6 @@ fn count(samples: f64) -> Result<usize> {
     let found = samples.min(1e15) as usize;
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
 }
-
-const MOST_APART: f64 = 3.0;
 
 /// Limits the shift by rounding, in units of the last decimal: half is a time's own, half that of the ends.
 const ROUNDED: f64 = 1.01;

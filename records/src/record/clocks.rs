@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use kalmanscope_filters::lists::{mapped, sort_numbers};
 use kalmanscope_filters::{Hold, InputKind};
-use thiserror::Error;
+
+use super::RecordError;
 
 /// Values with their times.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,32 +25,16 @@ pub struct Clocks {
     pub readings: Vec<Timed>,
 }
 
-/// Times that a record cannot have.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum ClocksError {
-    /// There must be a series for each sensor: their numbers.
-    #[error("{0} series of readings, but the record has {1} sensor(s)")]
-    Sensors(usize, usize),
-    /// There must be a value for each time: their numbers.
-    #[error("{0} times, but {1} values")]
-    Length(usize, usize),
-    /// Times must rise, and all numbers be finite.
-    #[error("value {0}: the times must rise, and all numbers be finite")]
-    Number(usize),
-    /// An input has a first value.
-    #[error("an input with times of its own needs a value")]
-    NoInput,
-}
-
 impl Timed {
-    fn check(&self) -> Result<(), ClocksError> {
+    fn check(&self) -> Result<(), RecordError> {
         let Self { times, values } = self;
         if times.len() != values.len() {
-            return Err(ClocksError::Length(times.len(), values.len()));
+            return Err(RecordError::Clocks(format!("{} times, but {} values", times.len(), values.len())));
         }
         let is_bad =
             |k: &usize| !(times[*k].is_finite() && values[*k].is_finite()) || (*k > 0 && times[*k] <= times[*k - 1]);
-        (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
+        let said = |k: usize| RecordError::Clocks(format!("value {k}: the times must rise, and all numbers be finite"));
+        (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(said(k)))
     }
 
     /// Outside of its values the nearest one.
@@ -198,13 +183,16 @@ impl Parts {
 }
 
 impl Clocks {
-    pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
+    pub(super) fn checked(mut self, sensors: usize) -> Result<Self, RecordError> {
         let Self { input, readings } = &mut self;
         if readings.len() != sensors {
-            return Err(ClocksError::Sensors(readings.len(), sensors));
+            let count = readings.len();
+            return Err(RecordError::Clocks(format!(
+                "{count} series of readings, but the record has {sensors} sensor(s)"
+            )));
         }
         if input.as_ref().is_some_and(|input| input.times.is_empty()) {
-            return Err(ClocksError::NoInput);
+            return Err(RecordError::Clocks("an input with times of its own needs a value".to_owned()));
         }
         for timed in input.iter_mut().chain(readings) {
             timed.check()?;

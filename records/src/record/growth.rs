@@ -7,8 +7,6 @@ use kalmanscope_filters::lists::{mapped, numbers};
 
 use super::{Clocks, Record, Timed};
 
-const COMPARED: usize = 1000;
-
 fn begins(all: &[f64], first: &[f64], compared: usize) -> bool {
     let from = first.len().saturating_sub(compared);
     all.len() >= first.len() && first[from..].iter().zip(&all[from..]).all(|(a, b)| a.to_bits() == b.to_bits())
@@ -62,7 +60,7 @@ impl Record {
 
     /// Compares the last 1,000 samples: a live record grows many times a second, and all are too slow.
     pub fn goes_on_from(&self, other: &Self) -> bool {
-        self.has_first(other, COMPARED)
+        self.has_first(other, 1000)
     }
 
     fn has_first(&self, other: &Self, compared: usize) -> bool {
@@ -88,8 +86,7 @@ impl Record {
         }
     }
 
-    /// The same record with other measurements: `change` gets the place of a sensor, a sample of those that are kept and the
-    /// reading, and returns the one in its place, in the same unit; NaN where it is missing.
+    /// The same record with other measurements: `change` gets the place of a sensor, a kept sample and the reading, NaN if it is missing.
     #[must_use]
     pub fn with_measured(mut self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
         self.change_measured(change);
