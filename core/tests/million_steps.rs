@@ -42,12 +42,6 @@ proptest! {
     #![proptest_config(config(300))]
 
     #[test]
-    fn any_scenario_can_be_written_and_read_again(bytes in proptest::collection::vec(any::<u8>(), 400)) {
-        let text = scenario_of(&bytes).0.to_toml().unwrap();
-        check_file(&text).map_err(TestCaseError::fail)?;
-    }
-
-    #[test]
     fn a_damaged_file_is_a_scenario_or_an_error(at in any::<prop::sample::Index>(), by in "\\PC{0,6}", cut in 0_usize..9) {
         let mut text: Vec<char> = include_str!("../../assets/scenarios/stiffness-loss.toml").chars().collect();
         let at = at.index(text.len() - cut);
