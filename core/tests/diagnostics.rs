@@ -151,9 +151,8 @@ fn unknown_truths_and_missing_measurements_are_not_scored() {
     let run = finished(&scenario);
     let mut file = Vec::new();
     run.record().write_csv(&mut file).unwrap();
-    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
-    let record = record_of(text.into_bytes(), &sensors);
+    let record = record_of(text.into_bytes(), &scenario);
     let again = finished_on(&scenario, record);
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);

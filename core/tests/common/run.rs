@@ -83,13 +83,8 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
 
 /// A filter of each kind, with few members.
 pub(crate) fn of_all_kinds(settings: &FilterSettings) -> Vec<FilterSettings> {
-    let of = |kind: FilterKind| FilterSettings {
-        kind,
-        id: 0,
-        name: kind.name().to_owned(),
-        ensemble_size: 40,
-        ..settings.clone()
-    };
+    let named = |kind: FilterKind| FilterSettings { kind, id: 0, name: kind.name().to_owned(), ..settings.clone() };
+    let of = |kind| FilterSettings { ensemble_size: 40, ..named(kind) };
     FilterKind::ALL.map(of).to_vec()
 }
 
@@ -235,8 +230,9 @@ impl<F: FnMut(&Sample<'_>)> Sink for Each<F> {
 }
 
 /// The record in a file that [`Record::write_csv`] has written.
-pub(crate) fn record_of(file: Vec<u8>, sensors: &[Quantity]) -> Record {
+pub(crate) fn record_of(file: Vec<u8>, scenario: &Scenario) -> Record {
     let table = read(file, None).expect("it is a table");
-    let (mapping, kind, _) = Mapping::guess_for(&table, sensors);
+    let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+    let (mapping, kind, _) = Mapping::guess_for(&table, &sensors);
     built(&table, &mapping, kind, Hold::Zero).record
 }
