@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::{Channel, FilterSettings, Hold, InputKind, PlantKind, Propagation, Record, Scenario};
 
-use crate::numbers::{Random, apart, rms};
+use crate::numbers::{Random, farthest, rms};
 use crate::run::{finished, finished_on, forced, truth};
 
 /// An equation and its true parameters; the time of a swing \[s\] and the size of its motion \[m\]; the standard deviation of the force
@@ -142,14 +142,6 @@ fn the_plant_says_how_the_mean_moves() {
     assert!(usual.steps(&PlantKind::DUFFING, InputKind::Force, 0.1) > steps(&usual, &PlantKind::DUFFING));
 }
 
-#[test]
-fn automatic_is_the_default_and_others_have_names() {
-    let automatic = Scenario::from_toml("[[filters]]\npropagation = \"automatic\"").unwrap();
-    assert_eq!(automatic, Scenario::from_toml("[[filters]]").unwrap());
-    let error = Scenario::from_toml("[[filters]]\npropagation = \"magic\"").unwrap_err().to_string();
-    assert!(error.contains("`automatic`") && error.contains("`euler`"), "{error}");
-}
-
 const STEPS: usize = 4;
 
 fn divided(kind: &str, substeps: usize) -> Scenario {
@@ -183,10 +175,8 @@ fn substeps_are_those_of_a_finer_record() {
         let fine = finished_on(&divided(kind, 1), Arc::new(finer(run.record())));
         let pairs = [(&run.estimates()[0], &fine.estimates()[0]), (&run.smoothed()[0], &fine.smoothed()[0])];
         for (which, (coarse, fine)) in pairs.into_iter().enumerate() {
-            for k in 0..coarse.len() {
-                let far = apart((coarse, k), (fine, STEPS * k));
-                assert!(far < 1e-6, "{kind}, {which}, sample {k}: {far}");
-            }
+            let far = farthest(coarse, fine, STEPS);
+            assert!(far < 1e-6, "{kind}, {which}: {far}");
         }
     }
 }

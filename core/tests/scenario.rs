@@ -84,7 +84,7 @@ fn missing_settings_are_filled_in() {
     );
     let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
     assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
-    assert_eq!((ukf.id, second.id), (1, 2));
+    assert_eq!((ukf.id, second.id, ukf.fading, second.fading), (1, 2, 1.0, 1.0));
     assert_eq!(ukf.initial_std, Values::INITIAL_STD.with([(Channel::VELOCITY, 9.0)]));
     assert_eq!(second.initial_std, Values::INITIAL_STD);
     assert_eq!(ukf.sensor_std[0], 0.2);
