@@ -8,9 +8,9 @@ use kalmanscope_core::record::{Record, Timed};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Channel, FilterKind, Force, Hold, InputKind, Quantity, Run, Scenario, Sensor, simulate};
 
-use crate::clocks::{record, run, scenario, told};
+use crate::clocks::{record, scenario, told};
 use crate::numbers::{Random, rms};
-use crate::run::{identified, imported, last, oscillator};
+use crate::run::{identified, imported, last, oscillator, run_on};
 
 /// The displacement of an oscillator under a slow chirp that is linear between samples: a file cannot show a change within its step.
 fn chirped(seed: u64, dt: f64, to: f64, sweep: f64, noise_std: f64) -> Record {
@@ -40,7 +40,7 @@ fn ends(run: &Run, truth: [f64; 2]) -> [f64; 2] {
 }
 
 fn errors(record: &Record) -> [f64; 2] {
-    ends(&run(&suggest(&scenario_for(record), record).scenario, record.clone()), [6.0, 0.05])
+    ends(&run_on(&suggest(&scenario_for(record), record).scenario, record.clone()), [6.0, 0.05])
 }
 
 #[test]

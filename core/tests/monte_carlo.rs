@@ -41,14 +41,8 @@ fn scenario(plant: &PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     Scenario { filters: vec![filter], ..scenario }
 }
 
-struct Outcome {
-    /// Sums and degrees of freedom of NEES and NIS.
-    squares: [(f64, u32); 2],
-    /// For each parameter, the square of the last error over that of the bound.
-    over_bound: Vec<f64>,
-}
-
-fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> Outcome {
+/// Sums and degrees of freedom of NEES and NIS, and for each parameter the square of the last error over that of the bound.
+fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> ([(f64, u32); 2], Vec<f64>) {
     let scenario = scenario(plant, kind, seed);
     let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
@@ -66,7 +60,7 @@ fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> Outcome {
     };
     let over_bound = estimates.channels().iter().enumerate().filter_map(over).collect();
     let nis = &scores.outcome().nis;
-    Outcome { squares: [(total.sum, total.degrees), (nis.sum, nis.degrees)], over_bound }
+    ([(total.sum, total.degrees), (nis.sum, nis.degrees)], over_bound)
 }
 
 #[track_caller]
@@ -75,15 +69,15 @@ fn assert_consistent(plant: &PlantKind, kind: FilterKind, slack: f64) {
     let outcomes = on_two_threads(&seeds, |seed| outcome(plant, kind, *seed));
     let name = format!("{} {}", plant.key(), kind.name());
     for (place, what) in ["NEES", "NIS"].into_iter().enumerate() {
-        let degrees: u32 = outcomes.iter().map(|o| o.squares[place].1).sum();
-        let level = outcomes.iter().map(|o| o.squares[place].0).sum::<f64>() / f64::from(degrees);
+        let degrees: u32 = outcomes.iter().map(|(sums, _)| sums[place].1).sum();
+        let level = outcomes.iter().map(|(sums, _)| sums[place].0).sum::<f64>() / f64::from(degrees);
         let quantile = |p| chi_squared::quantile(p, degrees).unwrap() / f64::from(degrees);
         let (low, high) = (quantile(0.0005), quantile(0.9995));
         let slack = if what == "NEES" { slack } else { 1.0 + 0.1 * (slack - 1.0) };
         assert!((low / slack..=high * slack).contains(&level), "{name}: mean {what} {level} outside {low} … {high}");
     }
-    for place in 0..outcomes[0].over_bound.len() {
-        let ratio = (outcomes.iter().map(|o| o.over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
+    for place in 0..outcomes[0].1.len() {
+        let ratio = (outcomes.iter().map(|(_, over_bound)| over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
         // The bound is that of one trajectory, which the errors of a short record of a chain stay below on average.
         let least = if plant.masses() == 1 { 0.85 } else { 0.7 };
         assert!((least..1.35).contains(&ratio), "{name}: rms error of parameter {place} is {ratio} times the bound");

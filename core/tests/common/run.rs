@@ -27,6 +27,13 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
+/// A run whose first filter does not stop.
+pub(crate) fn run_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -> Run {
+    let run = finished_on(scenario, record);
+    assert_eq!(run.estimates()[0].stop(), None);
+    run
+}
+
 fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
     build(table, mapping, kind, hold, &[]).expect("it is a record")
 }
