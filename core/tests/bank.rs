@@ -7,7 +7,7 @@ use kalmanscope_core::{
 };
 use nalgebra::{DMatrix, DVector};
 
-use crate::numbers::{ADAPTIVE, apart, joint_motion, log_normal};
+use crate::numbers::{ADAPTIVE, farthest, joint_motion, log_normal};
 use crate::oracles::textbook::Textbook;
 use crate::run::{finished, finished_on, knowing, last, one_filter, oscillator, values};
 
@@ -99,17 +99,11 @@ fn it_is_that_of_the_book() {
 #[test]
 fn without_a_walk_both_are_one() {
     for kind in ADAPTIVE {
-        let run = |walk: f64| {
-            let run = finished(&scenario(kind, walk));
-            assert!(run.estimates()[0].stop().is_none(), "{kind:?}");
-            run
-        };
-        let (alone, bank) = (run(0.0), run(1e-12));
-        let [alone, bank] = [&alone.estimates()[0], &bank.estimates()[0]];
-        for k in 0..alone.len() {
-            let far = apart((bank, k), (alone, k));
-            assert!(far < 1e-4, "{kind:?} at {k}: {far}");
-        }
+        let runs = [0.0, 1e-12].map(|walk| finished(&scenario(kind, walk)));
+        let [alone, bank] = runs.each_ref().map(|run| &run.estimates()[0]);
+        assert_eq!((alone.stop(), bank.stop()), (None, None), "{kind:?}");
+        let far = farthest(bank, alone, 1);
+        assert!(far < 1e-4, "{kind:?}: {far}");
     }
 }
 
@@ -130,13 +124,9 @@ fn a_sudden_loss_is_found_and_the_band_is_right() {
 
 #[test]
 fn a_bank_may_begin_from_several_guesses() {
-    for filter in ["kind = \"ekf\"", "kind = \"ukf\"\nguesses = 3"] {
-        assert!(Scenario::from_toml(&format!("[[filters]]\nwalk = 0.1\n{filter}")).is_ok(), "{filter}");
-    }
     let mut scenario = Scenario { duration: 5.0, ..scenario(FilterKind::EKF, 0.2) };
     scenario.filters[0].guesses = 3;
     assert!(finished(&scenario).estimates()[0].stop().is_none());
-    assert_eq!(Scenario::from_toml("[[filters]]\nguesses = 4").unwrap().filters[0].guesses, 4);
 }
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
@@ -182,13 +172,13 @@ fn from_guesses_of_1_to_36_all_arrive() {
             for share in [0.02, 0.1, 0.3] {
                 let (mut arrived, mut alone, mut of) = (0, 0, 0);
                 for seed in 701..704 {
-                    let (four, one) = (from_means(seed, kind, sensor, &means(12), share, 4), 1);
-                    let one = from_means(seed, kind, sensor, &means(12), share, one);
-                    let count = |run: &Run| run.estimates().iter().filter(|estimates| has_arrived(estimates)).count();
-                    (arrived, alone, of) = (arrived + count(&finished(&four)), alone + count(&finished(&one)), of + 12);
+                    let [four, one] = [4, 1].map(|guesses| {
+                        let run = finished(&from_means(seed, kind, sensor, &means(12), share, guesses));
+                        run.estimates().iter().filter(|estimates| has_arrived(estimates)).count()
+                    });
+                    (arrived, alone, of) = (arrived + four, alone + one, of + 12);
                 }
-                println!("{kind:?} {sensor:?}, σ₀ {share} of the guess: {arrived} of {of}, with one guess {alone}");
-                assert_eq!(arrived, of, "{kind:?} {sensor:?} {share}, with one guess {alone}");
+                assert_eq!(arrived, of, "{kind:?} {sensor:?}, σ₀ {share} of the guess, with one guess {alone}");
             }
         }
     }

@@ -1,16 +1,15 @@
 //! Records whose readings have times of their own.
 
-use std::sync::Arc;
-
 use kalmanscope_core::record::{Clocks, LiveRecord, Record, Timed};
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Remark, Robust, Run, Scenario,
-    Source, Trouble, Values, simulate,
+    Trouble, Values, simulate,
 };
 
 use crate::events::{Told, on_fine_grid, own_clocks};
-use crate::numbers::apart;
-use crate::run::{finished_on, forced, one_filter, with_times};
+use crate::live::follow;
+use crate::numbers::farthest;
+use crate::run::{forced, one_filter, run_on, with_times};
 
 const DT: f64 = 0.01;
 
@@ -51,16 +50,6 @@ pub(crate) fn record(told: &[Told], len: usize) -> Record {
     record.with_clocks(clocks).expect("the times are usable")
 }
 
-pub(crate) fn run(scenario: &Scenario, record: Record) -> Run {
-    let run = finished_on(scenario, record);
-    assert_eq!(run.estimates()[0].stop(), None);
-    run
-}
-
-fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
-    (from..coarse.len()).map(|k| apart((coarse, k), (fine, 100 * k))).fold(0.0, f64::max)
-}
-
 fn squares(estimates: &Estimates) -> (f64, u32) {
     let measured = (0..estimates.len()).filter(|k| !estimates.nis()[*k].is_nan());
     measured.fold((0.0, 0), |(nis, readings), k| (nis + estimates.nis()[k], readings + estimates.readings(k)))
@@ -85,7 +74,7 @@ fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
 
 fn pair_of(scenario: &Scenario, told: &[Told], len: usize) -> [Run; 2] {
     let (grid, fine) = on_fine_grid(scenario, told, 100 * len);
-    [run(scenario, record(told, len)), run(&grid, fine)]
+    [run_on(scenario, record(told, len)), run_on(&grid, fine)]
 }
 
 #[test]
@@ -103,7 +92,7 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
         told.iter_mut().for_each(|one| one.input *= size);
         told.iter_mut().flat_map(|one| &mut one.readings).for_each(|reading| *reading *= size);
         let [own, grid] = pair_of(&scenario, &told, len);
-        let found = distance(&own.estimates()[0], &grid.estimates()[0], 0);
+        let found = farthest(&own.estimates()[0], &grid.estimates()[0], 100);
         assert!(found < 1e-9, "seed {seed}: {found}");
         let [(nis, readings), all] = [&own, &grid].map(|run| squares(&run.estimates()[0]));
         assert_eq!(readings, all.1, "each reading counts, also of two in a step");
@@ -111,7 +100,7 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
         let [own_likelihood, likelihood] = [&own, &grid].map(|run| likelihood(&run.estimates()[0]));
         assert!((own_likelihood / likelihood - 1.0).abs() < 1e-9, "seed {seed}: {own_likelihood} {likelihood}");
         let [own, grid] = [own, grid].map(|run| run.smoothed().remove(0));
-        let found = distance(&own, &grid, 0);
+        let found = farthest(&own, &grid, 100);
         assert!(found < 1e-6, "smoothed, seed {seed}: {found}");
     }
 }
@@ -121,40 +110,30 @@ fn a_live_record_has_the_times_that_its_readings_have() {
     for (seed, kind) in [(21, FilterKind::KF), (22, FilterKind::EKF), (23, FilterKind::UKF)] {
         let scenario = scenario(kind, seed);
         let (mut told, len) = on_whole_steps(&scenario, seed);
-        let whole = run(&scenario, record(&told, len));
+        let whole = run_on(&scenario, record(&told, len));
         told.sort_by(|a, b| a.came.total_cmp(&b.came));
         let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
         let mut live = LiveRecord::new(DT, InputKind::Force, Hold::Zero, sensors).waiting(0.55);
         let mut growing: Option<Run> = None;
         for one in &told {
             live.take(40.0 + one.time, one.input, &one.readings).expect("it waits");
-            if live.record().len() < 2 {
-                continue;
+            if live.record().len() >= 2 {
+                follow(&mut growing, &scenario, live.so_far());
             }
-            let so_far = live.so_far();
-            let begin = || Run::from_source(&scenario, Source::Live(Arc::clone(&so_far))).expect("it can be run");
-            let growing = growing.get_or_insert_with(begin);
-            growing.lengthen(so_far);
-            growing.advance_to(usize::MAX);
         }
         live.finish();
-        let mut growing = growing.expect("it has begun");
-        growing.lengthen(live.so_far());
-        growing.advance_to(usize::MAX);
+        let growing = follow(&mut growing, &scenario, live.so_far());
         let [found, wanted] = [growing.record(), whole.record()].map(|record| record.clocks().expect("it has clocks"));
         let done = growing.estimates()[0].len();
         assert!(done + 1 >= len, "{done} of {len}");
-        for (found, wanted) in
-            found.readings.iter().chain(&found.input).zip(wanted.readings.iter().chain(&wanted.input))
-        {
+        let [found, wanted] = [found, wanted].map(|clocks| clocks.readings.iter().chain(&clocks.input));
+        for (found, wanted) in found.zip(wanted) {
             let count = wanted.times.partition_point(|time| *time <= (done - 1) as f64);
             assert_eq!(found.values, wanted.values[..count]);
             assert!(found.times.iter().zip(&wanted.times).all(|(a, b)| (a - b).abs() < 1e-9));
         }
-        for k in 0..done {
-            let far = apart((&growing.estimates()[0], k), (&whole.estimates()[0], k));
-            assert!(far <= 1e-6, "{kind:?}, sample {k}: {far}");
-        }
+        let far = farthest(&growing.estimates()[0], &whole.estimates()[0], 1);
+        assert!(far <= 1e-6, "{kind:?}: {far}");
     }
 }
 
@@ -163,7 +142,7 @@ fn a_look_ahead_equals_that_on_a_finer_grid() {
     let mut scenario = scenario(FilterKind::KF, 7);
     (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.25);
     let [own, grid] = pair(&scenario, 7).map(|run| run.smoothed().remove(0));
-    let found = distance(&own, &grid, 0);
+    let found = farthest(&own, &grid, 100);
     assert!(found < 1e-6, "{found}");
 }
 
@@ -188,7 +167,7 @@ fn filters_of_parameters_agree_with_a_finer_grid() {
         let mut finer = grid.scenario().clone();
         finer.filters[0].process_std[Channel::NATURAL_FREQUENCY] = 1e-4;
         grid.update(&finer).expect("it can be run");
-        let found = distance(&own.estimates()[0], &grid.estimates()[0], 1);
+        let found = farthest(&own.estimates()[0], &grid.estimates()[0], 100);
         assert!(found < 0.1, "{kind:?} {robust:?}: {found}");
     }
 }
@@ -216,12 +195,12 @@ fn times_of_the_samples_change_nothing() {
             let times = (0..even.len()).map(|k| k as f64).collect();
             for input in [None, Some(Timed { times, values: even.input().to_vec() })] {
                 let clocks = Clocks { input, ..timed.clocks().expect("it has times").clone() };
-                let own = run(&scenario, even.clone().with_clocks(clocks).expect("the times are usable"));
-                let expected = run(&scenario, even.clone());
+                let own = run_on(&scenario, even.clone().with_clocks(clocks).expect("the times are usable"));
+                let expected = run_on(&scenario, even.clone());
                 let [own, expected] = [&own, &expected].map(|run| &run.estimates()[0]);
+                let far = farthest(own, expected, 1);
+                assert!(far < 1e-7, "{hold:?}, change {nth}: {far}");
                 for k in 0..own.len() {
-                    let far = apart((own, k), (expected, k));
-                    assert!(far < 1e-7, "{hold:?}, change {nth}, at {k}: {far}");
                     let [a, b] = [own, expected].map(|estimates| estimates.nis()[k]);
                     let is_near = a.is_nan() == b.is_nan() && (a.is_nan() || (a - b).abs() < 1e-6 * b.max(1.0));
                     assert!(is_near, "{k}: {a} {b}");
@@ -244,7 +223,7 @@ fn an_option_that_counts_in_samples_says_so() {
     for (change, expected) in changes {
         let mut scenario = base.clone();
         change(&mut scenario.filters[0]);
-        let run = run(&scenario, record.clone());
+        let run = run_on(&scenario, record.clone());
         let found = run.estimates()[0].remarks().iter().find_map(|remark| match remark.what {
             Trouble::Moved(what) => Some(what),
             _ => None,

@@ -2,19 +2,16 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::record::{LiveRecord, Record};
+use kalmanscope_core::record::LiveRecord;
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::{
-    Estimates, FilterKind, LastSample, OnlineFilter, Quantity, Run, Scenario, Sensor, Source, Trouble, simulate,
+    FilterKind, LastSample, OnlineFilter, Quantity, Run, Scenario, Sensor, Source, Trouble, simulate,
 };
 
-use crate::numbers::{apart, bits, distance, mean};
-use crate::run::{after_events, finished_on, one_filter, oscillator, readings, with_fault, with_input, with_times};
-
-fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
-    let run = finished_on(scenario, record.clone());
-    run.estimates()[0].clone()
-}
+use crate::numbers::{bits, distance, farthest, mean};
+use crate::run::{
+    after_events, measured, one_filter, oscillator, readings, run_on, with_fault, with_input, with_times,
+};
 
 #[test]
 fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
@@ -25,16 +22,15 @@ fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
         let is_lost = |place: usize, k: usize| (k + place).is_multiple_of(3) || (300..360).contains(&k);
         let late = simulate(&scenario).without_truth().with_gaps(is_lost);
         scenario.filters[0].input_delay = delay;
-        let known = estimates(&scenario, &late);
+        let known = run_on(&scenario, late.clone());
         scenario.filters[0].input_delay = 0;
         // Before the first sample and after the last one, the input is what it is there.
         let last = late.len() as i32 - 1;
         let moved = (0..=last).map(|k| late.input()[(k - delay).clamp(0, last) as usize]);
         let moved = with_input(&late, moved.collect());
-        let expected = estimates(&scenario, &moved);
-        for k in 0..late.len() {
-            assert_eq!(known.mean(k), expected.mean(k), "delay {delay}, sample {k}");
-        }
+        let expected = run_on(&scenario, moved);
+        let means = |run: &Run| (0..late.len()).map(|k| run.estimates()[0].mean(k).to_vec()).collect::<Vec<_>>();
+        assert!(means(&known) == means(&expected), "delay {delay}");
     }
 }
 
@@ -49,17 +45,6 @@ fn late(kind: FilterKind, delays: [f64; 2]) -> Scenario {
     scenario
 }
 
-fn run(scenario: &Scenario, record: &Record) -> Run {
-    let run = finished_on(scenario, record.clone());
-    assert_eq!(run.estimates()[0].stop(), None);
-    run
-}
-
-fn far(one: &Estimates, other: &Estimates) -> f64 {
-    assert_eq!(one.len(), other.len());
-    (0..one.len()).map(|k| apart((one, k), (other, k))).fold(0.0, f64::max)
-}
-
 #[test]
 fn a_delay_is_a_reading_at_another_time() {
     for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
@@ -68,10 +53,10 @@ fn a_delay_is_a_reading_at_another_time() {
             let record = simulate(&late);
             let mut own = late.clone();
             own.filters[0].sensor_delay.clear();
-            let (known, told) =
-                (run(&late, &record), run(&own, &with_times(&record, |sensor, k| k - delays[sensor] / record.dt())));
-            let [known, told] = [&known, &told].map(|run| &run.estimates()[0]);
-            assert!(far(known, told) < 1e-9, "{kind:?} {delays:?}: {}", far(known, told));
+            let timed = with_times(&record, |sensor, k| k - delays[sensor] / record.dt());
+            let runs = [run_on(&late, record), run_on(&own, timed)];
+            let [known, told] = runs.each_ref().map(|run| &run.estimates()[0]);
+            assert!(farthest(known, told, 1) < 1e-9, "{kind:?} {delays:?}: {}", farthest(known, told, 1));
             let [own, other] = [known, told].map(|estimates| estimates.nis()[300]);
             assert!((own - other).abs() < 1e-9 * other, "{kind:?} {delays:?}: {own} {other}");
         }
@@ -90,11 +75,11 @@ fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
         });
         let mut own = late.clone();
         own.filters[0].sensor_delay.clear();
-        let (known, told) = (run(&late, &record), run(&own, &right));
-        assert!(far(&known.estimates()[0], &told.estimates()[0]) < 1e-6, "{kind:?}");
+        let (known, told) = (run_on(&late, record.clone()), run_on(&own, right));
+        assert!(farthest(&known.estimates()[0], &told.estimates()[0], 1) < 1e-6, "{kind:?}");
         assert!(known.estimates()[0].remarks().iter().all(|remark| !matches!(remark.what, Trouble::Rounded(_))));
         if let ([known], [told]) = (&known.smoothed()[..], &told.smoothed()[..]) {
-            assert!(far(known, told) < 1e-6, "{kind:?} smoothed");
+            assert!(farthest(known, told, 1) < 1e-6, "{kind:?} smoothed");
         }
         // Sample 100 has the reading that comes five samples later.
         let measured = known.estimates()[0].measured(&record, 0).expect("there is such a sensor");
@@ -106,7 +91,7 @@ fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
 fn a_part_of_a_step_is_rounded_where_a_filter_counts_in_samples_and_this_is_said() {
     for delays in [[0.02, 0.0], [0.0235, 0.0]] {
         let late = late(FilterKind::ENKF, delays);
-        let run = run(&late, &simulate(&late));
+        let run = run_on(&late, simulate(&late));
         let is_said = run.estimates()[0].remarks().iter().any(|remark| matches!(remark.what, Trouble::Rounded(_)));
         assert_eq!(is_said, delays[0] == 0.0235, "{delays:?}");
     }
@@ -117,7 +102,7 @@ fn a_filter_waits_for_a_late_sensor_and_has_the_same_bits() {
     for delays in SENSOR_DELAYS {
         let late = late(FilterKind::UKF, delays);
         let record = simulate(&late);
-        let whole = run(&late, &record);
+        let whole = run_on(&late, record.clone());
         let expected: Vec<Vec<u64>> = (0..record.len()).map(|k| bits(whole.estimates()[0].mean(k))).collect();
 
         let first = |samples: usize| Arc::new(record.part(0..samples));
@@ -160,7 +145,7 @@ fn events_of_a_late_sensor_count_at_the_time_that_they_tell_of() {
     for delays in SENSOR_DELAYS {
         let late = late(FilterKind::EKF, delays);
         let record = simulate(&late);
-        let (whole, events) = (run(&late, &record), after_events(&late, &record));
+        let (whole, events) = (run_on(&late, record.clone()), after_events(&late, &record));
         let (sample, estimates) = (events.sample(), &whole.estimates()[0]);
         let far = distance([sample.mean, sample.cov], estimates, estimates.len() - 1);
         assert!(far < 1e-6, "{delays:?}: {far}");
@@ -175,7 +160,7 @@ fn a_filter_that_knows_of_a_late_sensor_is_consistent() {
             let mut late = late(FilterKind::EKF, [0.0, delay]);
             (late.seed, late.duration) = (seed, 20.0);
             with_fault(&mut late.sensors[1], Fault::LATE, &[0.05]);
-            let run = run(&late, &simulate(&late).without_truth());
+            let run = run_on(&late, measured(&late));
             nis[place] += mean(&run.estimates()[0].nis()[200..1900]) / 20.0;
         }
     }

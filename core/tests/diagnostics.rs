@@ -7,7 +7,7 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{Random, bits, mean, rms};
-use crate::run::{finished, finished_on, one_filter, oscillator, record_of};
+use crate::run::{finished, finished_on, last, one_filter, oscillator, record_of};
 
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     let mut scenario = Scenario { plant: oscillator(6.0, 0.05), ..one_filter(FilterKind::EKF) };
@@ -151,9 +151,8 @@ fn unknown_truths_and_missing_measurements_are_not_scored() {
     let run = finished(&scenario);
     let mut file = Vec::new();
     run.record().write_csv(&mut file).unwrap();
-    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
-    let record = record_of(text.into_bytes(), &sensors);
+    let record = record_of(text.into_bytes(), &scenario);
     let again = finished_on(&scenario, record);
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);
@@ -180,23 +179,17 @@ fn parameters_held_for_certain_have_no_part_in_the_nees() {
     assert!(nees.interval.contains(&nees.mean), "{nees:?}");
 }
 
-fn scenario() -> Scenario {
+#[test]
+fn scores_are_the_diagnostics_to_the_last_bit() {
     let mut scenario = Scenario { duration: 30.0, ..Scenario::default() };
     let good = scenario.filters[0].clone();
     let of = |name: &str, kind| FilterSettings { name: name.to_owned(), kind, ensemble_size: 80, ..good.clone() };
-    let mut sure = of("sure", FilterKind::EKF);
-    sure.fading = 1.0;
-    for &channel in PlantKind::SDOF.channels().iter().skip(2) {
+    let mut sure = FilterSettings { fading: 1.0, ..of("sure", FilterKind::EKF) };
+    for channel in PlantKind::SDOF.parameters() {
         sure.initial_std[channel] = 1e-6;
         sure.initial_mean[channel] *= 3.0;
     }
     scenario.filters.extend([of("PF", FilterKind::PF), of("KF", FilterKind::KF), sure]);
-    scenario
-}
-
-#[test]
-fn scores_are_the_diagnostics_to_the_last_bit() {
-    let scenario = scenario();
     let run = finished(&scenario);
     let record = run.record();
     for (place, estimates) in run.estimates().iter().enumerate() {
@@ -206,19 +199,18 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
             pass.follow(record, samples, &mut scores.against(record));
         }
         let diagnostics = Diagnostics::new(estimates, record);
-        assert_eq!(scores.outcome().samples, estimates.len());
-        assert_eq!(scores.outcome().nees, diagnostics.nees_within(0..estimates.len()));
-        assert_eq!(scores.outcome().nis, diagnostics.nis_within(0..estimates.len()));
-        assert_eq!(scores.outcome().log_likelihood.to_bits(), diagnostics.log_likelihood().to_bits());
-        assert!(scores.outcome().channels.iter().map(|(channel, _)| *channel).eq(diagnostics.known()));
-        for (channel, score) in scores.outcome().channels {
-            let tally = diagnostics.tally(channel, 0..estimates.len()).unwrap();
+        let (outcome, all) = (scores.outcome(), 0..estimates.len());
+        let within = (diagnostics.nees_within(all.clone()), diagnostics.nis_within(all.clone()));
+        assert_eq!((outcome.samples, outcome.nees, outcome.nis), (all.end, within.0, within.1));
+        assert_eq!(outcome.log_likelihood.to_bits(), diagnostics.log_likelihood().to_bits());
+        assert!(outcome.channels.iter().map(|(channel, _)| *channel).eq(diagnostics.known()));
+        assert_eq!(outcome.diverged, estimates.name() == "sure");
+        for (channel, score) in outcome.channels {
+            let tally = diagnostics.tally(channel, all.clone()).unwrap();
             assert_eq!((score.rmse, score.coverage), (tally.rmse(), tally.coverage()));
             assert_eq!((Some(score.error), score.settled), (diagnostics.error(channel), diagnostics.settled(channel)));
-            let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
-            assert_eq!(score.std, last);
+            assert_eq!(score.std, last(estimates, channel).1);
         }
-        assert_eq!(scores.outcome().diverged, estimates.name() == "sure");
     }
 }
 

@@ -3,12 +3,13 @@
 use kalmanscope_core::scenario::Law;
 use kalmanscope_core::{FilterColor, FilterKind, ModelClasses, Pass, Run, Scenario, Update};
 
+use crate::run::finished;
+
 #[test]
 fn matrices_that_are_dropped_are_empty_and_later_ones_are_right() {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
     (scenario.filters[1].kind, scenario.filters[1].ensemble_size) = (FilterKind::PF, 50);
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     for (place, whole) in run.estimates().iter().enumerate() {
         let mut pass = Pass::new(&scenario, place, run.record()).unwrap();
         let mut history = Pass::history(&scenario, place).unwrap();
@@ -17,11 +18,13 @@ fn matrices_that_are_dropped_are_empty_and_later_ones_are_right() {
         pass.follow(run.record(), 201, &mut history);
         for forgotten in [0, 40, 100] {
             history.forget(forgotten - history.forgotten());
+            let gains: Vec<f64> = history.gains(0, 1).collect();
             for k in forgotten..201 {
                 let (cov, gain) = (history.cov(k - forgotten), history.gain(k - forgotten));
                 let keeps_gain = k >= 99 || whole.kind == FilterKind::PF;
                 assert_eq!(cov, if k < 99 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
                 assert_eq!(gain, if keeps_gain { whole.gain(k) } else { &[][..] }, "{forgotten} {k}");
+                assert_eq!(gains[k - forgotten].is_nan(), !keeps_gain, "{forgotten} {k}");
                 assert_eq!(history.mean(k - forgotten), whole.mean(k));
                 assert_eq!(history.std(k - forgotten, 2), whole.std(k, 2));
             }
@@ -56,21 +59,9 @@ fn columns_have_the_numbers_of_each_sample() {
 }
 
 #[test]
-fn gains_that_are_dropped_are_not_numbers() {
-    let mut run = Run::new(&Scenario { duration: 0.2, ..Scenario::default() }).unwrap();
-    run.finish();
-    let mut estimates = run.estimates()[0].clone();
-    assert!(estimates.gains(0, 1).skip(1).all(|gain| gain != 0.0 && gain.is_finite()));
-    estimates.drop_matrices();
-    let gains: Vec<f64> = estimates.gains(0, 1).collect();
-    assert!(gains[..20].iter().all(|gain| gain.is_nan()) && gains.len() == 21 && !gains[20].is_nan());
-}
-
-#[test]
 fn a_name_a_colour_and_laws_compute_nothing() {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let mut run = finished(&scenario);
     let before = run.checksum();
     (scenario.filters[0].name, scenario.filters[0].color) = ("other".to_owned(), Some(FilterColor::Sky));
     scenario.draw.insert("seed".to_owned(), Law::Uniform([1.0, 2.0]));

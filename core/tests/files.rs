@@ -8,25 +8,16 @@ use kalmanscope_core::record::{Record, Timed};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Channel, FilterKind, Force, Hold, InputKind, Quantity, Run, Scenario, Sensor, simulate};
 
-use crate::clocks::{record, run, scenario, told};
+use crate::clocks::{record, scenario, told};
 use crate::numbers::{Random, rms};
-use crate::run::{identified, imported, last, oscillator};
+use crate::run::{identified, imported, last, oscillator, run_on};
 
 /// The displacement of an oscillator under a slow chirp that is linear between samples: a file cannot show a change within its step.
 fn chirped(seed: u64, dt: f64, to: f64, sweep: f64, noise_std: f64) -> Record {
     let force = Force::Chirp { amplitude: 3.0, from: 1.0, to, sweep };
     let (plant, sensors) = (oscillator(6.0, 0.05), vec![Sensor::new(Quantity::DISPLACEMENT, noise_std)]);
-    simulate(&Scenario {
-        dt,
-        duration: 60.0,
-        hold: Hold::First,
-        force,
-        seed,
-        plant,
-        sensors,
-        filters: vec![],
-        ..Scenario::default()
-    })
+    let blind = Scenario { seed, plant, sensors, filters: vec![], ..Scenario::default() };
+    simulate(&Scenario { dt, duration: 60.0, hold: Hold::First, force, ..blind })
 }
 
 /// Its values at these milliseconds.
@@ -49,7 +40,7 @@ fn ends(run: &Run, truth: [f64; 2]) -> [f64; 2] {
 }
 
 fn errors(record: &Record) -> [f64; 2] {
-    ends(&run(&suggest(&scenario_for(record), record).scenario, record.clone()), [6.0, 0.05])
+    ends(&run_on(&suggest(&scenario_for(record), record).scenario, record.clone()), [6.0, 0.05])
 }
 
 #[test]
@@ -277,7 +268,6 @@ fn found(course: (Hold, usize), seeds: std::ops::Range<u64>, file: impl Fn(u64) 
         let Suggestion { scenario, reasons, .. } = &suggestion;
         let is_found = (scenario.hold, scenario.record.as_ref().unwrap().interpolate) == course;
         assert_eq!(reasons.iter().filter(|reason| reason.contains("between samples")).count(), 1, "{reasons:?}");
-        println!("seed {seed}: {course:?} {is_found}, errors {errors:.2?} σ, {:?}", reasons.last());
         for (count, is_so) in counts.iter_mut().zip([is_found, errors[0].abs() < 2.0, errors[1].abs() < 2.0]) {
             *count += usize::from(is_so);
         }

@@ -1,14 +1,18 @@
 //! Free runs: of the truth, in pieces, and where there is nothing to fit.
 
 use kalmanscope_core::free_run::{fit, one_step};
-use kalmanscope_core::{
-    Estimates, FilterSettings, Fit, FreeRun, Identified, Pass, Run, Sample, Scenario, Sink as _, Task as _, Work,
-};
+use kalmanscope_core::{Identified, Pass, Run, Sample, Scenario, Sink as _, Task as _, Work};
+
+use crate::run::finished;
 
 fn knowing(scenario: &Scenario, values: &[f64]) -> Identified {
     let mut history = Pass::history(scenario, 0).unwrap();
     history.push(&Sample::unmeasured(values, &vec![0.0; values.len() * values.len()]));
     Identified::at(scenario, &scenario.filters[0], &history, 0)
+}
+
+fn at_end(scenario: &Scenario, run: &Run) -> Identified {
+    Identified::at(scenario, &scenario.filters[0], &run.estimates()[0], run.len() - 1)
 }
 
 fn scenario(text: &str) -> Scenario {
@@ -24,8 +28,7 @@ fn the_truth_runs_freely_through_its_own_record() {
              noise_std = 0.0\n[[filters]]\nkind = \"ekf\"\nsensor_std = [0.01, 0.1]\n"
         );
         let scenario = scenario(&text);
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
+        let run = finished(&scenario);
         let channels = run.estimates()[0].channels();
         let truth: Vec<f64> = channels.iter().map(|&channel| run.record().truth(channel).unwrap()[100]).collect();
         let free = knowing(&scenario, &truth).run(run.record(), 0..run.len());
@@ -42,9 +45,8 @@ fn a_free_run_in_pieces_is_that_in_one_go() {
     for kind in ["sdof", "duffing"] {
         let text = format!("duration = 20.0\n[plant]\nkind = \"{kind}\"\n[plant.initial]\ndisplacement = 0.3\n");
         let scenario = scenario(&text);
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
-        let model = Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], run.len() - 1);
+        let run = finished(&scenario);
+        let model = at_end(&scenario, &run);
         let (own, record) = (model.clone(), run.record().clone());
         let mut running =
             Work::new(
@@ -61,33 +63,16 @@ fn a_free_run_in_pieces_is_that_in_one_go() {
     }
 }
 
-fn free_runs(text: &str) -> Vec<(FreeRun, Vec<Option<Fit>>)> {
-    let scenario = scenario(text);
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
-    let record = run.record();
-    let filters = scenario.filters.iter().zip(run.estimates()).filter(|(_, estimates)| !estimates.is_empty());
-    let one = |(settings, estimates): (&FilterSettings, &Estimates)| {
-        let free = Identified::at(&scenario, settings, estimates, estimates.len() - 1).run(record, 0..record.len());
-        let part = free.fitted..record.len();
-        let steps = (0..record.sensors().len()).map(|place| one_step(estimates, record, place, part.clone()));
-        let steps = steps.collect();
-        (free, steps)
-    };
-    filters.map(one).collect()
-}
-
 #[test]
 fn without_sensors_or_with_one_sample_there_is_no_fit() {
-    let all = free_runs("duration = 2.0\nsensors = []\n[[filters]]\nkind = \"ekf\"\nsensor_std = []\n");
-    assert_eq!(all.len(), 1);
-    assert_eq!((all[0].0.fitted, all[0].0.fits.len()), (100, 0));
+    let blind = scenario("duration = 2.0\nsensors = []\n[[filters]]\nkind = \"ekf\"\nsensor_std = []\n");
+    let run = finished(&blind);
+    let free = at_end(&blind, &run).run(run.record(), 0..run.len());
+    assert_eq!((free.fitted, free.fits.len()), (100, 0));
     let scenario = scenario("duration = 2.0\n");
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
-    let model = Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], run.len() - 1);
+    let run = finished(&scenario);
     for part in [5..6, 5..5, 500..600] {
-        let free = model.run(run.record(), part);
+        let free = at_end(&scenario, &run).run(run.record(), part);
         assert_eq!(free.fitted, 0);
         assert!(free.part.len() <= 1 && free.predicted.iter().all(|column| column.len() == free.part.len()));
     }
@@ -107,8 +92,7 @@ fn a_filter_that_has_stopped_before_the_part_has_no_fit_one_step_ahead() {
 #[test]
 fn a_motion_that_is_no_number_is_not_fitted() {
     let scenario = scenario("duration = 2.0\n");
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     for value in [1e155, 1e300, f64::INFINITY, f64::NAN, -1e155] {
         let channels = run.estimates()[0].channels().len();
         for place in 0..channels {

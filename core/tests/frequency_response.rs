@@ -1,9 +1,11 @@
 //! Frequency responses: against textbook formulas, impedances of chains, and truths that are drawn from a belief.
 
 use kalmanscope_core::frequency_response::{Believed, believed, transfer_function, true_transfer_function};
-use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal, Values};
+use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Scenario, Signal, Values};
 use kalmanscope_filters::random::{Normal, Purpose};
 use nalgebra::{Complex, DMatrix};
+
+use crate::run::finished;
 
 fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from * libm::pow(to / from, i as f64 / (count - 1) as f64)).collect()
@@ -33,12 +35,8 @@ fn one_mass_answers_as_the_textbook_says() {
 
 #[test]
 fn a_hum_beside_the_force_changes_nothing_not_even_at_its_own_frequency() {
-    #[derive(serde::Deserialize)]
-    struct Document {
-        kind: PlantKind,
-    }
-    let hum = r#"kind = { equation = "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", parameters = { w = {} } }"#;
-    let Document { kind } = toml::from_str(hum).unwrap();
+    let hum = "[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u\"\nparameters = { w = {} }";
+    let kind = Scenario::from_toml(hum).unwrap().plant.kind;
     for (w, zeta) in [(10.0, 0.05), (7.3, 0.013), (9.1, 0.3), (0.37, 0.07), (11.3, 0.0), (123.4, 0.021)] {
         let frequencies = [0.9 * w, w, 1.1 * w];
         let value = |channel: Channel| if channel.key() == "w" { w } else { sdof(6.0, zeta)(channel) };
@@ -137,19 +135,14 @@ fn no_stiffness_and_no_damping_leave_numbers() {
 }
 
 fn estimates(scenario: &Scenario) -> Estimates {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run.estimates()[0].clone()
+    finished(scenario).estimates()[0].clone()
 }
 
 fn scenario(kind: PlantKind) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
     scenario.set_plant(kind);
-    scenario.filters = vec![FilterSettings {
-        kind: FilterKind::UKF,
-        sensor_std: scenario.true_sensor_std(),
-        ..FilterSettings::default()
-    }];
+    let sensor_std = scenario.true_sensor_std();
+    scenario.filters = vec![FilterSettings { kind: FilterKind::UKF, sensor_std, ..FilterSettings::default() }];
     scenario
 }
 
@@ -234,8 +227,7 @@ fn the_mirror_image_of_a_belief_has_the_same_band() {
 #[test]
 fn the_truth_is_that_of_its_sample() {
     let scenario = Scenario { duration: 40.0, filters: vec![], ..Scenario::default() };
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let found = |k| true_transfer_function(&PlantKind::SDOF, run.record(), k);
     assert_eq!(found(0), Some(transfer_function(&PlantKind::SDOF, sdof(6.0, 0.05))));
     assert_eq!(found(3500), Some(transfer_function(&PlantKind::SDOF, sdof(4.8, 0.05))));

@@ -6,7 +6,7 @@ use kalmanscope_core::{
     simulate, smoothed as smoothed_at_once,
 };
 
-use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix4, Vector2, Vector4};
 
 use crate::numbers::{ADAPTIVE, joint_motion};
 use crate::run::{bound, finished, finished_on, knowing, oscillator, truth, with_times};
@@ -157,17 +157,16 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
     late.sensors[0].faults.add(Fault::LATE, measures);
     late.filters[0].sensor_delay = (0..late.sensors.len()).map(|place| if place == 0 { 0.05 } else { 0.0 }).collect();
     // Readings between the samples.
-    for (scenario, is_timed) in [(scenario.clone(), false), (chain, false), (late, false), (scenario, true)] {
-        let mut scenario = scenario;
+    for (mut scenario, is_timed) in [(scenario.clone(), false), (chain, false), (late, false), (scenario, true)] {
         for channel in scenario.plant.kind.parameters() {
             scenario.filters[0].initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);
         }
         scenario.filters[0].sensor_std = scenario.true_sensor_std();
-        let record = simulate(&scenario);
-        let run = finished_on(
-            &scenario,
-            if is_timed { with_times(&record, |sensor, k| k - 0.3 * sensor as f64) } else { record },
-        );
+        let mut record = simulate(&scenario);
+        if is_timed {
+            record = with_times(&record, |sensor, k| k - 0.3 * sensor as f64);
+        }
+        let run = finished_on(&scenario, record);
         let kf = &run.estimates()[0];
         let bound = bound(&scenario, 0, run.record());
         assert_eq!(bound.len(), scenario.samples());
@@ -188,15 +187,12 @@ fn the_bound_is_the_information_recursion() {
     let record = run.record();
     let bound = bound(&scenario, 0, record);
     let filter = &scenario.filters[0];
-    let diagonal = |per: &Values| {
-        SMatrix::<f64, 4, 4>::from_diagonal(&SVector::<f64, 4>::from_fn(|i, _| {
-            per[run.estimates()[0].channels()[i]].powi(2)
-        }))
-    };
-    let inverse = |m: SMatrix<f64, 4, 4>| m.try_inverse().unwrap();
+    let variance = |per: &Values, i: usize| per[run.estimates()[0].channels()[i]].powi(2);
+    let diagonal = |per: &Values| Matrix4::from_diagonal(&Vector4::from_fn(|i, _| variance(per, i)));
+    let inverse = |m: Matrix4<f64>| m.try_inverse().unwrap();
     let q = inverse(diagonal(&filter.process_std));
     let mut information = inverse(diagonal(&filter.initial_std));
-    let mut sensors = SMatrix::<f64, 4, 4>::zeros();
+    let mut sensors = Matrix4::zeros();
     for (i, sensor) in scenario.sensors.iter().enumerate() {
         sensors[(i, i)] = sensor.noise_std.powi(-2);
     }
@@ -204,13 +200,12 @@ fn the_bound_is_the_information_recursion() {
     for k in 1..record.len() {
         let (x, v) = (truth(Channel::DISPLACEMENT, k - 1), truth(Channel::VELOCITY, k - 1));
         let (wn, zeta) = (6.0, 0.05);
-        let mut a = SMatrix::<f64, 4, 4>::zeros();
+        let mut a = Matrix4::zeros();
         a[(0, 1)] = 1.0;
         let row = [-wn * wn, -2.0 * zeta * wn, -2.0 * (wn * x + zeta * v), -2.0 * wn * v];
         a.set_row(1, &row.into());
-        let identity = SMatrix::<f64, 4, 4>::identity();
-        let phi: SMatrix<f64, 4, 4> =
-            (1..15).rev().fold(identity, |sum, n| identity + a * sum * (scenario.dt / f64::from(n)));
+        let identity = Matrix4::identity();
+        let phi = (1..15).rev().fold(identity, |sum, n| identity + a * sum * (scenario.dt / f64::from(n)));
         let (d11, d12) = (phi.transpose() * q * phi, -phi.transpose() * q);
         information = q + sensors - d12.transpose() * inverse(information + d11) * d12;
         let covariance = inverse(information);

@@ -65,19 +65,6 @@ proptest! {
             prop_assert!((0..a.len()).all(|k| a.innovation(k)[which].is_nan()));
         }
     }
-
-    #[test]
-    fn fading_by_one_is_no_fading((mut scenario, _) in any_scenario()) {
-        scenario.number_filters();
-        let text = scenario.to_toml().unwrap();
-        let line_with_fading = |line: &&str| line.starts_with("fading = ");
-        prop_assert_eq!(text.lines().filter(line_with_fading).count(), scenario.filters.len());
-        let without: Vec<&str> = text.lines().filter(|line| !line_with_fading(line)).collect();
-        let default = Scenario::from_toml(&without.join("\n")).unwrap();
-        let mut explicit = scenario;
-        explicit.filters.iter_mut().for_each(|filter| filter.fading = 1.0);
-        prop_assert_eq!(finished(&default).checksum(), finished(&explicit).checksum());
-    }
 }
 
 proptest! {

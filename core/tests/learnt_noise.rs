@@ -17,8 +17,7 @@ fn coverage(
     for seed in seeds {
         let mut scenario = Scenario { duration: 30.0, seed, ..one_filter(FilterKind::EKF) };
         scenario.set_plant(plant.clone());
-        let true_std: Vec<f64> = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
-        let sensor_std = true_std.iter().map(|std| 2.0 * std).collect();
+        let sensor_std = scenario.sensors.iter().map(|sensor| 2.0 * sensor.noise_std).collect();
         let filter = &mut scenario.filters[0];
         *filter = FilterSettings { kind, fading: 1.0, sensor_std, ..filter.clone() };
         (filter.adaptation.sensor_noise, filter.adaptation.forgetting) = (true, 0.99);
@@ -68,7 +67,6 @@ fn two_sigma_after_a_training_hold_the_true_noise() {
     };
     let shares = [(FilterKind::EKF, 1000..1200), (FilterKind::UKF, 1200..1400)]
         .map(|(kind, seeds)| coverage(kind, &PlantKind::SDOF, trained, seeds));
-    println!("after training: {shares:?}");
     // The learnt noise stays, so that each record counts once: three standard deviations of 200 and of 800 are 4.4 % and 2.2 %.
     let all: Vec<f64> = shares.into_iter().flatten().collect();
     let mean = mean(&all);
@@ -90,7 +88,6 @@ fn two_sigma_of_learnt_noise_hold_the_true_one() {
         ("Duffing", coverage(Kind::UKF, &Plant::DUFFING, |_| (), 500..560)),
         ("one sensor", coverage(Kind::EKF, &Plant::SDOF, one_sensor, 560..660)),
     ] {
-        println!("{what}: {shares:?}");
         assert!(shares.iter().all(|share| (0.92..=0.98).contains(share)), "{what}: {shares:?}");
     }
 }
@@ -154,7 +151,6 @@ fn two_sigma_hold_the_true_process_noise() {
         ("one sensor", coverage_of_q(0.7, 860..920, one_sensor)),
         ("R too", coverage_of_q(0.7, 960..1020, r_too)),
     ] {
-        println!("{what}: {share}");
         assert!((0.92..=0.98).contains(&share), "{what}: {share}");
     }
 }
@@ -179,7 +175,6 @@ fn estimates_are_those_of_a_filter_that_knows_q() {
         [squares / count, in_std / count]
     };
     let [bank, alone, wrong] = [of(17, 0.1), of(1, 1.0), of(1, 0.1)];
-    println!("{bank:?} {alone:?} {wrong:?}");
     assert!(bank[0] < 1.02 * alone[0] && wrong[0] > 1.05 * alone[0], "{bank:?} {alone:?} {wrong:?}");
     assert!(bank[1] < 1.1 * alone[1] && wrong[1] > 5.0 * alone[1], "{bank:?} {alone:?} {wrong:?}");
 }

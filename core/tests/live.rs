@@ -30,6 +30,15 @@ fn live_run(scenario: &Scenario, record: impl Into<Arc<Record>>) -> Run {
     run
 }
 
+/// Lets a run follow a record as far as it has come; the first time, begins it.
+pub(crate) fn follow<'a>(run: &'a mut Option<Run>, scenario: &Scenario, so_far: Arc<Record>) -> &'a mut Run {
+    let run = run.get_or_insert_with(|| live_run(scenario, Arc::clone(&so_far)));
+    let is_longer = so_far.len() > run.record().len();
+    assert!(run.lengthen(so_far) || !is_longer);
+    run.advance_to(usize::MAX);
+    run
+}
+
 fn assert_same(run: &Run, whole: &Run) {
     assert_eq!(run.done(), whole.done());
     for (a, b) in run.estimates().iter().zip(whole.estimates()) {
@@ -121,14 +130,8 @@ fn an_input_that_is_told_late_was_zero() {
         for k in 0..40 {
             let time = 0.1 * f64::from(k) + 0.02 * libm::sin(f64::from(k));
             live.take(time, if k < 20 { f64::NAN } else { 1.0 }, &[0.01 * libm::cos(6.0 * time)]).expect("it comes");
-            let so_far = live.so_far();
-            match &mut run {
-                Some(run) => assert!(so_far.len() == run.record().len() || run.lengthen(so_far), "{k}"),
-                None if so_far.len() > 2 => run = Some(live_run(&scenario, so_far)),
-                None => {}
-            }
-            if let Some(run) = &mut run {
-                run.advance_to(usize::MAX);
+            if live.record().len() > 2 {
+                follow(&mut run, &scenario, live.so_far());
             }
         }
         let record = live.so_far();
@@ -143,9 +146,8 @@ fn an_input_that_is_told_late_was_zero() {
 
 #[test]
 fn what_is_late_finds_its_sample_as_long_as_that_waits() {
-    let mut live =
-        LiveRecord::new(0.1, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY])
-            .waiting(0.25);
+    let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let mut live = LiveRecord::new(0.1, InputKind::Force, Hold::First, sensors).waiting(0.25);
     let none = f64::NAN;
     live.take(0.0, 0.0, &[0.0, 0.0]).expect("the first");
     for k in 1..=20 {
@@ -269,10 +271,7 @@ fn a_slow_sensor_that_is_measured_now_is_not_silent() {
         // 4 Hz, and nothing from 8 s on.
         let velocity = if k % 25 == 10 && k < 800 { 0.0 } else { f64::NAN };
         live.take(time, f64::NAN, &[0.0, velocity]).expect("it comes");
-        let so_far = live.so_far();
-        let run = run.get_or_insert_with(|| live_run(&scenario, Arc::clone(&so_far)));
-        run.lengthen(so_far);
-        run.advance_to(usize::MAX);
+        let run = follow(&mut run, &scenario, live.so_far());
         if k == 799 {
             assert!(missing(run).iter().all(|first| *first < 11), "{:?}", missing(run));
         }

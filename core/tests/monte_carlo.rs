@@ -5,7 +5,7 @@
 
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::filter::Normal;
-use kalmanscope_core::{Channel, Diagnostics, FilterKind, FilterSettings, Force, Pass, PlantKind, Scenario, Scores};
+use kalmanscope_core::{Channel, Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Scenario, Scores};
 
 use crate::numbers::ADAPTIVE;
 use crate::run::{bound, finished};
@@ -17,8 +17,7 @@ const SEEDS: u64 = 200;
 const APPROXIMATE: f64 = 1.25;
 
 fn scenario(plant: &PlantKind, kind: FilterKind, seed: u64) -> Scenario {
-    let mut scenario =
-        Scenario { seed, duration: 6.0, dt: 0.02, force: Force::WhiteNoise { std: 10.0 }, ..Scenario::default() };
+    let mut scenario = Scenario { seed, duration: 6.0, dt: 0.02, ..Scenario::default() };
     scenario.plant.kind = plant.clone();
     scenario.plant.disturbance_std = 1.0;
     scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
@@ -42,14 +41,8 @@ fn scenario(plant: &PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     Scenario { filters: vec![filter], ..scenario }
 }
 
-struct Outcome {
-    nees: (f64, u32),
-    nis: (f64, u32),
-    /// For each parameter, the square of the last error over that of the bound.
-    over_bound: Vec<f64>,
-}
-
-fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> Outcome {
+/// Sums and degrees of freedom of NEES and NIS, and for each parameter the square of the last error over that of the bound.
+fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> ([(f64, u32); 2], Vec<f64>) {
     let scenario = scenario(plant, kind, seed);
     let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
@@ -67,12 +60,7 @@ fn outcome(plant: &PlantKind, kind: FilterKind, seed: u64) -> Outcome {
     };
     let over_bound = estimates.channels().iter().enumerate().filter_map(over).collect();
     let nis = &scores.outcome().nis;
-    Outcome { nees: (total.sum, total.degrees), nis: (nis.sum, nis.degrees), over_bound }
-}
-
-fn bounds(degrees: u32) -> (f64, f64) {
-    let quantile = |p| chi_squared::quantile(p, degrees).unwrap() / f64::from(degrees);
-    (quantile(0.0005), quantile(0.9995))
+    ([(total.sum, total.degrees), (nis.sum, nis.degrees)], over_bound)
 }
 
 #[track_caller]
@@ -80,19 +68,16 @@ fn assert_consistent(plant: &PlantKind, kind: FilterKind, slack: f64) {
     let seeds: Vec<u64> = (1..=SEEDS).collect();
     let outcomes = on_two_threads(&seeds, |seed| outcome(plant, kind, *seed));
     let name = format!("{} {}", plant.key(), kind.name());
-    let nees: Vec<_> = outcomes.iter().map(|o| o.nees).collect();
-    let nis: Vec<_> = outcomes.iter().map(|o| o.nis).collect();
-    for (what, sums) in [("NEES", nees), ("NIS", nis)] {
-        let degrees: u32 = sums.iter().map(|(_, degrees)| degrees).sum();
-        let level = sums.iter().map(|(sum, _)| sum).sum::<f64>() / f64::from(degrees);
-        let (low, high) = bounds(degrees);
-        println!("{name}: {what} {level:.3} of {low:.3} … {high:.3}");
+    for (place, what) in ["NEES", "NIS"].into_iter().enumerate() {
+        let degrees: u32 = outcomes.iter().map(|(sums, _)| sums[place].1).sum();
+        let level = outcomes.iter().map(|(sums, _)| sums[place].0).sum::<f64>() / f64::from(degrees);
+        let quantile = |p| chi_squared::quantile(p, degrees).unwrap() / f64::from(degrees);
+        let (low, high) = (quantile(0.0005), quantile(0.9995));
         let slack = if what == "NEES" { slack } else { 1.0 + 0.1 * (slack - 1.0) };
         assert!((low / slack..=high * slack).contains(&level), "{name}: mean {what} {level} outside {low} … {high}");
     }
-    for place in 0..outcomes[0].over_bound.len() {
-        let ratio = (outcomes.iter().map(|o| o.over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
-        println!("{name}: rms error over bound {ratio:.3}");
+    for place in 0..outcomes[0].1.len() {
+        let ratio = (outcomes.iter().map(|(_, over_bound)| over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
         // The bound is that of one trajectory, which the errors of a short record of a chain stay below on average.
         let least = if plant.masses() == 1 { 0.85 } else { 0.7 };
         assert!((least..1.35).contains(&ratio), "{name}: rms error of parameter {place} is {ratio} times the bound");

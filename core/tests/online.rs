@@ -2,8 +2,8 @@
 //! can ask for.
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, Hold, InputKind, LastSample, OnlineFilter, Pass, Quantity, Record, RunError,
-    Sample, Scenario, Sensor, Sink as _, simulate,
+    Channel, Estimates, FilterKind, FilterSettings, Hold, InputKind, LastSample, OnlineFilter, Pass, Quantity, Record,
+    RunError, Sample, Scenario, Sensor, Sink as _, simulate,
 };
 
 use crate::run::{Each, assert_same_estimates, finished, one_filter, readings};
@@ -29,38 +29,33 @@ fn passed(scenario: &Scenario, record: &Record) -> Estimates {
     estimates
 }
 
-fn variants(kind: FilterKind) -> Vec<(String, Scenario)> {
-    let mut variants = Vec::new();
-    for hold in [Hold::Zero, Hold::First] {
-        for input_delay in [0, 3, -4] {
-            let mut scenario = held(kind, hold);
-            scenario.filters[0].input_delay = input_delay;
-            variants.push((format!("{kind:?} {hold:?} {input_delay}"), scenario));
-        }
-    }
-    let mut ground = Scenario { input: InputKind::GroundAcceleration, ..of(kind) };
-    ground.filters[0].jump = kind != FilterKind::KF && !kind.is_sampled();
-    variants.push((format!("{kind:?} of the ground"), ground));
+fn variants(kind: FilterKind) -> Vec<Scenario> {
+    let with = |hold: Hold, change: &dyn Fn(&mut FilterSettings)| {
+        let mut scenario = held(kind, hold);
+        change(&mut scenario.filters[0]);
+        scenario
+    };
+    let delayed = |hold| [0, 3, -4].map(|delay| with(hold, &|filter| filter.input_delay = delay));
+    let mut variants = [delayed(Hold::Zero), delayed(Hold::First)].concat();
+    let ground = with(Hold::Zero, &|filter| filter.jump = kind != FilterKind::KF && !kind.is_sampled());
+    variants.push(Scenario { input: InputKind::GroundAcceleration, ..ground });
     if !kind.is_sampled() {
-        let mut adaptive = of(kind);
-        adaptive.filters[0].log_parameters = true;
-        adaptive.filters[0].adaptation.sensor_noise = true;
-        variants.push((format!("{kind:?} that learns"), adaptive));
-        let mut augmented = of(kind);
-        augmented.filters[0].augment = vec![Channel::INPUT_GAIN];
-        variants.push((format!("{kind:?} with a gain"), augmented));
+        let learns = |filter: &mut FilterSettings| {
+            (filter.log_parameters, filter.adaptation.sensor_noise) = (true, true);
+        };
+        variants.push(with(Hold::Zero, &learns));
+        variants.push(with(Hold::Zero, &|filter| filter.augment = vec![Channel::INPUT_GAIN]));
     }
     if kind == FilterKind::EKF {
-        let mut guesses = of(kind);
-        guesses.filters[0].guesses = 3;
-        variants.push(("guesses".to_owned(), guesses));
+        variants.push(with(Hold::Zero, &|filter| filter.guesses = 3));
     }
     variants
 }
 
 #[test]
 fn samples_that_come_in_have_the_bits_of_a_pass() {
-    for (what, scenario) in FilterKind::ALL.into_iter().flat_map(variants) {
+    for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
+        let what = scenario.to_toml().expect("it can be written");
         let record = record(&scenario);
         let expected = passed(&scenario, &record);
         assert!(expected.len() == record.len(), "{what}: {:?}", expected.stop());

@@ -74,13 +74,6 @@ fn judge(seeds: std::ops::RangeInclusive<u64>) {
             let [of_clean, with] = [&clean, &sums].map(ratio);
             let nees = [&clean, &sums].map(|sums| sums.nees / f64::from(sums.seeds));
             let [hit, wrong, missed] = sums.flags.map(f64::from);
-            println!(
-                "{} {:10} clean {of_clean:.3?}, with outliers {with:.3?}, mean NEES {nees:.2?} of 4, precision {:.3}, recall {:.3}",
-                kind.name(),
-                robust.info().key,
-                hit / (hit + wrong),
-                hit / (hit + missed)
-            );
             if !robust.is_on() {
                 assert!(with[0] > 1.3, "the plain filter is misled: {with:?}");
                 continue;
@@ -109,9 +102,7 @@ fn robust_filters_hold_where_a_tenth_of_the_readings_is_off() {
     judge(1..=20);
 }
 
-/// `cargo test --release -p kalmanscope-core --test all outliers -- --ignored --nocapture`
 #[test]
-#[ignore = "a table over 200 seeds"]
 fn robust_filters_over_two_hundred_seeds() {
     judge(3001..=3200);
 }

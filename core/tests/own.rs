@@ -1,4 +1,4 @@
-//! Plants, filters and systems from outside of the crate.
+//! Plants and filters from outside of the crate.
 
 #[path = "../examples/own_filter.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
@@ -6,9 +6,6 @@ mod own_filter;
 #[path = "../examples/own_plant.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_plant;
-#[path = "../../filters/examples/own_system.rs"]
-#[expect(dead_code, reason = "an example has a main function")]
-mod own_system;
 #[path = "../examples/printer.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod printer;
@@ -35,20 +32,6 @@ fn a_filter_of_ones_own_can_be_stepped_by_hand_and_used_in_a_scenario() {
 }
 
 #[test]
-fn a_system_of_ones_own_is_tracked_by_linear_sensors_and_by_others() {
-    let radar = own_system::by_radar(true).expect("the filter goes on");
-    let differences = own_system::by_radar(false).expect("the filter goes on");
-    for filter in [&own_system::by_coordinates().expect("the filter goes on"), &radar, &differences] {
-        let errors = own_system::errors(filter);
-        assert!(errors.iter().all(|error| error.abs() < 3.0), "{errors:?}");
-        assert!(filter.belief.cov[(2, 2)].sqrt() < 0.2, "{}", filter.belief.cov);
-        assert!(filter.correction.nis < 15.0 && filter.correction.log_likelihood.is_finite());
-    }
-    let apart = (&radar.belief.mean - &differences.belief.mean).amax();
-    assert!(apart > 0.0 && apart < 1e-4, "{apart}");
-}
-
-#[test]
 fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
     static OWN: FilterInfo = FilterInfo {
         key: "own_pf",
@@ -62,10 +45,9 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
     let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
         let scenario = Scenario { duration: 0.5, ..one_filter(kind) };
         let run = finished(&scenario);
-        let diagnostics = Diagnostics::new(&run.estimates()[0], run.record());
         let estimates = &run.estimates()[0];
         assert!(estimates.effective_samples()[20] > 1.0, "{kind:?}");
-        (estimates.log_likelihood(20), diagnostics.log_likelihood())
+        (estimates.log_likelihood(20), Diagnostics::new(estimates, run.record()).log_likelihood())
     });
     let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * b.abs();
     assert!(close(results[0].0, results[1].0) && close(results[0].1, results[1].1), "{results:?}");
@@ -111,7 +93,6 @@ fn frequency_and_damping_of_a_printer_are_inside_their_bands() {
     use printer::Kind::{One, Stops, Sweep, Two};
     for (kind, count) in [(One, 60), (Two, 60), (Stops, 60), (Sweep, 6)] {
         let (found, [f, zeta]) = printer::study(kind, 20_001..20_001 + count);
-        println!("{kind:?}: {found}, {f:.2?}, {zeta:.2?}");
         assert!(found as f64 >= 0.95 * count as f64, "{kind:?}: {found} of {count}");
         assert!(f[0].abs() < 1.0 && zeta[0].abs() < 3.0, "{kind:?}: {f:?}, {zeta:?}");
         // The bands of a sweep are too narrow: docs/printers.md gives how often they hold.
@@ -124,14 +105,11 @@ fn the_kind_of_a_filter_says_its_time() {
     static SLOW: FilterInfo = FilterInfo {
         key: "slow",
         name: "slow",
-        description: "takes its time",
-        reference: "",
         is_sampled: true,
-        has_own_likelihood: false,
         evaluations: |_, _| 1,
         time: |settings, n| 1e6 * (n * settings.iterations) as f64,
         has_propagation: false,
-        algorithm: FilterKind::EKF.info().algorithm,
+        ..*FilterKind::EKF.info()
     };
     let of = |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());
     assert_eq!(of(FilterKind::new(&SLOW)), 2.0 * 1e6 * 4.0 * 5.0);

@@ -45,40 +45,30 @@ fn the_sample_has_the_expected_settings() {
         dt: 0.01,
         duration: 60.0,
         plant: oscillator(Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }), 0.05),
-        input: InputKind::Force,
-        hold: Hold::Zero,
         force: Force::WhiteNoise { std: 10.0 },
         sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
-        record: None,
-        draw: std::collections::BTreeMap::new(),
         filters: vec![FilterSettings {
             id: 1,
             name: "EKF with fading memory".to_owned(),
             kind: FilterKind::EKF,
             fading: 1.005,
-            eta: 0.0,
             sensor_std: vec![0.01, 0.06],
             initial_mean: with([0.0, 0.0, 8.0, 0.1], Values::INITIAL_MEAN),
             initial_std: with([0.1, 0.3, 2.0, 0.1], Values::INITIAL_STD),
             process_std: with([1e-4, 1e-3, 1e-4, 3e-5], Values::PROCESS_STD),
             ..FilterSettings::default()
         }],
+        ..Scenario::default()
     };
     assert_eq!(parsed(SAMPLE), expected);
     assert_eq!(expected.samples(), 6001);
 }
 
 #[test]
-fn an_empty_file_is_the_default() {
-    let default = parsed("");
-    assert_eq!(default, Scenario::default());
-    assert_eq!(default.validate(), Ok(()));
-    assert_eq!(default.filters.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), ["EKF", "UKF"]);
-}
-
-#[test]
-fn ids_are_written_where_places_do_not_give_them() {
-    let mut scenario = Scenario::default();
+fn an_empty_file_is_the_default_and_ids_are_written_where_places_do_not_give_them() {
+    let mut scenario = parsed("");
+    assert_eq!((&scenario, scenario.validate()), (&Scenario::default(), Ok(())));
+    assert!(scenario.filters.iter().map(|filter| filter.name.as_str()).eq(["EKF", "UKF"]));
     assert!(!scenario.to_toml().unwrap().contains("id = "));
     scenario.filters.remove(0);
     let text = scenario.to_toml().unwrap();
@@ -94,7 +84,7 @@ fn missing_settings_are_filled_in() {
     );
     let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
     assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
-    assert_eq!((ukf.id, second.id), (1, 2));
+    assert_eq!((ukf.id, second.id, ukf.fading, second.fading), (1, 2, 1.0, 1.0));
     assert_eq!(ukf.initial_std, Values::INITIAL_STD.with([(Channel::VELOCITY, 9.0)]));
     assert_eq!(second.initial_std, Values::INITIAL_STD);
     assert_eq!(ukf.sensor_std[0], 0.2);
@@ -163,25 +153,16 @@ fn a_seed_that_toml_cannot_hold_is_refused() {
 }
 
 #[test]
-fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
-    assert_refused("keys", |_, _| false);
+fn unknown_keys_wrong_types_and_options_that_do_not_go_together_are_refused_with_line_path_and_what_there_is() {
+    ["keys", "types", "options"].into_iter().for_each(|section| assert_refused(section, |_, _| false));
     // `docs.rs` holds all keys to their table.
-    let error = Scenario::from_toml("[[filters]]\n[[filters]]\nlambda = 1").unwrap_err().to_string();
+    let error = |text: &str| Scenario::from_toml(text).unwrap_err().to_string();
+    let unknown = error("[[filters]]\n[[filters]]\nlambda = 1");
     let said = "line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, ";
-    assert!(error.starts_with(said), "{error}");
-}
-
-#[test]
-fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
-    assert_refused("types", |_, _| false);
+    assert!(unknown.starts_with(said), "{unknown}");
     let kinds = FilterKind::ALL.map(|kind| format!("`{}`", kind.key())).join(", ");
-    let error = Scenario::from_toml("[[filters]]\nkind = \"lqr\"").unwrap_err().to_string();
-    assert_eq!(error, format!("line 2: `filters[0].kind`: unknown variant `lqr`, expected one of {kinds}"));
-}
-
-#[test]
-fn options_that_do_not_go_together_are_refused_in_words() {
-    assert_refused("options", |_, _| false);
+    let said = format!("line 2: `filters[0].kind`: unknown variant `lqr`, expected one of {kinds}");
+    assert_eq!(error("[[filters]]\nkind = \"lqr\""), said);
 }
 
 fn json(toml: &str) -> String {

@@ -53,28 +53,18 @@ fn a_factor_multiplies_the_present_numbers() {
 
 #[test]
 fn unknown_keys_are_refused() {
-    let a_filter = "; a filter has `fading`, `eta`, `jump`, ";
     let its_plant = "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, ";
-    for (key, instead) in [
-        (
-            "",
-            "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`",
-        ),
-        ("plant.mass", its_plant),
-        ("plant.input_gain", its_plant),
-        ("plant.natural_frequency.ramp.to", its_plant),
-        ("plant.natural_frequency.step.by", its_plant),
-        ("filters.KF.fading", "; its filters are `EKF` and `UKF`"),
-        ("filters.EKF", ""),
-        ("filters.EKF.fadng", a_filter),
-        ("filters.EKF.sensor_std.acceleration", a_filter),
-        ("filters.EKF.sensor_std.2", a_filter),
-        ("filters.EKF.initial_mean.cubic_stiffness", a_filter),
-        (
-            "sensors.acceleration.noise_std",
-            "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`",
-        ),
-    ] {
+    let sensors =
+        "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`";
+    let all = "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`";
+    let plants = "plant.mass plant.input_gain plant.natural_frequency.ramp.to plant.natural_frequency.step.by";
+    let filters = "filters.EKF.fadng filters.EKF.sensor_std.acceleration filters.EKF.sensor_std.2 filters.EKF.initial_mean.cubic_stiffness";
+    let each = |keys: &'static str, instead: &'static str| keys.split(' ').map(move |key| (key, instead));
+    let cases = each("", all).chain(each(plants, its_plant)).chain(each("filters.EKF", ""));
+    let cases = cases.chain(each(filters, "; a filter has `fading`, `eta`, `jump`, "));
+    let others =
+        [("filters.KF.fading", "; its filters are `EKF` and `UKF`"), ("sensors.acceleration.noise_std", sensors)];
+    for (key, instead) in cases.chain(others) {
         let unknown = Address::parse(&Scenario::default(), key).unwrap_err().to_string();
         let begin = format!("the scenario has no number `{key}` to vary{instead}");
         assert!(if instead.ends_with(' ') { unknown.starts_with(&begin) } else { unknown == begin }, "{unknown}");
@@ -385,17 +375,10 @@ fn impossible_axes_are_refused() {
 #[test]
 fn usual_axes_are_possible_and_hold_the_present_value() {
     let scenario = Scenario::default();
-    for key in [
-        "seed",
-        "filters.EKF.fading",
-        "filters.EKF.process_std",
-        "filters.EKF.process_std.natural_frequency",
-        "filters.EKF.sensor_std.velocity",
-        "filters.EKF.initial_mean.natural_frequency",
-        "filters.EKF.initial_mean.displacement",
-        "sensors.velocity.noise_std",
-        "plant.damping_ratio",
-    ] {
+    let keys = "seed filters.EKF.fading filters.EKF.process_std filters.EKF.process_std.natural_frequency \
+                filters.EKF.sensor_std.velocity filters.EKF.initial_mean.natural_frequency \
+                filters.EKF.initial_mean.displacement sensors.velocity.noise_std plant.damping_ratio";
+    for key in keys.split_whitespace() {
         let setting = Address::parse(&scenario, key).unwrap();
         let axis = Axis::usual(&setting, &scenario, 33);
         axis.check().unwrap();

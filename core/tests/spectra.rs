@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use kalmanscope_core::record::Input;
-use kalmanscope_core::{Hold, InputKind, Quantity, Record, Spectrogram, Spectrum, Task as _};
+use kalmanscope_core::{Hold, Quantity, Record, Spectrogram, Spectrum, Task as _};
 use kalmanscope_filters::random::{Normal, Purpose};
 
 use crate::numbers::mean;
+use crate::run::forced;
 
 const DT: f64 = 0.01;
 
@@ -127,8 +127,7 @@ fn portions_do_not_matter() {
 }
 
 fn displacement(dt: f64, measured: Vec<f64>) -> Record {
-    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; measured.len()] };
-    Record::new(dt, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap()
+    forced(dt, Hold::Zero, vec![0.0; measured.len()], vec![(Quantity::DISPLACEMENT, measured)])
 }
 
 #[test]

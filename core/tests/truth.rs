@@ -1,7 +1,7 @@
 //! The simulator against independent solutions, among them scipy's `lsim` for an input that is linear between samples.
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Force, Hold, PlantKind, Quantity, Run, Scenario, Sensor, Signal, TruthError};
+use kalmanscope_core::{Channel, Force, Hold, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
 use nalgebra::Vector2;
 
 use crate::numbers::{largest, mean, rms, transition};
@@ -38,19 +38,19 @@ fn time_varying() -> Scenario {
     scenario
 }
 
+/// Without a disturbance.
+fn acceleration(record: &Record, k: usize) -> f64 {
+    let [x, v, wn, zeta] = SDOF.map(|channel| truth(record, channel)[k]);
+    record.force(k) - 2.0 * zeta * wn * v - wn * wn * x
+}
+
 #[test]
 fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
     let mut scenario = time_varying();
     scenario.sensors = vec![Sensor::new(Quantity::ACCELERATION, 0.0)];
     scenario.plant.disturbance_std = 2.0;
     let record = simulated(&scenario);
-    let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
-    let felt: Vec<f64> = (0..record.len())
-        .map(|k| {
-            let known = record.force(k) - 2.0 * zeta[k] * wn[k] * v[k] - wn[k] * wn[k] * x[k];
-            record.measured(0)[k] - known
-        })
-        .collect();
+    let felt: Vec<f64> = (0..record.len()).map(|k| record.measured(0)[k] - acceleration(&record, k)).collect();
     let std = rms(&felt);
     assert!((std - 2.0).abs() < 0.2, "std {std}");
     assert!(deviation(&record, &felt) < 1e-9);
@@ -61,17 +61,12 @@ fn each_sensor_has_its_noise() {
     let mut scenario = Scenario { duration: 200.0, ..steady(6.0, 0.05, Force::WhiteNoise { std: 10.0 }) };
     scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.7));
     let record = simulated(&scenario);
-    let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
     let mut noise: Vec<Vec<f64>> = Vec::new();
     for (i, sensor) in scenario.sensors.iter().enumerate() {
-        let clean = |k: usize| match sensor.measures {
-            q if q == Quantity::DISPLACEMENT => x[k],
-            q if q == Quantity::VELOCITY => v[k],
-            _ => record.force(k) - 2.0 * zeta[k] * wn[k] * v[k] - wn[k] * wn[k] * x[k],
-        };
+        let of_state = sensor.measures.channel().and_then(|channel| record.truth(channel));
+        let clean = |k: usize| of_state.map_or_else(|| acceleration(&record, k), |truth| truth[k]);
         let errors: Vec<f64> = (0..record.len()).map(|k| record.measured(i)[k] - clean(k)).collect();
-        let n = errors.len() as f64;
-        let (mean, std) = (mean(&errors), rms(&errors));
+        let (n, mean, std) = (errors.len() as f64, mean(&errors), rms(&errors));
         assert!(mean.abs() < 4.0 * sensor.noise_std / n.sqrt(), "mean {mean}");
         assert!((std / sensor.noise_std - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "std {std}");
         noise.push(errors);

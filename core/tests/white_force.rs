@@ -7,7 +7,7 @@ use kalmanscope_core::{
 use nalgebra::{DMatrix, DVector};
 
 use crate::numbers::{Random, log_normal, mean, motion, transition};
-use crate::run::{finished, finished_on, forced, last, values};
+use crate::run::{finished, finished_on, forced, last, run_on, values};
 
 const WN: f64 = 6.0;
 const ZETA: f64 = 0.05;
@@ -132,9 +132,7 @@ fn scenario(kind: FilterKind, hold: Hold, sensors: &[usize]) -> Scenario {
 fn run(scenario: &Scenario, sensors: &[usize]) -> Run {
     let columns = sensors.iter().map(|&s| (SENSORS[s].0, (0..SAMPLES).map(|k| reading(s, k)).collect()));
     let input = (0..SAMPLES).map(recorded).collect();
-    let run = finished_on(scenario, forced(DT, scenario.hold, input, columns.collect()));
-    assert_eq!(run.estimates()[0].stop(), None);
-    run
+    run_on(scenario, forced(DT, scenario.hold, input, columns.collect()))
 }
 
 fn worst(estimates: &Estimates, course: &Course, sensors: &[usize], samples: &[usize], last: Option<usize>) -> f64 {

@@ -7,9 +7,12 @@ fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
 }
 
 fn of_measures(measures: &[Measure], axes: &[&str]) -> Result<Ensemble, EnsembleError> {
+    Ensemble::new(Scenario::default(), plan(&[0, 1], measures, axes))
+}
+
+pub(crate) fn plan(filters: &[usize], measures: &[Measure], axes: &[&str]) -> Plan {
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-    let plan = Plan { filters: vec![0, 1], measures: measures.to_vec(), axes, ..Plan::default() };
-    Ensemble::new(Scenario::default(), plan)
+    Plan { filters: filters.to_vec(), measures: measures.to_vec(), axes, ..Plan::default() }
 }
 
 #[test]
@@ -34,13 +37,9 @@ fn a_cell_tells_the_whole_number_that_it_has() {
 }
 
 #[test]
-fn without_axes_there_is_one_cell() {
-    let ensemble = ensemble(&[]).unwrap();
-    assert_eq!((ensemble.cells(), ensemble.at(0)), (1, Scenario::default()));
-}
-
-#[test]
-fn an_ensemble_is_read_as_it_was_written() {
+fn an_ensemble_is_read_as_it_was_written_and_without_axes_it_is_one_cell() {
+    let one = ensemble(&[]).unwrap();
+    assert_eq!((one.cells(), one.at(0)), (1, Scenario::default()));
     let ensemble = ensemble(&["filters.*.process_std=0.01:100:8:log"]).unwrap();
     assert_eq!(Ensemble::from_json(&ensemble.to_json()).unwrap(), ensemble);
 }
@@ -55,8 +54,12 @@ fn impossible_ensembles_are_refused() {
         let error = of_measures(&[word.parse().unwrap()], &[]).unwrap_err().to_string();
         assert_eq!(error, format!("a cell has one run of one filter, and `{word}` is not a number of that"));
     }
-    let plan = Plan { filters: vec![2], ..Plan::default() };
-    assert!(Ensemble::new(Scenario::default(), plan).unwrap_err().to_string().contains("no filter number 3"));
+    assert!(
+        Ensemble::new(Scenario::default(), plan(&[2], &[], &[]))
+            .unwrap_err()
+            .to_string()
+            .contains("no filter number 3")
+    );
 }
 
 fn of_counts(counts: &[usize]) -> Ensemble {
@@ -87,15 +90,11 @@ fn a_coarse_picture_is_complete_long_before_the_fine_one() {
 }
 
 #[test]
-fn every_cell_comes_once() {
+fn every_cell_comes_once_and_a_line_of_cells_is_halved_again_and_again() {
     for counts in [&[1][..], &[7], &[128, 128], &[5, 3], &[1, 9], &[4, 3, 2], &[256, 1], &[]] {
         let mut order = of_counts(counts).coarse_to_fine();
         order.sort_unstable();
         assert!(order.iter().copied().eq(0..counts.iter().product()), "{counts:?}");
     }
-}
-
-#[test]
-fn a_line_of_cells_is_halved_again_and_again() {
     assert_eq!(of_counts(&[9]).coarse_to_fine(), [0, 2, 4, 6, 8, 1, 3, 5, 7]);
 }

@@ -1,17 +1,15 @@
 use std::sync::{Arc, Barrier, Mutex, mpsc};
 
-use kalmanscope_core::{Axis, Scenario, Source};
+use kalmanscope_core::{Scenario, Source};
 use kalmanscope_diagnosis::Measure;
-use kalmanscope_lab::{Ensemble, EnsembleRows, Lost, Plan, Priority, Runner, Slice, Threads, WorkStep};
+use kalmanscope_lab::{Ensemble, EnsembleRows, Lost, Priority, Runner, Slice, Threads, WorkStep};
+
+use crate::ensemble::plan;
 
 fn runner() -> Arc<Runner> {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };
-    let axes = vec![
-        Axis::parse("seed=1:3:3").unwrap(),
-        Axis::parse("filters.EKF.initial_mean.natural_frequency=2:20:40").unwrap(),
-    ];
-    let plan =
-        Plan { filters: vec![0], measures: vec![Measure::NIS, Measure::LOG_LIKELIHOOD], axes, ..Plan::default() };
+    let measures = [Measure::NIS, Measure::LOG_LIKELIHOOD];
+    let plan = plan(&[0], &measures, &["seed=1:3:3", "filters.EKF.initial_mean.natural_frequency=2:20:40"]);
     Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
 }
 

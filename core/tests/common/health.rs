@@ -29,20 +29,17 @@ pub(crate) fn check_file(text: &str) -> Remedy {
 
 /// With `gap`, over its own record, in which that many of 256 measurements are missing. Returns the number of steps of all filters.
 pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, String> {
-    let run = || Run::new(scenario).map_err(|e| e.to_string());
-    let mut run = if gap == 0 {
-        run()?
-    } else {
-        let mut whole = run()?;
-        whole.finish();
-        if whole.len() < 2 {
+    let mut run = Run::new(scenario).map_err(|e| e.to_string())?;
+    if gap > 0 {
+        run.finish();
+        if run.len() < 2 {
             return Ok(0);
         }
         let scattered =
             |sensor: usize, k: usize| ((k as u32 * 4 + sensor as u32).wrapping_mul(0x9e37_79b9) >> 24) as u8;
-        let record = whole.record().clone().without_truth().with_gaps(|sensor, k| scattered(sensor, k) < gap);
-        Run::on_record(scenario, Arc::new(record)).map_err(|e| e.to_string())?
-    };
+        let record = run.record().clone().without_truth().with_gaps(|sensor, k| scattered(sensor, k) < gap);
+        run = Run::on_record(scenario, Arc::new(record)).map_err(|e| e.to_string())?;
+    }
     let mut steps = 0;
     let mut stopped = vec![false; scenario.filters.len()];
     let mut wound_up = vec![Vec::new(); scenario.filters.len()];

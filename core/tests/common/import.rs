@@ -52,10 +52,9 @@ fn check_record(record: &Record) -> Result<(), String> {
     if record.len() < 2 || record.input().iter().any(|value| !value.is_finite()) {
         return Err("the input is not whole".to_owned());
     }
-    for sensor in 0..record.sensors().len() {
-        if record.measured(sensor).len() != record.len() || record.measured(sensor).iter().any(|z| z.is_infinite()) {
-            return Err("a sensor is not whole".to_owned());
-        }
+    let is_whole = |column: &[f64]| column.len() == record.len() && column.iter().all(|z| !z.is_infinite());
+    if !(0..record.sensors().len()).all(|sensor| is_whole(record.measured(sensor))) {
+        return Err("a sensor is not whole".to_owned());
     }
     Ok(())
 }

@@ -43,6 +43,11 @@ pub(crate) fn apart((one, k): (&Estimates, usize), (other, at): (&Estimates, usi
     distance([one.mean(k), one.cov(k)], other, at)
 }
 
+/// The most that a sample of the one is apart from that of the other, which has this many steps for each of its own.
+pub(crate) fn farthest(one: &Estimates, other: &Estimates, steps: usize) -> f64 {
+    (0..one.len()).map(|k| apart((one, k), (other, steps * k))).fold(0.0, f64::max)
+}
+
 /// The transition of x and ẋ of an oscillator with ωₙ and ζ < 1 over a time, without a force.
 pub(crate) fn transition([wn, zeta]: [f64; 2], t: f64) -> Matrix2<f64> {
     let wd = wn * (1.0 - zeta * zeta).sqrt();

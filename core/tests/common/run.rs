@@ -27,6 +27,13 @@ pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -
     run
 }
 
+/// A run whose first filter does not stop.
+pub(crate) fn run_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -> Run {
+    let run = finished_on(scenario, record);
+    assert_eq!(run.estimates()[0].stop(), None);
+    run
+}
+
 fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold) -> Imported {
     build(table, mapping, kind, hold, &[]).expect("it is a record")
 }
@@ -83,13 +90,8 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
 
 /// A filter of each kind, with few members.
 pub(crate) fn of_all_kinds(settings: &FilterSettings) -> Vec<FilterSettings> {
-    let of = |kind: FilterKind| FilterSettings {
-        kind,
-        id: 0,
-        name: kind.name().to_owned(),
-        ensemble_size: 40,
-        ..settings.clone()
-    };
+    let named = |kind: FilterKind| FilterSettings { kind, id: 0, name: kind.name().to_owned(), ..settings.clone() };
+    let of = |kind| FilterSettings { ensemble_size: 40, ..named(kind) };
     FilterKind::ALL.map(of).to_vec()
 }
 
@@ -235,8 +237,9 @@ impl<F: FnMut(&Sample<'_>)> Sink for Each<F> {
 }
 
 /// The record in a file that [`Record::write_csv`] has written.
-pub(crate) fn record_of(file: Vec<u8>, sensors: &[Quantity]) -> Record {
+pub(crate) fn record_of(file: Vec<u8>, scenario: &Scenario) -> Record {
     let table = read(file, None).expect("it is a table");
-    let (mapping, kind, _) = Mapping::guess_for(&table, sensors);
+    let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+    let (mapping, kind, _) = Mapping::guess_for(&table, &sensors);
     built(&table, &mapping, kind, Hold::Zero).record
 }

@@ -176,7 +176,6 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
                     scenario.duration = 4.0;
                 }
                 let deviation = deviation(&simulated(&scenario), &[]);
-                println!("{kind:?}, dt {dt}, force {std}: {deviation:.1e}");
                 assert!(deviation < 1e-9, "{kind:?}, dt {dt}, force {std}: {deviation}");
             }
         }

@@ -12,8 +12,7 @@ use std::time::Instant;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Scenario};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Scenario, simulate};
 use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
@@ -60,21 +59,6 @@ fn main() {
     }
 }
 
-fn wanted() -> String {
-    std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default()
-}
-
-fn guesses(base: &Scenario) -> Vec<Scenario> {
-    let guess = |i: usize| {
-        let mut scenario = base.clone();
-        for channel in [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)] {
-            scenario.filters[0].initial_mean[channel] *= 0.9 + 0.02 * i as f64;
-        }
-        scenario
-    };
-    (0..RUNS).map(guess).collect()
-}
-
 fn measure(
     kind: FilterKind,
     plant: PlantKind,
@@ -86,7 +70,8 @@ fn measure(
     let n = plant.channels().len() + augment.len();
     let keys: Vec<&str> = augment.iter().map(|channel| channel.key()).collect();
     let case = format!("{} {} {:?} {} {what}", kind.name(), plant.key(), hold, keys.join(" "));
-    if !case.contains(&wanted()) {
+    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
+    if !case.contains(&wanted) {
         return;
     }
     let mut base = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, hold, ..Scenario::default() };
@@ -96,7 +81,14 @@ fn measure(
     base.set_plant(plant);
     change(&mut base.filters[0]);
     let record = simulate(&base).without_truth();
-    let scenarios = guesses(&base);
+    let guess = |i: usize| {
+        let mut scenario = base.clone();
+        for channel in [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)] {
+            scenario.filters[0].initial_mean[channel] *= 0.9 + 0.02 * i as f64;
+        }
+        scenario
+    };
+    let scenarios: Vec<Scenario> = (0..RUNS).map(guess).collect();
     let runs: Vec<LaneRun<'_>> =
         scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record: &record }).collect();
     let is_served = runs.iter().all(|run| serves(run).is_ok_and(|is_served| is_served));

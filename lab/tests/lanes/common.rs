@@ -73,30 +73,21 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     scenario.dt = 10_f64.powf(draw.between(-2.5, -1.3));
     scenario.duration = scenario.dt * draw.between(20.0, 90.0).floor();
     let good = scenario.filters.remove(0);
-    let kind = draw.one(&[
-        FilterKind::KF,
-        FilterKind::EKF,
-        FilterKind::EKF,
-        FilterKind::UKF,
-        FilterKind::UKF,
-        FilterKind::CKF,
-    ]);
+    use FilterKind as Kind;
+    let kind = draw.one(&[Kind::KF, Kind::EKF, Kind::EKF, Kind::UKF, Kind::UKF, Kind::CKF]);
     for _ in 0..1 + draw.below(12) {
         let filter = FilterSettings { kind, ..good.clone() };
         scenario.filters.push(changed(filter, &plant, &augment, &mut draw));
     }
     let substeps = 1 + draw.below(3);
     let propagation = draw.one(&[None, Some(Propagation::RungeKutta), Some(Propagation::LocalLinearisation)]);
-    let (robust, adapts, logs) = (draw.one(&ROBUST), draw.one(&ADAPTS), draw.once_in(4));
+    let (robust, adapts, logs) =
+        (draw.one(&[[Robust::NONE; 3].as_slice(), &Robust::ALL].concat()), draw.one(&ADAPTS), draw.once_in(4));
     let training = draw.one(&[0.0, 0.2]);
     for filter in &mut scenario.filters {
         filter.robust = robust;
-        filter.adaptation = Adaptation {
-            sensor_noise: adapts[0] && !robust.is_on(),
-            process_noise: adapts[1],
-            training,
-            ..ADAPTS_FAST
-        };
+        let (sensor_noise, process_noise) = (adapts[0] && !robust.is_on(), adapts[1]);
+        filter.adaptation = Adaptation { sensor_noise, process_noise, training, forgetting: 0.9 };
         filter.log_parameters = logs;
         (filter.substeps, filter.propagation) = (substeps, propagation);
     }
@@ -110,20 +101,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     scenario
 }
 
-const ROBUST: [Robust; 8] = [
-    Robust::NONE,
-    Robust::NONE,
-    Robust::NONE,
-    Robust::NONE,
-    Robust::GATE,
-    Robust::HUBER,
-    Robust::STUDENT_T,
-    Robust::MIXTURE,
-];
 const ADAPTS: [[bool; 2]; 5] = [[false; 2], [false; 2], [true, false], [false, true], [true; 2]];
-const ADAPTS_FAST: Adaptation =
-    Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9, training: 0.0 };
-
 fn changed(mut filter: FilterSettings, plant: &PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
     filter.fading = draw.one(&[1.0, 1.002, 1.05]);
     filter.input_delay = draw.below(6) as i32 - 2;
@@ -140,9 +118,8 @@ fn changed(mut filter: FilterSettings, plant: &PlantKind, augment: &[Channel], d
     if draw.once_in(8) {
         let fast = [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)];
         let factor = draw.one(&[-1.0, 10.0, 300.0]);
-        fast.into_iter()
-            .filter(|channel| plant.channels().contains(channel))
-            .for_each(|c| filter.initial_mean[c] *= factor);
+        let known = fast.into_iter().filter(|channel| plant.channels().contains(channel));
+        known.for_each(|channel| filter.initial_mean[channel] *= factor);
     }
     if draw.once_in(12) {
         // Their squares are zero.
@@ -155,16 +132,15 @@ pub(crate) fn runs_of<'a>(scenario: &'a Scenario, record: &'a Record) -> Vec<Lan
     (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect()
 }
 
-fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
-    let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
-    let run = engine::SetupRun { setup: &setup, record: run.record };
-    engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
-}
-
 pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     let last = runs[0].record.len() - 1;
     let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
-    let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
+    let single = |run: &LaneRun<'_>| {
+        let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
+        let run = engine::SetupRun { setup: &setup, record: run.record };
+        engine::outcomes::<f64, _>(Baseline, &[run], &samples).remove(0)
+    };
+    let singles: Vec<Outcome> = runs.iter().map(single).collect();
     for level in InstructionSet::available() {
         let lanes = outcomes(level, runs, &samples).unwrap();
         assert_eq!(lanes.len(), singles.len());

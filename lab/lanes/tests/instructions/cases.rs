@@ -99,18 +99,25 @@ impl Case {
     }
 
     pub(crate) fn run(&self, record: &Record) {
-        match self.level {
-            None => alone(&self.scenario, record),
-            Some(level) => abreast(level, &self.scenario, record),
-        }
+        let scenario = &self.scenario;
+        let Some(level) = self.level else {
+            let mut sum = Sum(0.0);
+            let mut pass = Pass::new(scenario, 0, record).expect("the filter is possible");
+            pass.follow(record, record.len(), &mut sum);
+            assert!(pass.stop.is_none() && sum.0 > 0.0, "{:?}", pass.stop);
+            return;
+        };
+        let guess = |i: usize| {
+            let mut scenario = scenario.clone();
+            scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] *= 0.9 + 0.02 * i as f64;
+            scenario
+        };
+        let scenarios: Vec<Scenario> = (0..LANES).map(guess).collect();
+        let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
+        let outcomes = outcomes(level, &runs, &[]).expect("the filters are possible");
+        assert!(outcomes.iter().all(|outcome| outcome.stop.is_none()));
+        black_box(outcomes);
     }
-}
-
-fn alone(scenario: &Scenario, record: &Record) {
-    let mut sum = Sum(0.0);
-    let mut pass = Pass::new(scenario, 0, record).expect("the filter is possible");
-    pass.follow(record, record.len(), &mut sum);
-    assert!(pass.stop.is_none() && sum.0 > 0.0, "{:?}", pass.stop);
 }
 
 struct Sum(f64);
@@ -121,17 +128,4 @@ impl Sink for Sum {
     }
 
     fn stop_at(&mut self, _: Stop) {}
-}
-
-fn abreast(level: InstructionSet, scenario: &Scenario, record: &Record) {
-    let guess = |i: usize| {
-        let mut scenario = scenario.clone();
-        scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] *= 0.9 + 0.02 * i as f64;
-        scenario
-    };
-    let scenarios: Vec<Scenario> = (0..LANES).map(guess).collect();
-    let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
-    let outcomes = outcomes(level, &runs, &[]).expect("the filters are possible");
-    assert!(outcomes.iter().all(|outcome| outcome.stop.is_none()));
-    black_box(outcomes);
 }

@@ -99,9 +99,13 @@ fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), Strin
     let mut off = Vec::new();
     for (name, now) in &counts {
         let known = table.get(name).and_then(toml::Value::as_integer);
-        let line = line(name, known, *now);
+        let off_by = known.map(|known| *now as f64 / known as f64 - 1.0);
+        let line = match (known, off_by) {
+            (Some(known), Some(by)) => format!("{known:>8}{now:>10}{:>+10.1}  {name}", 100.0 * by),
+            _ => format!("{:>8}{now:>10}{:>10}  {name}", "none", ""),
+        };
         println!("{line}");
-        if known.is_none_or(|known| share(known, *now).abs() > TOLERANCE) {
+        if off_by.is_none_or(|by| by.abs() > TOLERANCE) {
             off.push(line);
         }
     }
@@ -117,21 +121,6 @@ fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), Strin
     }
     let is_case = |name: &str| cases.iter().any(|case| case.name == name);
     off.extend(table.keys().filter(|name| is_whole && !is_case(name)).map(|name| format!("no case is named {name}")));
-    verdict(&off)
-}
-
-fn share(known: i64, now: u64) -> f64 {
-    now as f64 / known as f64 - 1.0
-}
-
-fn line(name: &str, known: Option<i64>, now: u64) -> String {
-    match known {
-        Some(known) => format!("{known:>8}{now:>10}{:>+10.1}  {name}", 100.0 * share(known, now)),
-        None => format!("{:>8}{now:>10}{:>10}  {name}", "none", ""),
-    }
-}
-
-fn verdict(off: &[String]) -> Result<(), String> {
     if off.is_empty() {
         return Ok(());
     }
@@ -148,9 +137,6 @@ fn verdict(off: &[String]) -> Result<(), String> {
 const STEPS: [usize; 2] = [200, 600];
 
 const MARKS: usize = STEPS.len() + 1;
-
-/// A case, and the instructions of a step: of eight runs in lanes.
-type Count = (String, u64);
 
 fn work(cases: &[Case]) {
     for case in cases.iter().filter(|case| case.level.is_none_or(|one| InstructionSet::available().contains(&one))) {
@@ -170,7 +156,8 @@ fn mark() {
     black_box(());
 }
 
-fn count(words: &[String]) -> Result<Vec<Count>, String> {
+/// Cases, and the instructions of a step: of eight runs in lanes.
+fn count(words: &[String]) -> Result<Vec<(String, u64)>, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("instructions");
     let said = |error: std::io::Error| error.to_string();
     if folder.exists() {
