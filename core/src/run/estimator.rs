@@ -61,23 +61,20 @@ pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static st
 }
 
 /// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
-pub(crate) struct Failed(pub(crate) FilterError);
-
-impl Estimator for Failed {
+impl Estimator for FilterError {
     fn begin(&mut self, _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 
     fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 
     fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 }
 
-/// All that a filter needs of a scenario beside its own settings.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterContext {
     /// The truth's kind of plant; the filter uses it unless its settings name another.

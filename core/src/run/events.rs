@@ -211,7 +211,9 @@ impl EventFilter {
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
-                self.begin(TimedEvent::new(time, force, readings));
+                (self.first, self.at) = (time, 0);
+                self.timeline.insert(TimedEvent::new(time, force, readings));
+                self.timeline.events[0].state = self.estimator.state();
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
                     self.put(TimedEvent::new(felt, force, nothing))?;
                 }
@@ -256,12 +258,6 @@ impl EventFilter {
             return Err(EventError::Gap(time, before, steps));
         }
         Ok(())
-    }
-
-    fn begin(&mut self, event: TimedEvent) {
-        (self.first, self.at) = (event.time, 0);
-        self.timeline.insert(event);
-        self.timeline.events[0].state = self.estimator.state();
     }
 
     fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {

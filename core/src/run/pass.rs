@@ -10,9 +10,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
 
 use crate::run::estimator::setup::Setup;
-use crate::run::estimator::{
-    Estimator, Failed, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled,
-};
+use crate::run::estimator::{Estimator, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled};
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
 use crate::run::run_error::{RunError, sensor_places};
 use crate::run::sink::Sink;
@@ -74,7 +72,7 @@ impl Pass {
     }
 
     pub(crate) fn idle() -> Self {
-        let filter = Built::new(Box::new(|| Box::new(Failed(FilterError::NotFinite))));
+        let filter = Built::new(Box::new(|| Box::new(FilterError::NotFinite)));
         let (truncation, sensors) = (Truncation::default(), Vec::new());
         Self { filter, truncation, sensors, delays: Delays::default(), parts: None, done: 0, stop: None, ahead: None }
     }
@@ -272,7 +270,7 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
         Algorithm::Belief(begin) => sampled::estimator(begin, settings, context),
         Algorithm::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
             Some(setup) => engine::estimator(&setup, settings),
-            None => Box::new(Failed(FilterError::TooLarge)),
+            None => Box::new(FilterError::TooLarge),
         },
     }
 }

@@ -127,7 +127,7 @@ pub(crate) struct Monitor {
     fewest_particles: f64,
     collapsed: usize,
     at_end: usize,
-    initial_noise: Option<(Vec<f64>, Vec<f64>)>,
+    initial_noise: Vec<f64>,
     pub(crate) remarks: Vec<Remark>,
 }
 
@@ -260,26 +260,23 @@ impl Monitor {
         if self.at_end >= LONG {
             self.note(Trouble::ScaleAtEnd, k + 1 - self.at_end, k);
         }
-        let Some((first_sensors, first_process)) = self.initial_noise.take() else {
-            self.initial_noise = Some((noise.sensors.to_vec(), process.to_vec()));
+        if self.initial_noise.is_empty() {
+            self.initial_noise.extend(noise.sensors.iter().chain(process));
             return;
-        };
-        for (place, (&now, &first)) in noise.sensors.iter().zip(&first_sensors).enumerate() {
-            let sensor = self.sensors[place];
-            self.compare(k, now, first, Trouble::VanishingSensorNoise(sensor), Trouble::GrowingSensorNoise(sensor));
         }
-        for (place, (&now, &first)) in process.iter().zip(&first_process).enumerate() {
-            let channel = self.channels[place];
-            self.compare(k, now, first, Trouble::VanishingProcessNoise(channel), Trouble::GrowingProcessNoise(channel));
-        }
-        self.initial_noise = Some((first_sensors, first_process));
-    }
-
-    fn compare(&mut self, k: usize, now: f64, first: f64, vanishing: Trouble, growing: Trouble) {
-        if first > 0.0 && now < first / RATIO_LIMIT {
-            self.note(vanishing, k, k);
-        } else if first > 0.0 && now > first * RATIO_LIMIT {
-            self.note(growing, k, k);
+        for (place, &now) in noise.sensors.iter().chain(process).enumerate() {
+            let first = self.initial_noise[place];
+            let (vanishing, growing) =
+                (first > 0.0 && now < first / RATIO_LIMIT, first > 0.0 && now > first * RATIO_LIMIT);
+            if vanishing || growing {
+                let what = match (self.sensors.get(place), vanishing) {
+                    (Some(sensor), true) => Trouble::VanishingSensorNoise(*sensor),
+                    (Some(sensor), false) => Trouble::GrowingSensorNoise(*sensor),
+                    (None, true) => Trouble::VanishingProcessNoise(self.channels[place - self.sensors.len()]),
+                    (None, false) => Trouble::GrowingProcessNoise(self.channels[place - self.sensors.len()]),
+                };
+                self.note(what, k, k);
+            }
         }
     }
 

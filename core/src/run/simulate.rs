@@ -133,25 +133,22 @@ impl Simulator {
         if self.stop.is_some() {
             return true;
         }
-        self.try_advance(record, most).unwrap_or_else(|reason| {
+        let sample = place_of_next(record);
+        let load = self.load.take().map_or_else(|| self.sample(sample), Ok);
+        let is_done = load.and_then(|load| {
+            let Load { recorded, forces, disturbance } = load;
+            let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+            if is_done == Ok(false) {
+                self.load = Some(load);
+            } else {
+                record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+            }
+            is_done
+        });
+        is_done.unwrap_or_else(|reason| {
             self.stop = Some(TruthStop { sample: place_of_next(record), reason });
             true
         })
-    }
-
-    fn try_advance(&mut self, record: &mut Record, most: u64) -> Result<bool, TruthError> {
-        let load = match self.load.take() {
-            Some(load) => load,
-            None => self.sample(place_of_next(record))?,
-        };
-        let Load { recorded, forces, disturbance } = load;
-        let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
-        if is_done == Ok(false) {
-            self.load = Some(load);
-        } else {
-            record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
-        }
-        is_done
     }
 
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {

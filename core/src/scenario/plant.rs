@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::equation::{Equation, EquationSettings};
+use crate::equation::{Equation, EquationSettings, RESERVED};
 use kalmanscope_filters::catalogue::{KnownChannels, expected_channels};
 use kalmanscope_filters::{Channel, InputKind};
 use serde::de::{self, Deserializer, MapAccess, Visitor};
@@ -205,15 +205,13 @@ impl<'de> Deserialize<'de> for Plant {
 /// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
 struct PlantKey(String);
 
-const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "disturbance_std", "input_delay"];
-
 impl<'de> Deserialize<'de> for PlantKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        if OWN_KEYS.contains(&key.as_str()) || KnownChannels::channel(&key).is_some_and(Channel::is_parameter) {
+        if RESERVED.contains(&key.as_str()) || KnownChannels::channel(&key).is_some_and(Channel::is_parameter) {
             return Ok(Self(key));
         }
-        let (own, channels) = (OWN_KEYS.join("`, `"), expected_channels(Channel::is_parameter));
+        let (own, channels) = (RESERVED.join("`, `"), expected_channels(Channel::is_parameter));
         Err(de::Error::custom(format!("unknown field `{key}`, expected `{own}` or {channels}")))
     }
 }

@@ -107,7 +107,17 @@ impl Plant {
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
         for (channel, parameter) in own.chain(self.signals()) {
             let (minimum, key) = (parameter.minimum(), format_args!("plant.{}", channel.key()));
-            validate_signal(key, &parameter)?;
+            for (name, value) in parameter.numbers() {
+                number(format_args!("{key}{name}"), value, Allowed::Finite)?;
+            }
+            match parameter {
+                Signal::Ramp(Ramp { start, end, .. }) => {
+                    let allowed = format_args!("at least ramp.start = {start}");
+                    require(end >= start, format_args!("{key}.ramp.end"), end, allowed)?;
+                }
+                Signal::Sine(sine) => number(format_args!("{key}.sine.period"), sine.period, Allowed::Above(0.0))?,
+                Signal::Constant(_) | Signal::Step(_) => {}
+            }
             let (holds, allowed) = match channel.role() {
                 Role::Parameter(Sign::Positive) => (minimum > 0.0, "above 0 at all times"),
                 Role::Parameter(Sign::NotNegative) => (minimum >= 0.0, "at least 0 at all times"),
@@ -234,19 +244,6 @@ fn each_once(
 
 fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
     require(allowed.admits(value), key, value, allowed)
-}
-
-fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioError> {
-    for (name, value) in signal.numbers() {
-        number(format_args!("{path}{name}"), value, Allowed::Finite)?;
-    }
-    match signal {
-        Signal::Ramp(Ramp { start, end, .. }) => {
-            require(end >= start, format_args!("{path}.ramp.end"), end, format_args!("at least ramp.start = {start}"))
-        }
-        Signal::Sine(sine) => number(format_args!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
-        Signal::Constant(_) | Signal::Step(_) => Ok(()),
-    }
 }
 
 fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {

@@ -8,7 +8,7 @@ use kalmanscope_records::record::Parts;
 use super::engine::push;
 use super::setup::Beginning;
 use super::update::InUnits;
-use super::{Estimator, Failed, FilterContext};
+use super::{Estimator, FilterContext};
 use crate::FilterSettings;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
@@ -24,8 +24,8 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
     let belief = match begin(initial, &settings.method(&context.plant), normal) {
         Ok(belief) => belief,
         // The initial covariance is diagonal: its root can fail only through a number that is not finite.
-        Err(FilterError::NotFinite) => return Box::new(Failed(FilterError::TooLarge)),
-        Err(error) => return Box::new(Failed(error)),
+        Err(FilterError::NotFinite) => return Box::new(FilterError::TooLarge),
+        Err(error) => return Box::new(error),
     };
     let (n, sensors, steps) = (model.size(), context.sensors.len(), context.steps(settings));
     let in_units = InUnits::new(&model.state.logarithms, n, sensors);
