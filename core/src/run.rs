@@ -69,10 +69,7 @@ impl Run {
         Self::from_source(scenario, Source::Measured(record))
     }
 
-    /// A run over either source, before its first sample.
-    ///
-    /// # Errors
-    /// As [`Self::on_record`].
+    /// A run over either source, before its first sample; with the errors of [`Self::on_record`].
     pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
         let scenario = scenario.into();
         scenario.validate()?;

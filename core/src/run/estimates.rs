@@ -172,11 +172,7 @@ impl Estimates {
         chunk(&self.history.mean, k, self.channels.len())
     }
 
-    /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
-    ///
-    /// ```text
-    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they describe the same oscillator
-    /// ```
+    /// The mean of one channel at sample `k` in canonical form, with ωₙ ≥ 0: (-ωₙ, -ζ) and (ωₙ, ζ) describe the same oscillator.
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
         self.canonical[channel][k]
@@ -263,13 +259,7 @@ impl Estimates {
         &self.history.determinant
     }
 
-    /// The log likelihood of the measurements at sample `k`; NaN where there was none.
-    ///
-    /// ```text
-    /// -(NIS + ln det S + m ln 2π) / 2
-    /// ```
-    ///
-    /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
+    /// The log likelihood of the measurements at sample `k`, as in [`Sample::ln_likelihood`]; NaN where there was none.
     pub fn log_likelihood(&self, k: usize) -> f64 {
         let own = self.history.log_likelihood.get(k).copied();
         own.unwrap_or_else(|| self.sample(k).ln_likelihood())

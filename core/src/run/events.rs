@@ -8,7 +8,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
-use crate::run::estimator::{Estimator, FilterContext, State, Truncation, counts_in_samples};
+use crate::run::estimator::{Estimator, FilterContext, State, Truncating, Truncation, counts_in_samples};
 use crate::run::pass;
 use crate::run::passage::{Adjoint, Passage, Passages};
 use crate::run::sink::{LastSample, Sample, Sink};
@@ -53,6 +53,7 @@ pub struct EventFilter {
     timeline: Timeline,
     /// The time for which hindsight waits \[s\], if it is asked for.
     look_ahead: Option<f64>,
+    truncation: Truncation,
     latest: LatestSample,
     hindsight: Hindsight,
     in_hindsight: LastSample,
@@ -66,16 +67,11 @@ pub struct EventFilter {
 }
 
 #[derive(Default)]
-struct LatestSample {
-    truncation: Truncation,
-    sample: LastSample,
-    passages: Passages,
-}
+struct LatestSample(LastSample, Passages);
 
 impl Sink for LatestSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        let (mean, cov) = self.truncation.apply(sample.mean, sample.cov);
-        self.sample.push(&Sample { mean, cov, ..*sample });
+        self.0.push(sample);
     }
 
     fn stop_at(&mut self, _: Stop) {}
@@ -85,7 +81,7 @@ impl Sink for LatestSample {
     }
 
     fn passages(&mut self) -> Option<&mut Passages> {
-        Some(&mut self.passages)
+        Some(&mut self.1)
     }
 }
 
@@ -120,9 +116,8 @@ impl EventFilter {
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
         let channels = context.model(&settings).channels().to_vec();
-        let truncation = Truncation::of(&settings, &channels);
-        let mut latest = LatestSample { truncation, ..LatestSample::default() };
-        estimator.begin(&mut latest)?;
+        let (mut truncation, mut latest) = (Truncation::of(&settings, &channels), LatestSample::default());
+        estimator.begin(&mut Truncating { truncation: &mut truncation, sink: &mut latest })?;
         if look_ahead.is_some() {
             estimator.keep_passages();
         }
@@ -132,6 +127,7 @@ impl EventFilter {
             channels,
             timeline: Timeline { events: VecDeque::new(), hold: scenario.hold, kept, before: None },
             look_ahead,
+            truncation,
             latest,
             in_hindsight: LastSample::default(),
             stopped: None,
@@ -164,7 +160,7 @@ impl EventFilter {
 
     /// The estimate that the last call has returned.
     pub fn sample(&self) -> Sample<'_> {
-        self.latest.sample.sample()
+        self.latest.0.sample()
     }
 
     /// Whether it reports estimates in hindsight.
@@ -289,16 +285,16 @@ impl EventFilter {
     }
 
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
-        let Self { estimator, timeline, latest, .. } = self;
+        let Self { estimator, timeline, truncation, latest, .. } = self;
         let times = [place - 1, place].map(|place| timeline.events[place].time);
         let forces = timeline.forces_to(place);
         let force = timeline.events[place].force.unwrap_or(forces[1]);
         let steps = (times[1] - times[0]) / self.scenario.dt;
         let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
-        latest.passages = Passages::default();
-        estimator.step_through(&parts, latest)?;
+        latest.1 = Passages::default();
+        estimator.step_through(&parts, &mut Truncating { truncation, sink: latest })?;
         let event = &mut timeline.events[place];
-        event.passages = std::mem::take(&mut latest.passages).all;
+        event.passages = std::mem::take(&mut latest.1).all;
         event.state = estimator.state();
         Ok(())
     }

@@ -47,10 +47,7 @@ impl Pass {
         Ok(Self::with(filter, context, sensors))
     }
 
-    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
-    ///
-    /// # Errors
-    /// Those of [`Self::new`].
+    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run; with the errors of [`Self::new`].
     pub fn columns(scenario: &Scenario, place: usize, record: &Record) -> Result<Vec<usize>, RunError> {
         scenario.validate()?;
         if scenario.filters.get(place).is_none() {
@@ -91,9 +88,6 @@ impl Pass {
     }
 
     /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks know of them.
-    ///
-    /// # Errors
-    /// Those of [`Self::history`].
     pub fn history_over(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
         let mut history = Self::history(scenario, place)?;
         history.recycle(None, record.len());
@@ -205,10 +199,7 @@ pub struct OnlineFilter {
 const FORGET: usize = 64;
 
 impl OnlineFilter {
-    /// The filter at `place` of a scenario, before its first sample.
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`].
+    /// The filter at `place` of a scenario, before its first sample; with the errors of [`Pass::new`].
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, RunError> {
         let sensors = scenario.measured();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors, Vec::new());

@@ -66,9 +66,6 @@ impl Setup {
     }
 
     /// The same for filters with a textbook's update and a diagonal Q, without logarithms, over readings at the samples' times.
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         let setup = Self::unless(scenario, place, record, |settings, context| {
             let is_late = context.is_timed || settings.delays(context.dt).is_of_sensors();
