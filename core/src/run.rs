@@ -265,15 +265,10 @@ impl Bank {
         Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
-    fn context(&self, record: &Record, place: usize) -> FilterContext {
-        let filter = &self.scenario.filters[place];
-        FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
-    }
-
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
-        let place = self.passes.len();
-        let filter = &self.scenario.filters[place];
-        let pass = Pass::with(filter, self.context(record, place), self.sensors.clone());
+        let filter = &self.scenario.filters[self.passes.len()];
+        let context = FilterContext::over(record, &self.scenario, filter);
+        let pass = Pass::with(filter, context, self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);
@@ -338,7 +333,7 @@ impl Bank {
     /// The smoother of a filter, if its settings ask for one.
     pub fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
-        let context = self.context(record, place);
+        let context = FilterContext::over(record, &self.scenario, filter);
         let forward = Forward::new(filter, &context, self.sensors.clone())?;
         Some(match filter.lag(context.dt) {
             Some(lag) => Box::new(FixedLag::new(forward, lag)),

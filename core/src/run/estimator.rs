@@ -97,11 +97,11 @@ impl FilterContext {
         Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
     }
 
-    /// The same over a record, at the times of its readings where it has some.
-    pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
+    /// Over a record, at the times of its readings where it has some.
+    pub(crate) fn over(record: &Record, scenario: &Scenario, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
         let is_timed = has_times && counts_in_samples(settings).is_none();
-        Self { is_timed, start: record.time_of(0), ..self }
+        Self { is_timed, start: record.time_of(0), ..Self::new(scenario, record.dt(), settings) }
     }
 
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {

@@ -43,7 +43,7 @@ impl Pass {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let filter = &scenario.filters[place];
-        let context = FilterContext::new(&scenario, record.dt(), filter).over(record, filter);
+        let context = FilterContext::over(record, &scenario, filter);
         Ok(Self::with(filter, context, sensors))
     }
 

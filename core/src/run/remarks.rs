@@ -187,7 +187,7 @@ impl Monitor {
         if wide | beyond {
             self.check_covariance(k, cov);
         }
-        if self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
+        if k > 0 && self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
             self.check_sensors(k, innovation);
         }
         if effective_samples < self.fewest_particles {
@@ -225,9 +225,6 @@ impl Monitor {
 
     #[cold]
     fn check_sensors(&mut self, k: usize, innovation: &[f64]) {
-        if k == 0 {
-            return;
-        }
         self.any_silent = false;
         for (place, value) in innovation.iter().enumerate() {
             if !value.is_nan() {

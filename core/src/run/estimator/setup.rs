@@ -83,7 +83,7 @@ impl Setup {
         scenario.validate()?;
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
-        let context = FilterContext::new(scenario, record.dt(), settings).over(record, settings);
+        let context = FilterContext::over(record, scenario, settings);
         // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one iterates by itself.
         let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
