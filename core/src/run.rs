@@ -190,7 +190,7 @@ impl Run {
 
     /// Where and why the simulated truth stopped, if it diverged before the record was complete.
     pub fn truth_stop(&self) -> Option<TruthStop> {
-        self.recording.stop()
+        self.recording.simulator.as_ref()?.stop
     }
 
     /// The record: the part that is simulated and kept, or all of a measured one.

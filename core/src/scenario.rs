@@ -100,15 +100,15 @@ impl Serialize for Scenario {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let is_known = |channel: Channel| self.channel(channel.key()).is_some();
         let values = self.filters.iter().flat_map(|one| [&one.initial_mean, &one.initial_std, &one.process_std]);
-        let signals = self.plant.signals().map(|(channel, _)| channel);
+        let signals = self.plant.signals.iter().map(|(channel, _)| *channel);
         if values.flat_map(Values::iter).map(|(channel, _)| channel).chain(signals).all(is_known) {
             return Self::serialize(self, serializer);
         }
         let mut written = self.clone();
-        written.plant.retain(is_known);
+        written.plant.signals.retain(|(channel, _)| is_known(*channel));
         for one in &mut written.filters {
             for values in [&mut one.initial_mean, &mut one.initial_std, &mut one.process_std] {
-                values.retain(is_known);
+                values.set.retain(|(channel, _)| is_known(*channel));
             }
         }
         Self::serialize(&written, serializer)

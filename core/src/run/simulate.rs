@@ -57,7 +57,8 @@ pub struct Simulator {
     state: Vec<f64>,
     response: Response,
     load: Option<Load>,
-    stop: Option<TruthStop>,
+    /// Where and why the truth stopped, if it did.
+    pub stop: Option<TruthStop>,
 }
 
 struct Load {
@@ -102,11 +103,6 @@ impl Simulator {
         let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
         let sensors = mapped(sensors, &|s| s.measures);
         Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
-    }
-
-    /// Where and why the truth stopped, if it did.
-    pub fn stop(&self) -> Option<TruthStop> {
-        self.stop
     }
 
     /// Appends the next sample to `record`. Returns whether there was one; else [`Self::stop`] has the reason.
@@ -276,7 +272,7 @@ impl Source {
 const CHUNK: usize = 500;
 
 pub(crate) struct Recording {
-    simulator: Option<Box<Simulator>>,
+    pub(crate) simulator: Option<Box<Simulator>>,
     pub(crate) record: Arc<Record>,
     pub(crate) is_live: bool,
 }
@@ -353,10 +349,6 @@ impl Recording {
             Arc::make_mut(&mut self.record).forget(samples);
         }
         is_simulated
-    }
-
-    pub(crate) fn stop(&self) -> Option<TruthStop> {
-        self.simulator.as_ref().and_then(|simulator| simulator.stop())
     }
 }
 

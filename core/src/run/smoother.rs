@@ -127,15 +127,6 @@ impl FixedInterval {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: SmootherStage::Forth }
     }
-
-    fn smooth(&mut self, k: usize) {
-        let Self { beliefs, passages, adjoint, .. } = self;
-        if k + 1 == passages.len() {
-            *adjoint = Adjoint::nothing(beliefs[k].size());
-        }
-        passages[k].iter().rev().for_each(|passage| adjoint.pass(passage));
-        adjoint.correct(&mut beliefs[k]);
-    }
 }
 
 impl Smoother for FixedInterval {
@@ -167,7 +158,12 @@ impl Smoother for FixedInterval {
                 }
                 SmootherStage::Back(0) => self.stage = SmootherStage::Report(0),
                 SmootherStage::Back(k) => {
-                    self.smooth(k - 1);
+                    let Self { beliefs, passages, adjoint, .. } = self;
+                    if k == passages.len() {
+                        *adjoint = Adjoint::nothing(beliefs[k - 1].size());
+                    }
+                    passages[k - 1].iter().rev().for_each(|passage| adjoint.pass(passage));
+                    adjoint.correct(&mut beliefs[k - 1]);
                     self.stage = SmootherStage::Back(k - 1);
                 }
                 SmootherStage::Report(k) if k == self.beliefs.len() => {

@@ -105,7 +105,7 @@ impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
         own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
-        for (channel, parameter) in own.chain(self.signals()) {
+        for (channel, parameter) in own.chain(self.signals.iter().copied()) {
             let (minimum, key) = (parameter.minimum(), format_args!("plant.{}", channel.key()));
             for (name, value) in parameter.numbers() {
                 number(format_args!("{key}{name}"), value, Allowed::Finite)?;
