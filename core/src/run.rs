@@ -309,11 +309,7 @@ impl Bank {
     }
 
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
-        self.passes.iter_mut().all(|pass| {
-            let is_there = pass.is_prepared();
-            pass.prepare(record);
-            is_there || while_time()
-        })
+        self.passes.iter_mut().all(|pass| pass.prepare(record) || while_time())
     }
 
     pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {

@@ -153,11 +153,6 @@ impl Scenario {
         libm::round(self.duration / self.dt) as usize + 1
     }
 
-    /// Whether another scenario has the same truth: all but filters, and laws, which are for populations and no run reads.
-    pub(crate) fn has_truth_of(&self, other: &Self) -> bool {
-        *self == Self { filters: self.filters.clone(), draw: self.draw.clone(), ..other.clone() }
-    }
-
     /// Adds a sensor, unless its quantity is already measured. Every filter assumes its true noise.
     pub fn add_sensor(&mut self, sensor: Sensor) {
         if self.sensors.iter().any(|s| s.measures == sensor.measures) {

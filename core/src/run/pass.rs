@@ -112,18 +112,15 @@ impl Pass {
         (self.done, self.stop, self.ahead) = (0, None, None);
     }
 
-    /// Computes the next sample of the record ahead, if there is one, and keeps it until [`Self::settle`].
-    pub(crate) fn prepare(&mut self, record: &Record) {
-        let next = self.done;
-        if self.ahead.is_none() && self.stop.is_none() && next < record.forgotten() + record.len() {
+    /// Computes the next sample of the record ahead, and keeps it until [`Self::settle`]. Returns whether it has been there already.
+    pub(crate) fn prepare(&mut self, record: &Record) -> bool {
+        let (next, is_there) = (self.done, self.ahead.is_some() || self.stop.is_some());
+        if !is_there && next < record.forgotten() + record.len() {
             let mut tape = Tape::default();
             self.follow(record, next + 1, &mut tape);
             (self.done, self.stop, self.ahead) = (next, None, Some(tape));
         }
-    }
-
-    pub(crate) fn is_prepared(&self) -> bool {
-        self.ahead.is_some() || self.stop.is_some()
+        is_there
     }
 
     pub(crate) fn settle(&mut self, samples: usize, estimates: &mut Estimates) {

@@ -235,18 +235,15 @@ impl Monitor {
             self.silent[place] += 1;
             self.missing[place] += 1;
             let (sensor, silent) = (self.sensors[place], self.silent[place]);
+            // Of the gaps that it usually had until its last reading, where readings have times of their own.
+            let read = k - self.missing[place];
+            let usual_gaps = if self.is_timed { SILENT * (k - silent) / read.max(1) } else { 0 };
             if !self.known[place] {
                 self.note(Trouble::Unknown(sensor), k, k);
-            } else if silent >= self.lasting[place].max(self.usual_gaps(place, k)) {
+            } else if silent >= self.lasting[place].max(usual_gaps) {
                 self.note(Trouble::Missing(sensor), k + 1 - silent, k);
             }
         }
-    }
-
-    /// This many of the gaps that a sensor usually had until its last reading before sample `k`, where readings have times of their own.
-    fn usual_gaps(&self, place: usize, k: usize) -> usize {
-        let read = k - self.missing[place];
-        if self.is_timed { SILENT * (k - self.silent[place]) / read.max(1) } else { 0 }
     }
 
     #[cold]

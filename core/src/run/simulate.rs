@@ -161,7 +161,9 @@ impl Simulator {
             std => std * disturbance_noise.sample(),
         };
         let recorded = inputs.at(k);
-        let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
+        // Before the record the first input holds.
+        let ahead = -scenario.plant.input_delay as isize;
+        let mut acting = |k: usize| scenario.input.force(inputs.at(k.saturating_add_signed(ahead)));
         let (force, next) = (acting(k), acting(k + 1));
         state.clear();
         state.extend_from_slice(response.state.as_slice());
@@ -226,12 +228,6 @@ impl Inputs {
             self.kept.push_back(next);
         }
         self.kept[k - self.first]
-    }
-
-    /// The input `delay` samples before sample `k`, negative for after it. Before the record the first input holds.
-    fn delayed(&mut self, k: usize, delay: i32) -> f64 {
-        let steps = delay.unsigned_abs() as usize;
-        self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })
     }
 
     fn forget_before(&mut self, k: usize) {
