@@ -17,8 +17,8 @@ pub(crate) mod waste;
 
 use std::sync::Arc;
 
+use kalmanscope_filters::Channel;
 use kalmanscope_filters::catalogue::all_and;
-use kalmanscope_filters::{Channel, Quantity};
 use kalmanscope_records::Record;
 
 use crate::run::estimator::{FilterContext, counts_in_samples};
@@ -242,7 +242,6 @@ impl Run {
 pub struct Bank {
     /// Each filter has a unique id.
     pub scenario: Arc<Scenario>,
-    quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
     sensors: Vec<usize>,
@@ -259,10 +258,9 @@ impl Bank {
         if filters.any(|(at, one)| one.id == 0 || scenario.filters[..at].iter().any(|other| clash(one, other))) {
             Arc::make_mut(&mut scenario).number_filters();
         }
-        let quantities = scenario.measured();
-        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
+        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &scenario.measured()));
         let dt = record.dt();
-        Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
+        Ok(Self { scenario, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
@@ -289,7 +287,7 @@ impl Bank {
     }
 
     fn empty(&self, filter: &FilterSettings) -> Estimates {
-        let estimates = Estimates::new(filter, &self.scenario, self.quantities.clone());
+        let estimates = Estimates::new(filter, &self.scenario, self.scenario.measured());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 

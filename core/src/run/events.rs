@@ -228,32 +228,27 @@ impl EventFilter {
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
-        if let Some((time, reason)) = self.stopped {
-            return Err(EventError::Stopped(time, reason));
-        }
         let sensors = &self.scenario.sensors;
-        if readings.len() != sensors.len() {
-            return Err(EventError::Readings(readings.len(), sensors.len()));
-        }
-        if !time.is_finite() {
-            return Err(EventError::Time(time));
-        }
-        if input.is_infinite() {
-            return Err(EventError::Input(input));
-        }
-        if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
-            return Err(EventError::InfiniteReading(sensor.measures));
-        }
-        let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
-        if time < oldest {
-            return Err(EventError::TooLate(time, oldest));
-        }
-        let before = self.time().unwrap_or(oldest);
+        let oldest = self.timeline.events.front().map_or(f64::NEG_INFINITY, |event| event.time);
+        let before = self.time().unwrap_or(time);
         let steps = libm::round((time - before) / self.scenario.dt);
-        if steps > EventError::MOST_STEPS as f64 {
-            return Err(EventError::Gap(time, before, steps));
-        }
-        Ok(())
+        Err(if let Some((time, reason)) = self.stopped {
+            EventError::Stopped(time, reason)
+        } else if readings.len() != sensors.len() {
+            EventError::Readings(readings.len(), sensors.len())
+        } else if !time.is_finite() {
+            EventError::Time(time)
+        } else if input.is_infinite() {
+            EventError::Input(input)
+        } else if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            EventError::InfiniteReading(sensor.measures)
+        } else if time < oldest {
+            EventError::TooLate(time, oldest)
+        } else if steps > EventError::MOST_STEPS as f64 {
+            EventError::Gap(time, before, steps)
+        } else {
+            return Ok(());
+        })
     }
 
     fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {

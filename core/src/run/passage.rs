@@ -18,16 +18,6 @@ impl Passages {
     pub(crate) fn begin(&mut self, belief: &GaussianBelief<f64>) {
         self.belief = Some(Gaussian::of(belief));
     }
-
-    pub(crate) fn add(
-        &mut self,
-        passage: &passage::Passage<f64>,
-        belief: &GaussianBelief<f64>,
-    ) -> Result<(), FilterError> {
-        self.all.push(Passage::new(passage)?);
-        self.begin(belief);
-        Ok(())
-    }
 }
 
 pub(crate) struct Passage {
@@ -47,7 +37,7 @@ pub(crate) struct PassageUpdate {
 }
 
 impl Passage {
-    fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
+    pub(crate) fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
         let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
         let transition = Matrix::from_column_slice(n, n, &of.transition);
         if m == 0 {

@@ -15,6 +15,7 @@ use crate::FilterSettings;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
 use crate::run::estimator::{Estimator, State};
+use crate::run::passage::Passage;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
 struct AtLevel<L> {
@@ -266,7 +267,8 @@ fn pass(filter: &mut PlantFilter<f64>, sink: &mut dyn Sink) -> Result<(), Filter
     if let Some(passage) = filter.passage()
         && let Some(passages) = sink.passages()
     {
-        passages.add(passage, &filter.belief)?;
+        passages.all.push(Passage::new(passage)?);
+        passages.begin(&filter.belief);
         filter.begin_passage();
     }
     Ok(())
