@@ -218,16 +218,6 @@ impl FixedLag {
         let lag = lag.max(1);
         Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
     }
-
-    fn report(&mut self, estimates: &mut Estimates) {
-        let Some(mut belief) = self.beliefs.pop_front() else { return };
-        if self.reported >= estimates.forgotten() {
-            self.window.adjoint(belief.size()).correct(&mut belief);
-            self.forward.hindsight.report(&belief, estimates);
-        }
-        self.window.older.pop();
-        self.reported += 1;
-    }
 }
 
 impl Smoother for FixedLag {
@@ -236,9 +226,16 @@ impl Smoother for FixedLag {
             let filtered = self.reported + self.beliefs.len();
             let is_end = self.stop.is_some() || (is_whole && filtered == samples);
             if self.beliefs.len() > self.lag || (is_end && !self.beliefs.is_empty()) {
-                if !self.window.turn_one() {
-                    self.report(out);
+                if self.window.turn_one() {
+                    continue;
                 }
+                let Some(mut belief) = self.beliefs.pop_front() else { continue };
+                if self.reported >= out.forgotten() {
+                    self.window.adjoint(belief.size()).correct(&mut belief);
+                    self.forward.hindsight.report(&belief, out);
+                }
+                self.window.older.pop();
+                self.reported += 1;
             } else if is_end || filtered == samples {
                 if let Some(stop) = self.stop {
                     out.stop_at(stop);

@@ -37,7 +37,7 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
 
 impl FollowedBelief {
     /// In the channels' units, to first order.
-    fn report(&mut self, prior: Option<Gaussian>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn report(&mut self, prior: Option<&Gaussian>, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction, in_units } = self;
         let belief = filter.belief.gaussian();
         if !belief.is_finite() || correction.gain.iter().any(|k| !k.is_finite()) {
@@ -52,7 +52,7 @@ impl FollowedBelief {
             uncertainty: filter.noise_uncertainty(),
             process_scale: [f64::NAN; 2],
         });
-        let of = |of: fn(&Gaussian) -> &[f64]| prior.as_ref().map_or(&[][..], of);
+        let of = |of: fn(&Gaussian) -> &[f64]| prior.map_or(&[][..], of);
         let sample = Sample {
             prior_mean: of(|prior| prior.mean.as_slice()),
             prior_cov: of(|prior| prior.cov.as_slice()),
@@ -78,14 +78,14 @@ impl Estimator for FollowedBelief {
             return Err(FilterError::TooLarge);
         }
         let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
-        self.report(prior, sink).map_err(|_| FilterError::TooLarge)
+        self.report(prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         self.filter.predict([before, force])?;
         let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
         self.filter.update(force, measured, &mut self.correction)?;
-        self.report(prior, sink)
+        self.report(prior.as_ref(), sink)
     }
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
