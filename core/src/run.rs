@@ -280,12 +280,6 @@ impl Bank {
         self.passes[place].begin_again();
     }
 
-    pub(crate) fn leave_place(&mut self) {
-        let filter = &self.scenario.filters[self.passes.len()];
-        self.estimates.push(self.empty(filter));
-        self.passes.push(Pass::idle());
-    }
-
     fn empty(&self, filter: &FilterSettings) -> Estimates {
         let estimates = Estimates::new(filter, &self.scenario, self.scenario.measured());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))

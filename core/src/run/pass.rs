@@ -64,14 +64,10 @@ impl Pass {
             truncation: Truncation::of(settings, context.model(settings).channels()),
             filter: Built::new(Box::new(move || build(&own, &context))),
             sensors,
-            ..Self::idle()
+            done: 0,
+            stop: None,
+            ahead: None,
         }
-    }
-
-    pub(crate) fn idle() -> Self {
-        let filter = Built::new(Box::new(|| Box::new(FilterError::NotFinite)));
-        let (truncation, sensors) = (Truncation::default(), Vec::new());
-        Self { filter, truncation, sensors, delays: Delays::default(), parts: None, done: 0, stop: None, ahead: None }
     }
 
     pub(crate) fn keep_passages(&mut self) -> bool {

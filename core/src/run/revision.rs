@@ -56,11 +56,8 @@ impl Revision {
             before.iter().position(computes_as).filter(|_| same_filters)
         });
         for kept in &kept {
-            if kept.is_some() {
-                bank.leave_place();
-            } else {
-                bank.add(&current.record, samples, spare.estimates.pop());
-            }
+            let (samples, spare) = if kept.is_some() { (0, None) } else { (samples, spare.estimates.pop()) };
+            bank.add(&current.record, samples, spare);
         }
         let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
         let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
