@@ -82,10 +82,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// Checks that the axis is possible.
-    ///
-    /// # Errors
-    /// [`AxisError`] where it is not.
+    /// Checks the axis: [`AxisError`] where it is impossible.
     pub fn check(&self) -> Result<(), AxisError> {
         let Self { key, from, to, count, spacing } = self;
         if !(from.is_finite() && to.is_finite()) {

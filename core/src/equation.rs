@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use kalmanscope_filters::channel::Sign;
 use kalmanscope_records::document::is_default;
 
+pub(crate) use own_equation::RESERVED;
 pub use own_equation::{Equation, Symbol};
 use solve::solve;
 use token::key;

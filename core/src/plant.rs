@@ -80,24 +80,16 @@ enum Source {
 }
 
 impl PlantKind {
-    /// A linear oscillator with a single degree of freedom.
-    ///
-    /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
+    /// A linear oscillator, `ẍ + 2ζωₙẋ + ωₙ²x = f`, with the state `y = [x, v, ωₙ, ζ]`.
     ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
     pub const SDOF: Self = Self(Source::BuiltIn(&built_in::SDOF));
-    /// An oscillator with a cubic part in its spring.
-    ///
-    /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
-    ///
-    /// The spring hardens with μ > 0 and softens with μ < 0.
+    /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with the state `y = [x, v, ωₙ, ζ, μ]`: the spring hardens with μ > 0, and softens with μ < 0.
     ///
     /// Source: Duffing (1918), *Erzwungene Schwingungen bei veränderlicher Eigenfrequenz*; Kovacic and Brennan, eds. (2011),
     /// *The Duffing Equation*.
     pub const DUFFING: Self = Self(Source::BuiltIn(&built_in::DUFFING));
-    /// An oscillator with a spring that yields and remembers.
-    ///
-    /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
+    /// A spring that yields and remembers: Bouc-Wen hysteresis with the exponent n = 2 and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
     ///
     /// ```text
     /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
@@ -111,9 +103,7 @@ impl PlantKind {
     pub const BOUC_WEN: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN));
     /// The same with exponent 1.
     pub const BOUC_WEN_1: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN_1));
-    /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
-    ///
-    /// Equal masses on a shaken base, with the state `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+    /// A chain of two equal masses on a shaken base, as the storeys of a building: `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
     ///
     /// ```text
     /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0

@@ -17,8 +17,8 @@ pub(crate) mod waste;
 
 use std::sync::Arc;
 
+use kalmanscope_filters::Channel;
 use kalmanscope_filters::catalogue::all_and;
-use kalmanscope_filters::{Channel, Quantity};
 use kalmanscope_records::Record;
 
 use crate::run::estimator::{FilterContext, counts_in_samples};
@@ -69,10 +69,7 @@ impl Run {
         Self::from_source(scenario, Source::Measured(record))
     }
 
-    /// A run over either source, before its first sample.
-    ///
-    /// # Errors
-    /// As [`Self::on_record`].
+    /// A run over either source, before its first sample; with the errors of [`Self::on_record`].
     pub fn from_source(scenario: impl Into<Arc<Scenario>>, source: Source) -> Result<Self, RunError> {
         let scenario = scenario.into();
         scenario.validate()?;
@@ -193,7 +190,7 @@ impl Run {
 
     /// Where and why the simulated truth stopped, if it diverged before the record was complete.
     pub fn truth_stop(&self) -> Option<TruthStop> {
-        self.recording.stop()
+        self.recording.simulator.as_ref()?.stop
     }
 
     /// The record: the part that is simulated and kept, or all of a measured one.
@@ -245,7 +242,6 @@ impl Run {
 pub struct Bank {
     /// Each filter has a unique id.
     pub scenario: Arc<Scenario>,
-    quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
     sensors: Vec<usize>,
@@ -262,21 +258,15 @@ impl Bank {
         if filters.any(|(at, one)| one.id == 0 || scenario.filters[..at].iter().any(|other| clash(one, other))) {
             Arc::make_mut(&mut scenario).number_filters();
         }
-        let quantities = scenario.measured();
-        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &quantities));
+        let (sensors, apart) = (sensor_places(&scenario, record)?, apart(record, &scenario.measured()));
         let dt = record.dt();
-        Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
-    }
-
-    fn context(&self, record: &Record, place: usize) -> FilterContext {
-        let filter = &self.scenario.filters[place];
-        FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
+        Ok(Self { scenario, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
-        let place = self.passes.len();
-        let filter = &self.scenario.filters[place];
-        let pass = Pass::with(filter, self.context(record, place), self.sensors.clone());
+        let filter = &self.scenario.filters[self.passes.len()];
+        let context = FilterContext::over(record, &self.scenario, filter);
+        let pass = Pass::with(filter, context, self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);
@@ -290,14 +280,8 @@ impl Bank {
         self.passes[place].begin_again();
     }
 
-    pub(crate) fn leave_place(&mut self) {
-        let filter = &self.scenario.filters[self.passes.len()];
-        self.estimates.push(self.empty(filter));
-        self.passes.push(Pass::idle());
-    }
-
     fn empty(&self, filter: &FilterSettings) -> Estimates {
-        let estimates = Estimates::new(filter, &self.scenario, self.quantities.clone());
+        let estimates = Estimates::new(filter, &self.scenario, self.scenario.measured());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 
@@ -317,11 +301,7 @@ impl Bank {
     }
 
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
-        self.passes.iter_mut().all(|pass| {
-            let is_there = pass.is_prepared();
-            pass.prepare(record);
-            is_there || while_time()
-        })
+        self.passes.iter_mut().all(|pass| pass.prepare(record) || while_time())
     }
 
     pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
@@ -341,7 +321,7 @@ impl Bank {
     /// The smoother of a filter, if its settings ask for one.
     pub fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
-        let context = self.context(record, place);
+        let context = FilterContext::over(record, &self.scenario, filter);
         let forward = Forward::new(filter, &context, self.sensors.clone())?;
         Some(match filter.lag(context.dt) {
             Some(lag) => Box::new(FixedLag::new(forward, lag)),

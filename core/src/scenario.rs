@@ -100,15 +100,15 @@ impl Serialize for Scenario {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let is_known = |channel: Channel| self.channel(channel.key()).is_some();
         let values = self.filters.iter().flat_map(|one| [&one.initial_mean, &one.initial_std, &one.process_std]);
-        let signals = self.plant.signals().map(|(channel, _)| channel);
+        let signals = self.plant.signals.iter().map(|(channel, _)| *channel);
         if values.flat_map(Values::iter).map(|(channel, _)| channel).chain(signals).all(is_known) {
             return Self::serialize(self, serializer);
         }
         let mut written = self.clone();
-        written.plant.retain(is_known);
+        written.plant.signals.retain(|(channel, _)| is_known(*channel));
         for one in &mut written.filters {
             for values in [&mut one.initial_mean, &mut one.initial_std, &mut one.process_std] {
-                values.retain(is_known);
+                values.set.retain(|(channel, _)| is_known(*channel));
             }
         }
         Self::serialize(&written, serializer)
@@ -151,13 +151,6 @@ impl Scenario {
     /// The number of samples, including the one at t = 0.
     pub fn samples(&self) -> usize {
         libm::round(self.duration / self.dt) as usize + 1
-    }
-
-    /// Whether another scenario has the same truth: all but filters, and laws, which are for populations and no run reads.
-    pub(crate) fn has_truth_of(&self, other: &Self) -> bool {
-        let Self { seed, dt, duration, plant, force, input, hold, sensors, filters: _, record, draw: _ } = self;
-        (seed, dt, duration, plant, force) == (&other.seed, &other.dt, &other.duration, &other.plant, &other.force)
-            && (input, hold, sensors, record) == (&other.input, &other.hold, &other.sensors, &other.record)
     }
 
     /// Adds a sensor, unless its quantity is already measured. Every filter assumes its true noise.

@@ -12,7 +12,7 @@ use super::typed::Typed;
 use super::{EquationError, EquationSettings, Numbers, ParameterSettings, size};
 
 /// Keys of a plant's table, which parameters cannot have.
-const RESERVED: [&str; 6] = ["kind", "initial", "disturbance_std", "input_delay", "equation", "parameters"];
+pub(crate) const RESERVED: [&str; 6] = ["kind", "equation", "parameters", "initial", "disturbance_std", "input_delay"];
 
 /// Limits numbers of parameters, so that products of a few of them stay finite.
 const LARGEST: f64 = 1e30;

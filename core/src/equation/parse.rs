@@ -52,7 +52,11 @@ pub(super) fn parse(text: &str) -> Result<Vec<Sides>, EquationError> {
     let mut all = Vec::new();
     loop {
         let place = parser.place();
-        all.push(Sides { place, ..parser.equation()? });
+        let left = parser.sum()?;
+        if !parser.eat('=') {
+            return Err(parser.unexpected("an operator or `=`"));
+        }
+        all.push(Sides { left, right: parser.sum()?, place });
         if all.len() > EQUATIONS {
             return Err(EquationError::at(place, format!("there are at most {EQUATIONS} equations")));
         }
@@ -97,14 +101,6 @@ impl EquationParser {
 
     fn unexpected(&self, expected: &str) -> EquationError {
         EquationError::at(self.place(), format!("{expected} is expected here"))
-    }
-
-    fn equation(&mut self) -> Result<Sides, EquationError> {
-        let left = self.sum()?;
-        if !self.eat('=') {
-            return Err(self.unexpected("an operator or `=`"));
-        }
-        Ok(Sides { left, right: self.sum()?, place: 0 })
     }
 
     fn sum(&mut self) -> Result<Tree, EquationError> {

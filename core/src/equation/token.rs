@@ -174,18 +174,8 @@ fn superscript(c: char) -> Option<u32> {
 }
 
 fn dotted(c: char) -> Option<(char, usize)> {
-    match c {
-        'ẋ' => Some(('x', 1)),
-        'ẍ' => Some(('x', 2)),
-        'ż' => Some(('z', 1)),
-        'ẏ' => Some(('y', 1)),
-        'ÿ' => Some(('y', 2)),
-        'ṗ' => Some(('p', 1)),
-        'ṙ' => Some(('r', 1)),
-        'ṡ' => Some(('s', 1)),
-        'ẇ' => Some(('w', 1)),
-        _ => None,
-    }
+    let of = |letters, plain: &str, dots| Some((plain.chars().nth(place(c, letters)?)?, dots));
+    of("ẋẏżṗṙṡẇ", "xyzprsw", 1).or_else(|| of("ẍÿ", "xy", 2))
 }
 
 /// The key of a name: `ωₙ` and `omega_n` are one.

@@ -1,7 +1,7 @@
 //! Equations as they are printed, in runs of text on the line, above it and below it: `x'' + 2 zeta wn x' = f` is `ẍ + 2ζωₙẋ = f`.
 
 use super::EquationError;
-use super::parse::{Sides, Tree, parse};
+use super::parse::{Tree, parse};
 use super::token::{dots, parts};
 use kalmanscope_filters::engine::number::Function;
 use kalmanscope_filters::lists::mapped;
@@ -32,7 +32,13 @@ pub struct TextRun {
 /// [`EquationError`] where the text is none.
 pub fn typeset(text: &str) -> Result<Vec<Vec<TextRun>>, EquationError> {
     let equations = parse(text).map_err(|error| error.within(text))?;
-    Ok(mapped(&equations, &Line::of))
+    Ok(mapped(&equations, &|equation| {
+        let mut line = Line::default();
+        line.put(&equation.left, Tie::Sum);
+        line.write(" = ");
+        line.put(&equation.right, Tie::Sum);
+        line.0
+    }))
 }
 
 /// A looser term needs brackets within a tighter one.
@@ -73,14 +79,6 @@ fn is_scaled(number: f64) -> bool {
 struct Line(Vec<TextRun>);
 
 impl Line {
-    fn of(equation: &Sides) -> Vec<TextRun> {
-        let mut line = Self::default();
-        line.put(&equation.left, Tie::Sum);
-        line.write(" = ");
-        line.put(&equation.right, Tie::Sum);
-        line.0
-    }
-
     fn write(&mut self, text: &str) {
         self.write_at(text, TextLevel::Line);
     }

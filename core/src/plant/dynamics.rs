@@ -18,9 +18,7 @@ use crate::equation::typed::Typed;
 pub enum EnginePlant {
     Sdof(Sdof),
     Duffing(Duffing),
-    /// Bouc-Wen hysteresis with exponent 2.
     BoucWen(BoucWen<false>),
-    /// The same with exponent 1.
     BoucWenOne(BoucWen<true>),
     ShearChain(ShearChain),
     Typed(Arc<Typed>),
@@ -110,7 +108,6 @@ impl EnginePlant {
     }
 }
 
-/// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `[x, v, ωₙ, ζ]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sdof;
 
@@ -126,7 +123,6 @@ impl MotionEquation for Sdof {
     }
 }
 
-/// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `[x, v, ωₙ, ζ, μ]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duffing;
 
@@ -142,8 +138,6 @@ impl MotionEquation for Duffing {
     }
 }
 
-/// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f`, `ż = ẋ - β |ẋ| |z| z - γ ẋ z²` with state `[x, v, z, ωₙ, ζ, α, β, γ]`; with the exponent
-/// one `ż = ẋ - β₁ |ẋ| z - γ₁ ẋ |z|`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoucWen<const IS_ONE: bool>;
 
@@ -163,10 +157,8 @@ impl<const IS_ONE: bool> MotionEquation for BoucWen<IS_ONE> {
     }
 }
 
-/// `ẍᵢ = f - sᵢ + sᵢ₊₁`, with the forces over mass sᵢ of the storeys and state `[x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShearChain {
-    /// m, the number of masses.
     pub masses: usize,
 }
 

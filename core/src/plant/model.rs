@@ -117,11 +117,6 @@ impl Model {
         self.plant.info().is_linear
     }
 
-    fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
-        let mut plain = vec![0.0; if self.state.logarithms.is_empty() { 0 } else { self.size() }];
-        take(self.state.plain(state, &mut plain))
-    }
-
     /// F, the force over mass that acts in a state under the recorded force over mass `force`, both in m/s².
     pub fn acting_force(&self, state: &[f64], force: f64) -> f64 {
         self.state.acting(state, force)
@@ -132,13 +127,7 @@ impl Model {
         self.rate_under(state, self.acting_force(state, force))
     }
 
-    /// The rates of the components that move alone, M numbers, under the total force over mass \[m/s²\], written over `rate`.
-    pub(crate) fn motion_rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
-        self.with_plain(state, |plain| self.state.plant.motion_rate(plain, acting, rate));
-    }
-
-    /// `g` under the total force over mass \[m/s²\].
-    pub fn rate_under(&self, state: &[f64], acting: f64) -> Vector {
+    fn rate_under(&self, state: &[f64], acting: f64) -> Vector {
         let mut rate = Vector::zeros(self.size());
         self.rate_under_into(state, acting, rate.as_mut_slice());
         rate
@@ -146,10 +135,10 @@ impl Model {
 
     pub(crate) fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         rate.fill(0.0);
-        self.with_plain(state, |plain| {
-            self.state.plant.motion_rate(plain, acting, rate);
-            self.state.decay(plain, rate);
-        });
+        let mut plain = vec![0.0; if self.state.logarithms.is_empty() { 0 } else { self.size() }];
+        let plain = self.state.plain(state, &mut plain);
+        self.state.plant.motion_rate(plain, acting, rate);
+        self.state.decay(plain, rate);
     }
 
     /// `A = ∂g/∂y`, n × n, under the recorded force over mass `force` \[m/s²\].

@@ -20,7 +20,7 @@ use growth::History;
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
 /// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Estimates {
     settings: FilterSettings,
     smoothed: bool,
@@ -61,26 +61,19 @@ impl Estimates {
         let (plant, channels) = (model.plant(), model.channels());
         Self {
             settings: settings.clone(),
-            smoothed: false,
             kind: settings.kind,
             plant: plant.clone(),
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
             monitor: Monitor::new(settings, &model, &sensors),
             sensors,
-            forgotten: 0,
-            dropped: 0,
-            initial_mean: Vec::new(),
-            initial_std: Vec::new(),
-            history: History::default(),
             canonical: vec![Vec::new(); channels.len()],
             variance: vec![Vec::new(); channels.len()],
-            earlier: Vec::new(),
             weighs: settings.robust.is_on(),
             learns_sensor_noise: settings.adaptation.sensor_noise,
             has_process_scale: settings.process_scales > 1,
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
-            stop: None,
+            ..Self::default()
         }
     }
 
@@ -172,11 +165,7 @@ impl Estimates {
         chunk(&self.history.mean, k, self.channels.len())
     }
 
-    /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
-    ///
-    /// ```text
-    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they describe the same oscillator
-    /// ```
+    /// The mean of one channel at sample `k` in canonical form, with ωₙ ≥ 0: (-ωₙ, -ζ) and (ωₙ, ζ) describe the same oscillator.
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
         self.canonical[channel][k]
@@ -263,13 +252,7 @@ impl Estimates {
         &self.history.determinant
     }
 
-    /// The log likelihood of the measurements at sample `k`; NaN where there was none.
-    ///
-    /// ```text
-    /// -(NIS + ln det S + m ln 2π) / 2
-    /// ```
-    ///
-    /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
+    /// The log likelihood of the measurements at sample `k`, as in [`Sample::ln_likelihood`]; NaN where there was none.
     pub fn log_likelihood(&self, k: usize) -> f64 {
         let own = self.history.log_likelihood.get(k).copied();
         own.unwrap_or_else(|| self.sample(k).ln_likelihood())

@@ -61,23 +61,20 @@ pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static st
 }
 
 /// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
-pub(crate) struct Failed(pub(crate) FilterError);
-
-impl Estimator for Failed {
+impl Estimator for FilterError {
     fn begin(&mut self, _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 
     fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 
     fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(self.0)
+        Err(*self)
     }
 }
 
-/// All that a filter needs of a scenario beside its own settings.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterContext {
     /// The truth's kind of plant; the filter uses it unless its settings name another.
@@ -100,11 +97,11 @@ impl FilterContext {
         Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
     }
 
-    /// The same over a record, at the times of its readings where it has some.
-    pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
+    /// Over a record, at the times of its readings where it has some.
+    pub(crate) fn over(record: &Record, scenario: &Scenario, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
         let is_timed = has_times && counts_in_samples(settings).is_none();
-        Self { is_timed, start: record.time_of(0), ..self }
+        Self { is_timed, start: record.time_of(0), ..Self::new(scenario, record.dt(), settings) }
     }
 
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {

@@ -8,7 +8,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
-use crate::run::estimator::{Estimator, FilterContext, State, Truncation, counts_in_samples};
+use crate::run::estimator::{Estimator, FilterContext, State, Truncating, Truncation, counts_in_samples};
 use crate::run::pass;
 use crate::run::passage::{Adjoint, Passage, Passages};
 use crate::run::sink::{LastSample, Sample, Sink};
@@ -53,6 +53,7 @@ pub struct EventFilter {
     timeline: Timeline,
     /// The time for which hindsight waits \[s\], if it is asked for.
     look_ahead: Option<f64>,
+    truncation: Truncation,
     latest: LatestSample,
     hindsight: Hindsight,
     in_hindsight: LastSample,
@@ -66,16 +67,11 @@ pub struct EventFilter {
 }
 
 #[derive(Default)]
-struct LatestSample {
-    truncation: Truncation,
-    sample: LastSample,
-    passages: Passages,
-}
+struct LatestSample(LastSample, Passages);
 
 impl Sink for LatestSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        let (mean, cov) = self.truncation.apply(sample.mean, sample.cov);
-        self.sample.push(&Sample { mean, cov, ..*sample });
+        self.0.push(sample);
     }
 
     fn stop_at(&mut self, _: Stop) {}
@@ -85,7 +81,7 @@ impl Sink for LatestSample {
     }
 
     fn passages(&mut self) -> Option<&mut Passages> {
-        Some(&mut self.passages)
+        Some(&mut self.1)
     }
 }
 
@@ -120,9 +116,8 @@ impl EventFilter {
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let mut estimator = pass::build(&settings, &context);
         let channels = context.model(&settings).channels().to_vec();
-        let truncation = Truncation::of(&settings, &channels);
-        let mut latest = LatestSample { truncation, ..LatestSample::default() };
-        estimator.begin(&mut latest)?;
+        let (mut truncation, mut latest) = (Truncation::of(&settings, &channels), LatestSample::default());
+        estimator.begin(&mut Truncating { truncation: &mut truncation, sink: &mut latest })?;
         if look_ahead.is_some() {
             estimator.keep_passages();
         }
@@ -132,6 +127,7 @@ impl EventFilter {
             channels,
             timeline: Timeline { events: VecDeque::new(), hold: scenario.hold, kept, before: None },
             look_ahead,
+            truncation,
             latest,
             in_hindsight: LastSample::default(),
             stopped: None,
@@ -164,7 +160,7 @@ impl EventFilter {
 
     /// The estimate that the last call has returned.
     pub fn sample(&self) -> Sample<'_> {
-        self.latest.sample.sample()
+        self.latest.0.sample()
     }
 
     /// Whether it reports estimates in hindsight.
@@ -211,7 +207,9 @@ impl EventFilter {
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
-                self.begin(TimedEvent::new(time, force, readings));
+                (self.first, self.at) = (time, 0);
+                self.timeline.insert(TimedEvent::new(time, force, readings));
+                self.timeline.events[0].state = self.estimator.state();
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
                     self.put(TimedEvent::new(felt, force, nothing))?;
                 }
@@ -230,38 +228,27 @@ impl EventFilter {
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
-        if let Some((time, reason)) = self.stopped {
-            return Err(EventError::Stopped(time, reason));
-        }
         let sensors = &self.scenario.sensors;
-        if readings.len() != sensors.len() {
-            return Err(EventError::Readings(readings.len(), sensors.len()));
-        }
-        if !time.is_finite() {
-            return Err(EventError::Time(time));
-        }
-        if input.is_infinite() {
-            return Err(EventError::Input(input));
-        }
-        if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
-            return Err(EventError::InfiniteReading(sensor.measures));
-        }
-        let Some(oldest) = self.timeline.events.front().map(|event| event.time) else { return Ok(()) };
-        if time < oldest {
-            return Err(EventError::TooLate(time, oldest));
-        }
-        let before = self.time().unwrap_or(oldest);
+        let oldest = self.timeline.events.front().map_or(f64::NEG_INFINITY, |event| event.time);
+        let before = self.time().unwrap_or(time);
         let steps = libm::round((time - before) / self.scenario.dt);
-        if steps > EventError::MOST_STEPS as f64 {
-            return Err(EventError::Gap(time, before, steps));
-        }
-        Ok(())
-    }
-
-    fn begin(&mut self, event: TimedEvent) {
-        (self.first, self.at) = (event.time, 0);
-        self.timeline.insert(event);
-        self.timeline.events[0].state = self.estimator.state();
+        Err(if let Some((time, reason)) = self.stopped {
+            EventError::Stopped(time, reason)
+        } else if readings.len() != sensors.len() {
+            EventError::Readings(readings.len(), sensors.len())
+        } else if !time.is_finite() {
+            EventError::Time(time)
+        } else if input.is_infinite() {
+            EventError::Input(input)
+        } else if let Some((sensor, _)) = sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            EventError::InfiniteReading(sensor.measures)
+        } else if time < oldest {
+            EventError::TooLate(time, oldest)
+        } else if steps > EventError::MOST_STEPS as f64 {
+            EventError::Gap(time, before, steps)
+        } else {
+            return Ok(());
+        })
     }
 
     fn put(&mut self, event: TimedEvent) -> Result<(), EventError> {
@@ -293,16 +280,16 @@ impl EventFilter {
     }
 
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
-        let Self { estimator, timeline, latest, .. } = self;
+        let Self { estimator, timeline, truncation, latest, .. } = self;
         let times = [place - 1, place].map(|place| timeline.events[place].time);
         let forces = timeline.forces_to(place);
         let force = timeline.events[place].force.unwrap_or(forces[1]);
         let steps = (times[1] - times[0]) / self.scenario.dt;
         let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
-        latest.passages = Passages::default();
-        estimator.step_through(&parts, latest)?;
+        latest.1 = Passages::default();
+        estimator.step_through(&parts, &mut Truncating { truncation, sink: latest })?;
         let event = &mut timeline.events[place];
-        event.passages = std::mem::take(&mut latest.passages).all;
+        event.passages = std::mem::take(&mut latest.1).all;
         event.state = estimator.state();
         Ok(())
     }

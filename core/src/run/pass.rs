@@ -10,9 +10,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
 
 use crate::run::estimator::setup::Setup;
-use crate::run::estimator::{
-    Estimator, Failed, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled,
-};
+use crate::run::estimator::{Estimator, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled};
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
 use crate::run::run_error::{RunError, sensor_places};
 use crate::run::sink::Sink;
@@ -45,14 +43,11 @@ impl Pass {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let filter = &scenario.filters[place];
-        let context = FilterContext::new(&scenario, record.dt(), filter).over(record, filter);
+        let context = FilterContext::over(record, &scenario, filter);
         Ok(Self::with(filter, context, sensors))
     }
 
-    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
-    ///
-    /// # Errors
-    /// Those of [`Self::new`].
+    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run; with the errors of [`Self::new`].
     pub fn columns(scenario: &Scenario, place: usize, record: &Record) -> Result<Vec<usize>, RunError> {
         scenario.validate()?;
         if scenario.filters.get(place).is_none() {
@@ -69,14 +64,10 @@ impl Pass {
             truncation: Truncation::of(settings, context.model(settings).channels()),
             filter: Built::new(Box::new(move || build(&own, &context))),
             sensors,
-            ..Self::idle()
+            done: 0,
+            stop: None,
+            ahead: None,
         }
-    }
-
-    pub(crate) fn idle() -> Self {
-        let filter = Built::new(Box::new(|| Box::new(Failed(FilterError::NotFinite))));
-        let (truncation, sensors) = (Truncation::default(), Vec::new());
-        Self { filter, truncation, sensors, delays: Delays::default(), parts: None, done: 0, stop: None, ahead: None }
     }
 
     pub(crate) fn keep_passages(&mut self) -> bool {
@@ -93,9 +84,6 @@ impl Pass {
     }
 
     /// [`Self::history`] with memory for a whole record, whose readings may have their own times: its remarks know of them.
-    ///
-    /// # Errors
-    /// Those of [`Self::history`].
     pub fn history_over(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
         let mut history = Self::history(scenario, place)?;
         history.recycle(None, record.len());
@@ -120,18 +108,15 @@ impl Pass {
         (self.done, self.stop, self.ahead) = (0, None, None);
     }
 
-    /// Computes the next sample of the record ahead, if there is one, and keeps it until [`Self::settle`].
-    pub(crate) fn prepare(&mut self, record: &Record) {
-        let next = self.done;
-        if self.ahead.is_none() && self.stop.is_none() && next < record.forgotten() + record.len() {
+    /// Computes the next sample of the record ahead, and keeps it until [`Self::settle`]. Returns whether it has been there already.
+    pub(crate) fn prepare(&mut self, record: &Record) -> bool {
+        let (next, is_there) = (self.done, self.ahead.is_some() || self.stop.is_some());
+        if !is_there && next < record.forgotten() + record.len() {
             let mut tape = Tape::default();
             self.follow(record, next + 1, &mut tape);
             (self.done, self.stop, self.ahead) = (next, None, Some(tape));
         }
-    }
-
-    pub(crate) fn is_prepared(&self) -> bool {
-        self.ahead.is_some() || self.stop.is_some()
+        is_there
     }
 
     pub(crate) fn settle(&mut self, samples: usize, estimates: &mut Estimates) {
@@ -207,10 +192,7 @@ pub struct OnlineFilter {
 const FORGET: usize = 64;
 
 impl OnlineFilter {
-    /// The filter at `place` of a scenario, before its first sample.
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`].
+    /// The filter at `place` of a scenario, before its first sample; with the errors of [`Pass::new`].
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, RunError> {
         let sensors = scenario.measured();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors, Vec::new());
@@ -272,7 +254,7 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
         Algorithm::Belief(begin) => sampled::estimator(begin, settings, context),
         Algorithm::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
             Some(setup) => engine::estimator(&setup, settings),
-            None => Box::new(Failed(FilterError::TooLarge)),
+            None => Box::new(FilterError::TooLarge),
         },
     }
 }

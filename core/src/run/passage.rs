@@ -18,16 +18,6 @@ impl Passages {
     pub(crate) fn begin(&mut self, belief: &GaussianBelief<f64>) {
         self.belief = Some(Gaussian::of(belief));
     }
-
-    pub(crate) fn add(
-        &mut self,
-        passage: &passage::Passage<f64>,
-        belief: &GaussianBelief<f64>,
-    ) -> Result<(), FilterError> {
-        self.all.push(Passage::new(passage)?);
-        self.begin(belief);
-        Ok(())
-    }
 }
 
 pub(crate) struct Passage {
@@ -47,15 +37,12 @@ pub(crate) struct PassageUpdate {
 }
 
 impl Passage {
-    fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
+    pub(crate) fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
         let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
-        let update = if m > 0 { Some(PassageUpdate::new(of, n, m)?) } else { None };
-        Ok(Self { transition: Matrix::from_column_slice(n, n, &of.transition), update })
-    }
-}
-
-impl PassageUpdate {
-    fn new(of: &passage::Passage<f64>, n: usize, m: usize) -> Result<Self, FilterError> {
+        let transition = Matrix::from_column_slice(n, n, &of.transition);
+        if m == 0 {
+            return Ok(Self { transition, update: None });
+        }
         let innovation_cov = symmetric(Matrix::from_column_slice(m, m, &of.innovation_cov));
         let gain = Matrix::from_column_slice(n, m, &of.gain);
         let transposed = if of.jacobian.is_empty() {
@@ -65,11 +52,10 @@ impl PassageUpdate {
             Matrix::from_column_slice(m, n, &of.jacobian).transpose()
         };
         let weighted = kalman::factor(&innovation_cov)?.divide(&transposed);
-        Ok(Self {
-            kept: Matrix::identity(n, n) - gain * transposed.transpose(),
-            information: &weighted * transposed.transpose(),
-            score: weighted * Vector::from_column_slice(&of.innovation),
-        })
+        let kept = Matrix::identity(n, n) - gain * transposed.transpose();
+        let information = &weighted * transposed.transpose();
+        let score = weighted * Vector::from_column_slice(&of.innovation);
+        Ok(Self { transition, update: Some(PassageUpdate { kept, information, score }) })
     }
 }
 

@@ -127,7 +127,7 @@ pub(crate) struct Monitor {
     fewest_particles: f64,
     collapsed: usize,
     at_end: usize,
-    initial_noise: Option<(Vec<f64>, Vec<f64>)>,
+    initial_noise: Vec<f64>,
     pub(crate) remarks: Vec<Remark>,
 }
 
@@ -187,7 +187,7 @@ impl Monitor {
         if wide | beyond {
             self.check_covariance(k, cov);
         }
-        if self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
+        if k > 0 && self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
             self.check_sensors(k, innovation);
         }
         if effective_samples < self.fewest_particles {
@@ -225,9 +225,6 @@ impl Monitor {
 
     #[cold]
     fn check_sensors(&mut self, k: usize, innovation: &[f64]) {
-        if k == 0 {
-            return;
-        }
         self.any_silent = false;
         for (place, value) in innovation.iter().enumerate() {
             if !value.is_nan() {
@@ -238,18 +235,15 @@ impl Monitor {
             self.silent[place] += 1;
             self.missing[place] += 1;
             let (sensor, silent) = (self.sensors[place], self.silent[place]);
+            // Of the gaps that it usually had until its last reading, where readings have times of their own.
+            let read = k - self.missing[place];
+            let usual_gaps = if self.is_timed { SILENT * (k - silent) / read.max(1) } else { 0 };
             if !self.known[place] {
                 self.note(Trouble::Unknown(sensor), k, k);
-            } else if silent >= self.lasting[place].max(self.usual_gaps(place, k)) {
+            } else if silent >= self.lasting[place].max(usual_gaps) {
                 self.note(Trouble::Missing(sensor), k + 1 - silent, k);
             }
         }
-    }
-
-    /// This many of the gaps that a sensor usually had until its last reading before sample `k`, where readings have times of their own.
-    fn usual_gaps(&self, place: usize, k: usize) -> usize {
-        let read = k - self.missing[place];
-        if self.is_timed { SILENT * (k - self.silent[place]) / read.max(1) } else { 0 }
     }
 
     #[cold]
@@ -260,26 +254,23 @@ impl Monitor {
         if self.at_end >= LONG {
             self.note(Trouble::ScaleAtEnd, k + 1 - self.at_end, k);
         }
-        let Some((first_sensors, first_process)) = self.initial_noise.take() else {
-            self.initial_noise = Some((noise.sensors.to_vec(), process.to_vec()));
+        if self.initial_noise.is_empty() {
+            self.initial_noise.extend(noise.sensors.iter().chain(process));
             return;
-        };
-        for (place, (&now, &first)) in noise.sensors.iter().zip(&first_sensors).enumerate() {
-            let sensor = self.sensors[place];
-            self.compare(k, now, first, Trouble::VanishingSensorNoise(sensor), Trouble::GrowingSensorNoise(sensor));
         }
-        for (place, (&now, &first)) in process.iter().zip(&first_process).enumerate() {
-            let channel = self.channels[place];
-            self.compare(k, now, first, Trouble::VanishingProcessNoise(channel), Trouble::GrowingProcessNoise(channel));
-        }
-        self.initial_noise = Some((first_sensors, first_process));
-    }
-
-    fn compare(&mut self, k: usize, now: f64, first: f64, vanishing: Trouble, growing: Trouble) {
-        if first > 0.0 && now < first / RATIO_LIMIT {
-            self.note(vanishing, k, k);
-        } else if first > 0.0 && now > first * RATIO_LIMIT {
-            self.note(growing, k, k);
+        for (place, &now) in noise.sensors.iter().chain(process).enumerate() {
+            let first = self.initial_noise[place];
+            let (vanishing, growing) =
+                (first > 0.0 && now < first / RATIO_LIMIT, first > 0.0 && now > first * RATIO_LIMIT);
+            if vanishing || growing {
+                let what = match (self.sensors.get(place), vanishing) {
+                    (Some(sensor), true) => Trouble::VanishingSensorNoise(*sensor),
+                    (Some(sensor), false) => Trouble::GrowingSensorNoise(*sensor),
+                    (None, true) => Trouble::VanishingProcessNoise(self.channels[place - self.sensors.len()]),
+                    (None, false) => Trouble::GrowingProcessNoise(self.channels[place - self.sensors.len()]),
+                };
+                self.note(what, k, k);
+            }
         }
     }
 

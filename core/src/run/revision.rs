@@ -49,15 +49,15 @@ impl Revision {
         let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
         let mut bank = Bank::new(Arc::clone(scenario), &current.record)?;
         let before = &run.scenario().filters;
-        let place_of =
-            |filter: &FilterSettings| before.iter().position(|b| b.computes_as(filter)).filter(|_| same_filters);
-        let kept: Vec<Option<usize>> = mapped(&bank.scenario.filters, &place_of);
+        let kept: Vec<Option<usize>> = mapped(&bank.scenario.filters, &|filter| {
+            let computes_as = |own: &FilterSettings| {
+                *own == FilterSettings { name: own.name.clone(), color: own.color, ..filter.clone() }
+            };
+            before.iter().position(computes_as).filter(|_| same_filters)
+        });
         for kept in &kept {
-            if kept.is_some() {
-                bank.leave_place();
-            } else {
-                bank.add(&current.record, samples, spare.estimates.pop());
-            }
+            let (samples, spare) = if kept.is_some() { (0, None) } else { (samples, spare.estimates.pop()) };
+            bank.add(&current.record, samples, spare);
         }
         let cost = |place: usize| scenario.filters[place].time_of_step(scenario);
         let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
@@ -174,13 +174,12 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
     match run.source() {
         Source::Simulated => {
             let reaches = run.recording.len() >= (run.done() + lookahead(scenario, run.record().dt())).min(run.samples);
-            run.record().forgotten() == 0 && reaches && before.has_truth_of(scenario)
+            // Laws are for populations: no run reads them.
+            let (filters, draw) = (before.filters.clone(), before.draw.clone());
+            run.record().forgotten() == 0 && reaches && *before == Scenario { filters, draw, ..scenario.clone() }
         }
         Source::Measured(_) | Source::Live(_) => {
-            let read = |s: &Scenario| {
-                let measures = s.measured();
-                (s.seed, s.plant.kind.clone(), s.input, s.hold, measures)
-            };
+            let read = |s: &Scenario| (s.seed, s.plant.kind.clone(), s.input, s.hold, s.measured());
             read(before) == read(scenario)
         }
     }

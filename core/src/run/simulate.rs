@@ -57,7 +57,8 @@ pub struct Simulator {
     state: Vec<f64>,
     response: Response,
     load: Option<Load>,
-    stop: Option<TruthStop>,
+    /// Where and why the truth stopped, if it did.
+    pub stop: Option<TruthStop>,
 }
 
 struct Load {
@@ -104,11 +105,6 @@ impl Simulator {
         Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
     }
 
-    /// Where and why the truth stopped, if it did.
-    pub fn stop(&self) -> Option<TruthStop> {
-        self.stop
-    }
-
     /// Appends the next sample to `record`. Returns whether there was one; else [`Self::stop`] has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {
         let before = place_of_next(record);
@@ -133,25 +129,22 @@ impl Simulator {
         if self.stop.is_some() {
             return true;
         }
-        self.try_advance(record, most).unwrap_or_else(|reason| {
+        let sample = place_of_next(record);
+        let load = self.load.take().map_or_else(|| self.sample(sample), Ok);
+        let is_done = load.and_then(|load| {
+            let Load { recorded, forces, disturbance } = load;
+            let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+            if is_done == Ok(false) {
+                self.load = Some(load);
+            } else {
+                record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+            }
+            is_done
+        });
+        is_done.unwrap_or_else(|reason| {
             self.stop = Some(TruthStop { sample: place_of_next(record), reason });
             true
         })
-    }
-
-    fn try_advance(&mut self, record: &mut Record, most: u64) -> Result<bool, TruthError> {
-        let load = match self.load.take() {
-            Some(load) => load,
-            None => self.sample(place_of_next(record))?,
-        };
-        let Load { recorded, forces, disturbance } = load;
-        let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
-        if is_done == Ok(false) {
-            self.load = Some(load);
-        } else {
-            record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
-        }
-        is_done
     }
 
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
@@ -168,7 +161,9 @@ impl Simulator {
             std => std * disturbance_noise.sample(),
         };
         let recorded = inputs.at(k);
-        let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
+        // Before the record the first input holds.
+        let ahead = -scenario.plant.input_delay as isize;
+        let mut acting = |k: usize| scenario.input.force(inputs.at(k.saturating_add_signed(ahead)));
         let (force, next) = (acting(k), acting(k + 1));
         state.clear();
         state.extend_from_slice(response.state.as_slice());
@@ -235,12 +230,6 @@ impl Inputs {
         self.kept[k - self.first]
     }
 
-    /// The input `delay` samples before sample `k`, negative for after it. Before the record the first input holds.
-    fn delayed(&mut self, k: usize, delay: i32) -> f64 {
-        let steps = delay.unsigned_abs() as usize;
-        self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })
-    }
-
     fn forget_before(&mut self, k: usize) {
         while self.first < k && self.kept.pop_front().is_some() {
             self.first += 1;
@@ -279,7 +268,7 @@ impl Source {
 const CHUNK: usize = 500;
 
 pub(crate) struct Recording {
-    simulator: Option<Box<Simulator>>,
+    pub(crate) simulator: Option<Box<Simulator>>,
     pub(crate) record: Arc<Record>,
     pub(crate) is_live: bool,
 }
@@ -356,10 +345,6 @@ impl Recording {
             Arc::make_mut(&mut self.record).forget(samples);
         }
         is_simulated
-    }
-
-    pub(crate) fn stop(&self) -> Option<TruthStop> {
-        self.simulator.as_ref().and_then(|simulator| simulator.stop())
     }
 }
 

@@ -55,11 +55,8 @@ impl<'a> Sample<'a> {
         self.earlier + readings(self.innovation)
     }
 
-    /// The log likelihood of the measurements, of every kind of filter; NaN where there was none.
-    ///
-    /// ```text
-    /// -(NIS + ln det S + m ln 2π) / 2
-    /// ```
+    /// The log likelihood of the measurements, `-(NIS + ln det S + m ln 2π) / 2`, or of a particle filter the logarithm of the mean
+    /// likelihood of its particles; NaN where there was none.
     pub fn ln_likelihood(&self) -> f64 {
         let own = self.log_likelihood;
         match self.readings() {

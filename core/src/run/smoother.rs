@@ -127,15 +127,6 @@ impl FixedInterval {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: SmootherStage::Forth }
     }
-
-    fn smooth(&mut self, k: usize) {
-        let Self { beliefs, passages, adjoint, .. } = self;
-        if k + 1 == passages.len() {
-            *adjoint = Adjoint::nothing(beliefs[k].size());
-        }
-        passages[k].iter().rev().for_each(|passage| adjoint.pass(passage));
-        adjoint.correct(&mut beliefs[k]);
-    }
 }
 
 impl Smoother for FixedInterval {
@@ -167,7 +158,12 @@ impl Smoother for FixedInterval {
                 }
                 SmootherStage::Back(0) => self.stage = SmootherStage::Report(0),
                 SmootherStage::Back(k) => {
-                    self.smooth(k - 1);
+                    let Self { beliefs, passages, adjoint, .. } = self;
+                    if k == passages.len() {
+                        *adjoint = Adjoint::nothing(beliefs[k - 1].size());
+                    }
+                    passages[k - 1].iter().rev().for_each(|passage| adjoint.pass(passage));
+                    adjoint.correct(&mut beliefs[k - 1]);
                     self.stage = SmootherStage::Back(k - 1);
                 }
                 SmootherStage::Report(k) if k == self.beliefs.len() => {
@@ -222,16 +218,6 @@ impl FixedLag {
         let lag = lag.max(1);
         Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: LagWindow::default(), stop: None }
     }
-
-    fn report(&mut self, estimates: &mut Estimates) {
-        let Some(mut belief) = self.beliefs.pop_front() else { return };
-        if self.reported >= estimates.forgotten() {
-            self.window.adjoint(belief.size()).correct(&mut belief);
-            self.forward.hindsight.report(&belief, estimates);
-        }
-        self.window.older.pop();
-        self.reported += 1;
-    }
 }
 
 impl Smoother for FixedLag {
@@ -240,9 +226,16 @@ impl Smoother for FixedLag {
             let filtered = self.reported + self.beliefs.len();
             let is_end = self.stop.is_some() || (is_whole && filtered == samples);
             if self.beliefs.len() > self.lag || (is_end && !self.beliefs.is_empty()) {
-                if !self.window.turn_one() {
-                    self.report(out);
+                if self.window.turn_one() {
+                    continue;
                 }
+                let Some(mut belief) = self.beliefs.pop_front() else { continue };
+                if self.reported >= out.forgotten() {
+                    self.window.adjoint(belief.size()).correct(&mut belief);
+                    self.forward.hindsight.report(&belief, out);
+                }
+                self.window.older.pop();
+                self.reported += 1;
             } else if is_end || filtered == samples {
                 if let Some(stop) = self.stop {
                     out.stop_at(stop);

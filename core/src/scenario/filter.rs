@@ -317,11 +317,6 @@ impl FilterSettings {
         Self { initial_mean, initial_std, process_std, ..plain }
     }
 
-    /// Whether the estimates are the same: all but name and colour is.
-    pub(crate) fn computes_as(&self, other: &Self) -> bool {
-        *self == Self { name: self.name.clone(), color: self.color, ..other.clone() }
-    }
-
     /// Whether the filter takes a channel as exact: a KF does so for the parameters of its plant.
     pub fn knows(&self, channel: Channel) -> bool {
         self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()

@@ -12,7 +12,7 @@ pub(crate) const ALL: &str = "*";
 impl Scenario {
     /// Gives every filter a unique id, that of its place if it is free, and a unique name, if need be with a number behind it.
     pub fn number_filters(&mut self) {
-        let mut taken = self.filter_ids();
+        let mut taken = mapped(&self.filters, &|filter| filter.id);
         let mut seen = vec![0];
         for (number, filter) in (1..).zip(&mut self.filters) {
             if seen.contains(&filter.id) {
@@ -26,7 +26,7 @@ impl Scenario {
 
     /// The smallest id that no filter has.
     pub fn free_filter_id(&self) -> u32 {
-        free(&self.filter_ids())
+        free(&mapped(&self.filters, &|filter| filter.id))
     }
 
     /// This name, or the same with the first number behind it that makes it one that no filter has, nor the smoother of one.
@@ -62,10 +62,6 @@ impl Scenario {
                 self.filters[place].name = self.free_filter_name(self.filters[place].kind.name());
             }
         }
-    }
-
-    fn filter_ids(&self) -> Vec<u32> {
-        mapped(&self.filters, &|filter| filter.id)
     }
 }
 

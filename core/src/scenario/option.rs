@@ -109,13 +109,10 @@ impl FilterSettings {
     }
 
     pub(super) fn excluded(&self) -> Option<(&'static FilterOption, &'static FilterOption, &'static str)> {
-        for (first, others, reason) in EXCLUSIONS {
-            let other = others.iter().find(|other| (first.is_on)(self) && (other.is_on)(self));
-            if let Some(other) = other {
-                return Some((other, first, reason));
-            }
-        }
-        None
+        EXCLUSIONS.into_iter().find_map(|(first, others, reason)| {
+            let other = others.iter().find(|other| (first.is_on)(self) && (other.is_on)(self))?;
+            Some((*other, first, reason))
+        })
     }
 
     /// Turns off excluded options and those that this truth lacks, but never the mean of the initial belief. Returns their keys.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::equation::{Equation, EquationSettings};
+use crate::equation::{Equation, EquationSettings, RESERVED};
 use kalmanscope_filters::catalogue::{KnownChannels, expected_channels};
 use kalmanscope_filters::{Channel, InputKind};
 use serde::de::{self, Deserializer, MapAccess, Visitor};
@@ -24,7 +24,7 @@ pub struct Plant {
     pub disturbance_std: f64,
     /// The delay of the input, in samples, from the record to the plant; negative where the record is late.
     pub input_delay: i32,
-    signals: Vec<(Channel, Signal)>,
+    pub(super) signals: Vec<(Channel, Signal)>,
 }
 
 /// Displacement and velocity of the mass.
@@ -43,10 +43,6 @@ impl Plant {
         let set = self.signals.iter().find(|(c, _)| *c == channel).map(|(_, signal)| *signal);
         let usual = || Signal::Constant(channel.usual_truth());
         set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
-    }
-
-    pub(crate) fn has_own(&self, channel: Channel) -> bool {
-        self.signals.iter().any(|(own, _)| *own == channel)
     }
 
     /// The signal of a parameter or an augmentation, to be changed. Without one, it first gets the usual value.
@@ -85,14 +81,6 @@ impl Plant {
     pub fn model(&self, input: InputKind) -> Model {
         let augmentations = self.parameters().filter(|c| c.is_augmentation());
         Model::new(self.kind.clone()).augmented(augmentations).driven_by(input)
-    }
-
-    pub(super) fn retain(&mut self, is_kept: impl Fn(Channel) -> bool) {
-        self.signals.retain(|(channel, _)| is_kept(*channel));
-    }
-
-    pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
-        self.signals.iter().copied()
     }
 }
 
@@ -134,7 +122,7 @@ impl Serialize for Plant {
             }
         }
         let unused = Self::default();
-        let rest = self.signals().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
+        let rest = self.signals.iter().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| *c);
         let mut written: Vec<Channel> = self.parameters().collect();
         written.extend(rest.filter(|c| !self.parameters().any(|p| p == *c)));
         for channel in written {
@@ -205,15 +193,13 @@ impl<'de> Deserialize<'de> for Plant {
 /// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
 struct PlantKey(String);
 
-const OWN_KEYS: [&str; 6] = ["kind", "equation", "parameters", "initial", "disturbance_std", "input_delay"];
-
 impl<'de> Deserialize<'de> for PlantKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        if OWN_KEYS.contains(&key.as_str()) || KnownChannels::channel(&key).is_some_and(Channel::is_parameter) {
+        if RESERVED.contains(&key.as_str()) || KnownChannels::channel(&key).is_some_and(Channel::is_parameter) {
             return Ok(Self(key));
         }
-        let (own, channels) = (OWN_KEYS.join("`, `"), expected_channels(Channel::is_parameter));
+        let (own, channels) = (RESERVED.join("`, `"), expected_channels(Channel::is_parameter));
         Err(de::Error::custom(format!("unknown field `{key}`, expected `{own}` or {channels}")))
     }
 }
@@ -237,7 +223,10 @@ impl Scenario {
     /// A sentence about parameters that neither `parameters` nor a value names, with their guesses, if there are some.
     pub fn assumed_parameters(&self) -> Option<String> {
         let settings = self.plant.kind.own_equation()?.settings();
-        let is_named = |channel: Channel| settings.parameter(channel.key()).is_some() || self.plant.has_own(channel);
+        let signals = &self.plant.signals;
+        let is_named = |channel: Channel| {
+            settings.parameter(channel.key()).is_some() || signals.iter().any(|(own, _)| *own == channel)
+        };
         let symbols = settings.symbols().ok()?;
         let is_own = |channel: &Channel| {
             symbols.iter().any(|one| one.is_parameter && one.known.is_none() && one.key == channel.key())

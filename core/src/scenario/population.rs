@@ -65,12 +65,10 @@ impl Law {
     /// The law of the same kind with other numbers.
     #[must_use]
     pub fn with(&self, numbers: [f64; 2]) -> Self {
-        match self {
-            Self::Normal(_) => Self::Normal(numbers),
-            Self::Lognormal(_) => Self::Lognormal(numbers),
-            Self::Uniform(_) => Self::Uniform(numbers),
-            Self::LogUniform(_) => Self::LogUniform(numbers),
-        }
+        let mut law = *self;
+        let (Self::Normal(own) | Self::Lognormal(own) | Self::Uniform(own) | Self::LogUniform(own)) = &mut law;
+        *own = numbers;
+        law
     }
 
     /// The numbers that it may have, if its own are others.

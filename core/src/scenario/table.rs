@@ -227,36 +227,31 @@ impl TableInfo {
 by_key!(TableInfo);
 
 impl Entry {
+    fn of(self, channel: fn(Channel) -> &'static str, sensor: fn(Quantity) -> &'static str) -> &'static str {
+        match self {
+            Self::Channel(own) => channel(own),
+            Self::Sensor(own) => sensor(own),
+        }
+    }
+
     /// The key in scenario files and addresses.
     pub fn key(self) -> &'static str {
-        match self {
-            Self::Channel(channel) => channel.key(),
-            Self::Sensor(quantity) => quantity.key(),
-        }
+        self.of(Channel::key, Quantity::key)
     }
 
     /// The symbol in formulas.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Channel(channel) => channel.symbol(),
-            Self::Sensor(quantity) => quantity.symbol(),
-        }
+        self.of(Channel::symbol, Quantity::symbol)
     }
 
     /// The name in running text.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Channel(channel) => channel.name(),
-            Self::Sensor(quantity) => quantity.key(),
-        }
+        self.of(Channel::name, Quantity::key)
     }
 
     /// The unit, empty for a pure number.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Channel(channel) => channel.unit(),
-            Self::Sensor(quantity) => quantity.unit(),
-        }
+        self.of(Channel::unit, Quantity::unit)
     }
 }
 

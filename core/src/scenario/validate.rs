@@ -97,17 +97,26 @@ impl Scenario {
 }
 
 fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
-    let error = || impossible(path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has");
-    if is_impostor { Err(error()) } else { Ok(()) }
+    require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
 }
 
 impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
         own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
-        for (channel, parameter) in own.chain(self.signals()) {
+        for (channel, parameter) in own.chain(self.signals.iter().copied()) {
             let (minimum, key) = (parameter.minimum(), format_args!("plant.{}", channel.key()));
-            validate_signal(key, &parameter)?;
+            for (name, value) in parameter.numbers() {
+                number(format_args!("{key}{name}"), value, Allowed::Finite)?;
+            }
+            match parameter {
+                Signal::Ramp(Ramp { start, end, .. }) => {
+                    let allowed = format_args!("at least ramp.start = {start}");
+                    require(end >= start, format_args!("{key}.ramp.end"), end, allowed)?;
+                }
+                Signal::Sine(sine) => number(format_args!("{key}.sine.period"), sine.period, Allowed::Above(0.0))?,
+                Signal::Constant(_) | Signal::Step(_) => {}
+            }
             let (holds, allowed) = match channel.role() {
                 Role::Parameter(Sign::Positive) => (minimum > 0.0, "above 0 at all times"),
                 Role::Parameter(Sign::NotNegative) => (minimum >= 0.0, "at least 0 at all times"),
@@ -142,11 +151,9 @@ impl FilterSettings {
             let components = self.model(truth, InputKind::default()).size();
             let steps = self.substeps.max(1);
             let most = largest_ensemble(components, steps);
-            if *ensemble_size > most.max(2) {
-                let allowed =
-                    format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
-                return Err(impossible(format_args!("{path}.ensemble_size"), ensemble_size, allowed));
-            }
+            let allowed =
+                format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
+            require(*ensemble_size <= most.max(2), format_args!("{path}.ensemble_size"), ensemble_size, allowed)?;
         }
         let is_considerable = |channel: Channel| self.considerable(truth).any(|known| known == channel);
         each_once(
@@ -169,9 +176,8 @@ impl FilterSettings {
             let is_rising = least < most && between.least.into_iter().chain(between.most).all(f64::is_finite);
             require(is_rising, key, format_args!("from {least} to {most}"), "from a number to a larger one")?;
             let (key, mean) = (format_args!("{path}.initial_mean.{}", channel.key()), initial_mean[channel]);
-            if !(least..=most).contains(&mean) {
-                return Err(impossible(key, mean, format_args!("between its bounds, {least} and {most}")));
-            }
+            let allowed = format_args!("between its bounds, {least} and {most}");
+            require((least..=most).contains(&mean), key, mean, allowed)?;
         }
         if self.log_parameters {
             for channel in plant.as_ref().unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
@@ -234,19 +240,6 @@ fn each_once(
 
 fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
     require(allowed.admits(value), key, value, allowed)
-}
-
-fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioError> {
-    for (name, value) in signal.numbers() {
-        number(format_args!("{path}{name}"), value, Allowed::Finite)?;
-    }
-    match signal {
-        Signal::Ramp(Ramp { start, end, .. }) => {
-            require(end >= start, format_args!("{path}.ramp.end"), end, format_args!("at least ramp.start = {start}"))
-        }
-        Signal::Sine(sine) => number(format_args!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
-        Signal::Constant(_) | Signal::Step(_) => Ok(()),
-    }
 }
 
 fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {

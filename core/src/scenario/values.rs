@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize, Serializer};
 #[derive(Clone, Debug, Default)]
 pub struct Values {
     otherwise: Otherwise,
-    set: Vec<(Channel, f64)>,
+    pub(super) set: Vec<(Channel, f64)>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,10 +71,6 @@ impl Values {
         let own = channels.iter().map(|&channel| (channel, self[channel]));
         let rest = self.set.iter().copied().filter(|(channel, _)| !channels.contains(channel));
         self.set = own.chain(rest).collect();
-    }
-
-    pub(super) fn retain(&mut self, is_kept: impl Fn(Channel) -> bool) {
-        self.set.retain(|(channel, _)| is_kept(*channel));
     }
 
     /// The numbers of these channels and those that differ from `base`, over which the file is read.

@@ -11,10 +11,7 @@ use super::{Address, DT, DURATION, SEED};
 use crate::scenario::{Law, Scenario, ScenarioError, Sensor, Values, short};
 
 impl Scenario {
-    /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format.
-    ///
-    /// # Errors
-    /// Those of [`Self::from_toml`], without the line.
+    /// [`Self::from_toml`] for a document of any format; errors are without the line.
     pub fn from_document(document: &Document) -> Result<Self, ScenarioError> {
         Self::read(document, |error| error).map(|(scenario, _)| scenario)
     }
@@ -72,10 +69,7 @@ impl Scenario {
         Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
     }
 
-    /// The same, with a sentence for each filter that gets another name, and one for assumed parameters.
-    ///
-    /// # Errors
-    /// Those of [`Self::from_toml`].
+    /// [`Self::from_toml`] with a sentence for each filter that gets another name, and one for assumed parameters.
     pub fn from_toml_with_remarks(text: &str) -> Result<(Self, Vec<String>), ScenarioError> {
         Self::read(&document::from_toml(text)?, |error| error.in_toml(text))
     }

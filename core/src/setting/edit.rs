@@ -52,10 +52,7 @@ impl Edit {
         Self::apply_all(std::slice::from_ref(self), scenario)
     }
 
-    /// The scenario with several edits made, each setting found in the scenario as it is before all of them.
-    ///
-    /// # Errors
-    /// As [`Self::apply`].
+    /// [`Self::apply`] of several edits, each setting found in the scenario as it is before all of them.
     pub fn apply_all(edits: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
         let mut document = document::of(scenario)?;
         edits.iter().try_for_each(|edit| put(&mut document, scenario, &edit.key, &edit.document()?))?;

@@ -45,17 +45,16 @@ impl Scenario {
             let key = key_behind(&filter.name)?;
             Some((filter.name.len(), place, key))
         });
+        // A number counts from 1, and only where no filter has it as its name.
+        let by_number = || {
+            let (number, key) = rest.split_once('.')?;
+            let place = number.parse::<usize>().ok()?.checked_sub(1)?;
+            (place < self.filters.len()).then(|| (vec![place], key))
+        };
         match named.max_by_key(|(length, ..)| *length) {
             Some((_, place, key)) => Some((vec![place], key)),
-            None => self.by_number(rest).or_else(|| Some(((0..self.filters.len()).collect(), key_behind(ALL)?))),
+            None => by_number().or_else(|| Some(((0..self.filters.len()).collect(), key_behind(ALL)?))),
         }
-    }
-
-    /// The place of the filter with a number, counted from 1, and the key behind it: no filter has this name.
-    fn by_number<'a>(&self, rest: &'a str) -> Option<(Vec<usize>, &'a str)> {
-        let (number, key) = rest.split_once('.')?;
-        let place = number.parse::<usize>().ok()?.checked_sub(1)?;
-        (place < self.filters.len()).then(|| (vec![place], key))
     }
 
     /// The same address by the filter's id, if it is of one filter of the scenario; else the address as it is.

@@ -86,9 +86,17 @@ impl Estimates {
         self.forgotten += samples;
         self.monitor.forget_before(self.forgotten);
     }
+}
 
+fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
+    for (values, value) in columns.iter_mut().zip(sample) {
+        values.push(value);
+    }
+}
+
+impl Sink for Estimates {
     #[inline(always)]
-    pub(crate) fn append(&mut self, sample: &Sample<'_>) {
+    fn push(&mut self, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
         let n = mean.len();
         if self.initial_std.is_empty() {
@@ -126,18 +134,6 @@ impl Estimates {
             }
         }
         self.monitor.check(self.forgotten + self.history.nis.len() - 1, sample);
-    }
-}
-
-fn push(columns: &mut [Vec<f64>], sample: impl Iterator<Item = f64>) {
-    for (values, value) in columns.iter_mut().zip(sample) {
-        values.push(value);
-    }
-}
-
-impl Sink for Estimates {
-    fn push(&mut self, sample: &Sample<'_>) {
-        self.append(sample);
     }
 
     fn stop_at(&mut self, stop: Stop) {

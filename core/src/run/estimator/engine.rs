@@ -5,7 +5,6 @@ use kalmanscope_filters::engine::belief::GaussianBelief;
 use kalmanscope_filters::engine::columns::mirror;
 use kalmanscope_filters::engine::design::Method;
 use kalmanscope_filters::engine::level::{Baseline, Known, Level};
-use kalmanscope_filters::engine::update::UpdateResult;
 use kalmanscope_filters::engine::wrapper::Span;
 use kalmanscope_filters::filter::Gaussian;
 use kalmanscope_filters::gaussian_likelihood::LogSum;
@@ -16,6 +15,7 @@ use crate::FilterSettings;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
 use crate::run::estimator::{Estimator, State};
+use crate::run::passage::Passage;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
 struct AtLevel<L> {
@@ -33,28 +33,6 @@ struct FollowedEngine {
     in_units: Option<Box<InUnits<f64>>>,
     learnt: LearntNoise,
     sample: usize,
-}
-
-trait EngineSteps {
-    fn predict(&self, filter: &mut PlantFilter<f64>, span: Span<f64>);
-
-    fn update(&self, filter: &mut PlantFilter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64>;
-}
-
-impl<L: Level> EngineSteps for L {
-    #[inline(always)]
-    fn predict(&self, filter: &mut PlantFilter<f64>, span: Span<f64>) {
-        filter.predict(*self, span);
-    }
-
-    #[inline(always)]
-    fn update(&self, filter: &mut PlantFilter<f64>, force: f64, measured: &[f64]) -> UpdateResult<f64> {
-        let result = filter.update(*self, force, measured);
-        if result.holds {
-            filter.complete(*self);
-        }
-        result
-    }
 }
 
 /// The noise that a filter learns, for all sensors: one that the model lacks keeps its R.
@@ -118,12 +96,12 @@ impl FollowedEngine {
     }
 
     #[inline(always)]
-    fn predict(&mut self, level: &(impl EngineSteps + ?Sized), span: Span<f64>) -> Result<(), FilterError> {
+    fn predict(&mut self, level: impl Level, span: Span<f64>) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
         if !self.filter.are_finite(span.forces) {
             return Err(FilterError::UndefinedForce);
         }
-        level.predict(&mut self.filter, span);
+        self.filter.predict(level, span);
         Ok(())
     }
 
@@ -139,7 +117,7 @@ impl FollowedEngine {
         self.learnt.weights.fill(f64::NAN);
     }
 
-    fn add(&mut self, level: &dyn EngineSteps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn add(&mut self, level: impl Level, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         let Self { filter, places, measured, .. } = self;
         let [nis, determinant] = condition(level, filter, places, measured, force, readings)?;
         self.take_update([nis, determinant]);
@@ -176,7 +154,7 @@ impl FollowedEngine {
     }
 
     /// The belief before the update is that before the last reading.
-    fn step_through(&mut self, level: &dyn EngineSteps, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, level: impl Level, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let mut whole = if parts.times.is_none() { self.next_sample() } else { [0.0; 2] };
         let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
         self.clear();
@@ -222,6 +200,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { level, followed } = self;
+        let level = *level;
         let times = followed.next_sample();
         followed.predict(level, Span { share: 1.0, forces: [before, force], times })?;
         let wants_prior = sink.wants_prior();
@@ -260,7 +239,7 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
     }
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.followed.step_through(&self.level, parts, sink)
+        self.followed.step_through(self.level, parts, sink)
     }
 
     fn keep_passages(&mut self) -> bool {
@@ -288,7 +267,8 @@ fn pass(filter: &mut PlantFilter<f64>, sink: &mut dyn Sink) -> Result<(), Filter
     if let Some(passage) = filter.passage()
         && let Some(passages) = sink.passages()
     {
-        passages.add(passage, &filter.belief)?;
+        passages.all.push(Passage::new(passage)?);
+        passages.begin(&filter.belief);
         filter.begin_passage();
     }
     Ok(())
@@ -297,7 +277,7 @@ fn pass(filter: &mut PlantFilter<f64>, sink: &mut dyn Sink) -> Result<(), Filter
 /// By the measurements of all sensors; `own` takes those that the model has. Returns NIS and det S, NaN without any.
 #[inline(always)]
 fn condition(
-    level: &(impl EngineSteps + ?Sized),
+    level: impl Level,
     filter: &mut PlantFilter<f64>,
     places: &[usize],
     own: &mut [f64],
@@ -312,10 +292,11 @@ fn condition(
     if is_infinite && filter.is_predicted(0) {
         return Err(FilterError::InfiniteMeasurement);
     }
-    let result = level.update(filter, force, own);
+    let result = filter.update(level, force, own);
     if !result.holds {
         return Err(filter.reason(0));
     }
+    filter.complete(level);
     Ok(if result.measured > 0.0 { [result.nis, result.determinant] } else { [f64::NAN; 2] })
 }
 

@@ -8,7 +8,7 @@ use kalmanscope_records::record::Parts;
 use super::engine::push;
 use super::setup::Beginning;
 use super::update::InUnits;
-use super::{Estimator, Failed, FilterContext};
+use super::{Estimator, FilterContext};
 use crate::FilterSettings;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
@@ -24,8 +24,8 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
     let belief = match begin(initial, &settings.method(&context.plant), normal) {
         Ok(belief) => belief,
         // The initial covariance is diagonal: its root can fail only through a number that is not finite.
-        Err(FilterError::NotFinite) => return Box::new(Failed(FilterError::TooLarge)),
-        Err(error) => return Box::new(Failed(error)),
+        Err(FilterError::NotFinite) => return Box::new(FilterError::TooLarge),
+        Err(error) => return Box::new(error),
     };
     let (n, sensors, steps) = (model.size(), context.sensors.len(), context.steps(settings));
     let in_units = InUnits::new(&model.state.logarithms, n, sensors);
@@ -35,24 +35,57 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
     Box::new(FollowedBelief { filter, correction: Correction::nothing(n, sensors), in_units })
 }
 
+impl FollowedBelief {
+    /// In the channels' units, to first order.
+    fn report(&mut self, prior: Option<&Gaussian>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units } = self;
+        let belief = filter.belief.gaussian();
+        if !belief.is_finite() || correction.gain.iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        let Noise { process, sensors, .. } = &filter.noise;
+        let mut process = process.diagonal();
+        filter.white.into_iter().for_each(|white| process[white.place] = white.variance);
+        let noise = filter.is_adaptive().then(|| AssumedNoise {
+            process: process.as_slice(),
+            sensors,
+            uncertainty: filter.noise_uncertainty(),
+            process_scale: [f64::NAN; 2],
+        });
+        let of = |of: fn(&Gaussian) -> &[f64]| prior.map_or(&[][..], of);
+        let sample = Sample {
+            prior_mean: of(|prior| prior.mean.as_slice()),
+            prior_cov: of(|prior| prior.cov.as_slice()),
+            innovation: correction.innovation.as_slice(),
+            innovation_cov: correction.innovation_cov.as_slice(),
+            gain: correction.gain.as_slice(),
+            nis: correction.nis,
+            determinant: correction.determinant,
+            log_likelihood: correction.log_likelihood,
+            effective_samples: correction.effective_samples,
+            noise,
+            has_widened: filter.has_widened(),
+            ..Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice())
+        };
+        push(sample, in_units.as_deref_mut(), sink)
+    }
+}
+
 impl Estimator for FollowedBelief {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units } = self;
         // An update checks that a belief is finite; nothing has checked the initial one.
-        if !filter.noise.is_finite() {
+        if !self.filter.noise.is_finite() {
             return Err(FilterError::TooLarge);
         }
-        let belief = filter.belief.gaussian();
-        let prior = sink.wants_prior().then_some(&*belief);
-        report(filter, correction, prior, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
+        let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
+        self.report(prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units } = self;
-        filter.predict([before, force])?;
-        let prior = sink.wants_prior().then(|| filter.belief.gaussian().into_owned());
-        filter.update(force, measured, correction)?;
-        report(filter, correction, prior.as_ref(), in_units.as_deref_mut(), sink)
+        self.filter.predict([before, force])?;
+        let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
+        self.filter.update(force, measured, &mut self.correction)?;
+        self.report(prior.as_ref(), sink)
     }
 
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -60,50 +93,10 @@ impl Estimator for FollowedBelief {
         let (mut begin, mut end) = (None, 0.0);
         for (part, readings) in parts.iter() {
             (begin, end) = (begin.or(Some(part.forces[0])), part.force);
-            last.iter_mut()
-                .zip(readings)
-                .filter(|(_, reading)| !reading.is_nan())
-                .for_each(|(last, reading)| *last = *reading);
+            for (last, reading) in last.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
+                *last = *reading;
+            }
         }
         self.step(begin.unwrap_or(end), end, &last, sink)
     }
-}
-
-/// In the channels' units, to first order.
-fn report(
-    filter: &Filter,
-    correction: &Correction,
-    prior: Option<&Gaussian>,
-    in_units: Option<&mut InUnits<f64>>,
-    sink: &mut dyn Sink,
-) -> Result<(), FilterError> {
-    let belief = filter.belief.gaussian();
-    if !belief.is_finite() || correction.gain.iter().any(|k| !k.is_finite()) {
-        return Err(FilterError::NotFinite);
-    }
-    let Noise { process, sensors, .. } = &filter.noise;
-    let mut process = process.diagonal();
-    filter.white.into_iter().for_each(|white| process[white.place] = white.variance);
-    let noise = filter.is_adaptive().then(|| AssumedNoise {
-        process: process.as_slice(),
-        sensors,
-        uncertainty: filter.noise_uncertainty(),
-        process_scale: [f64::NAN; 2],
-    });
-    let of = |of: fn(&Gaussian) -> &[f64]| prior.map_or(&[][..], of);
-    let sample = Sample {
-        prior_mean: of(|prior| prior.mean.as_slice()),
-        prior_cov: of(|prior| prior.cov.as_slice()),
-        innovation: correction.innovation.as_slice(),
-        innovation_cov: correction.innovation_cov.as_slice(),
-        gain: correction.gain.as_slice(),
-        nis: correction.nis,
-        determinant: correction.determinant,
-        log_likelihood: correction.log_likelihood,
-        effective_samples: correction.effective_samples,
-        noise,
-        has_widened: filter.has_widened(),
-        ..Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice())
-    };
-    push(sample, in_units, sink)
 }

@@ -66,9 +66,6 @@ impl Setup {
     }
 
     /// The same for filters with a textbook's update and a diagonal Q, without logarithms, over readings at the samples' times.
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         let setup = Self::unless(scenario, place, record, |settings, context| {
             let is_late = context.is_timed || settings.delays(context.dt).is_of_sensors();
@@ -86,7 +83,7 @@ impl Setup {
         scenario.validate()?;
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
-        let context = FilterContext::new(scenario, record.dt(), settings).over(record, settings);
+        let context = FilterContext::over(record, scenario, settings);
         // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one iterates by itself.
         let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {

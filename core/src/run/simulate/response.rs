@@ -1,5 +1,6 @@
 //! A plant in motion. Runge-Kutta steps of a nonlinear plant are halved where needed, such as around kinks of the rate.
 
+use kalmanscope_filters::Dynamics as _;
 use kalmanscope_filters::engine::exponential::{Exponential, Impulse};
 use kalmanscope_filters::engine::level::Baseline;
 use kalmanscope_filters::engine::runge_kutta::classical;
@@ -82,7 +83,7 @@ impl Response {
             }
         }
         let acting = model.acting_force(state.as_slice(), begin) + disturbance;
-        model.motion_rate_under_into(state.as_slice(), acting, rate.as_mut_slice());
+        model.state.plant.motion_rate(state.as_slice(), acting, rate.as_mut_slice());
         integrals.constant.mul_to(rate, change);
         if begin != end {
             let by_force = model.by_force(state.as_slice()) * model.state.gain.map_or(1.0, |place| state[place]);
@@ -191,7 +192,9 @@ impl Refinement {
                 continue;
             }
             if *halved >= MOST {
-                return Err(self.failure(motion, size));
+                // A diverging plant does so within ever shorter times: no number of halvings is enough.
+                let far = (0..size.len()).find(|&i| size[i] > 0.0 && state[i].abs() > RUNAWAY * size[i]);
+                return Err(far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(motion.model.channels()[i])));
             }
             *halved += 1;
             rest.push((from + half, half));
@@ -202,11 +205,5 @@ impl Refinement {
                 return Ok(false);
             }
         }
-    }
-
-    /// The reason why no number of halvings is enough: a diverging plant does so within ever shorter times.
-    fn failure(&self, motion: &LinearMotion<'_>, size: &[f64]) -> TruthError {
-        let far = (0..size.len()).find(|&i| size[i] > 0.0 && self.state[i].abs() > RUNAWAY * size[i]);
-        far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(motion.model.channels()[i]))
     }
 }
