@@ -97,7 +97,8 @@ impl Scenario {
 }
 
 fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
-    require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
+    let error = || impossible(path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has");
+    if is_impostor { Err(error()) } else { Ok(()) }
 }
 
 impl Plant {
@@ -151,9 +152,11 @@ impl FilterSettings {
             let components = self.model(truth, InputKind::default()).size();
             let steps = self.substeps.max(1);
             let most = largest_ensemble(components, steps);
-            let allowed =
-                format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
-            require(*ensemble_size <= most.max(2), format_args!("{path}.ensemble_size"), ensemble_size, allowed)?;
+            if *ensemble_size > most.max(2) {
+                let allowed =
+                    format_args!("at most {most} for {components} components that move by {steps} step(s) a sample");
+                return Err(impossible(format_args!("{path}.ensemble_size"), ensemble_size, allowed));
+            }
         }
         let is_considerable = |channel: Channel| self.considerable(truth).any(|known| known == channel);
         each_once(
@@ -176,8 +179,9 @@ impl FilterSettings {
             let is_rising = least < most && between.least.into_iter().chain(between.most).all(f64::is_finite);
             require(is_rising, key, format_args!("from {least} to {most}"), "from a number to a larger one")?;
             let (key, mean) = (format_args!("{path}.initial_mean.{}", channel.key()), initial_mean[channel]);
-            let allowed = format_args!("between its bounds, {least} and {most}");
-            require((least..=most).contains(&mean), key, mean, allowed)?;
+            if !(least..=most).contains(&mean) {
+                return Err(impossible(key, mean, format_args!("between its bounds, {least} and {most}")));
+            }
         }
         if self.log_parameters {
             for channel in plant.as_ref().unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
