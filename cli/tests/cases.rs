@@ -33,7 +33,7 @@ const CASES: &[(&str, &[&str], Wanted)] = &[
     ),
     ("lvm-steps-without-times.lvm", &[], FoundAndSaid(15.0, 0.04, &["has its own clock"])),
     ("uff58-frf-only.uff", &[], Refused(&["is a frequency response, not a function of time"])),
-    ("uff58b.uff", &[], Refused(&["save it as text (data set 58)"])),
+    ("uff58b.uff", &[], Read(&["acceleration: its name says so"])),
     ("export.zip", &[], Read(&["the table is `Raw Data.csv` of the ZIP"])),
     ("knet.EW", &[], FoundAndSaid(10.053, 0.03, &["one series", "a step of 0.01 s, the unit gal, a scale"])),
     ("knet.EW", &["--rate", "100"], Found(10.053, 0.03)),

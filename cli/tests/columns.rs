@@ -100,7 +100,11 @@ fn forms_of_instruments_need_no_argument_and_others_are_named() {
         let all = toml + &said;
         assert!(expected.iter().all(|part| all.contains(part)), "{name}: {said}");
     }
+    let card = " ".repeat(3120) + "C40 END" + &" ".repeat(73) + &"\0".repeat(25) + "\u{5}" + &"\0".repeat(500);
     for (text, kind) in [
+        ("Obj\u{1}\u{4}", "an Avro file"),
+        ("<stata_dta><header>", "a file of Stata"),
+        (card.as_str(), "a SEG-Y file"),
         ("[{\"t\": 0.0, \"x\": 1.0}, {\"t\": 0.1, \"x\": 2.0}]", "JSON"),
         ("WID2 1970/01/01 00:00:00.000 A     HNZ      CM6     6000 1000.000000\nDAT2\nybPjoQ\n", "a GSE seismogram"),
     ] {

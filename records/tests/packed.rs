@@ -109,6 +109,8 @@ fn a_kind_that_is_not_read_is_named_with_the_way_out() {
     let at = |place: usize, bytes: &[u8]| [&vec![0; place], bytes, &[0; 700]].concat();
     let sheet = zip_of(&[("[Content_Types].xml", b"<"), ("xl/workbook.xml", b"<")]);
     let seed = [&b"000001D STATI"[..], &[0; 40]].concat();
+    let segy = [&b"C 1 CLIENT"[..], &[b' '; 3190], &[0; 24], &[0, 5]].concat();
+    let mat4 = [&[0_u8; 4][..], &[2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0], b"x\0", &[0; 16]].concat();
     for (bytes, name) in [
         (&b"\x89HDF\r\n\x1A\n\0"[..], "an HDF5 file; write its columns as CSV"),
         (b"MATLAB 7.3 MAT-file", "a MATLAB 7.3 file (HDF5); write"),
@@ -116,12 +118,44 @@ fn a_kind_that_is_not_read_is_named_with_the_way_out() {
         (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an old spreadsheet"),
         (&at(304, &[6, 0, 0, 0]), "a binary SAC"),
         (&seed, "a miniSEED"),
-        (b"    -1\n    58b     1\n", "a universal file with data set 58b; save"),
+        (&mat4, "a MATLAB 4 file; save"),
+        (&segy, "a SEG-Y"),
+        (b"\x80\x04\x95.", "a pickle"),
+        (&at(257, b"ustar"), "a tar archive"),
         (&[0, 0, 0, 24, b'f', b't', b'y', b'p'], "a sound or film"),
     ] {
         assert!(message(bytes).starts_with(&format!("this is {name}")), "{}", message(bytes));
     }
-    assert!(read("ID3,x\n1,2\n3,4\n").is_ok());
+    for text in ["C 1,2\n1,2\n3,4\n", "BZh,x\n1,2\n3,4\n", "ID3,x\n1,2\n3,4\n"] {
+        assert!(read(text).is_ok(), "{text}");
+    }
+}
+
+fn set_58b(order: usize, kind: usize, spacing: usize, count: usize, data: &[u8]) -> Vec<u8> {
+    let size = data.len();
+    let begin = format!("    -1\n    58b{order:6}     2          11{size:12}\nx\n\n\n\n\n    1 0 0 0 NONE 1 3\n");
+    let sizes = format!("{kind} {count} {spacing} 0.0 0.5 0.0\n17\n12 0 0 0 NONE m/s2\n0\n0\n");
+    [begin.as_bytes(), sizes.as_bytes(), data, b"    -1\n"].concat()
+}
+
+fn file_58b() -> Vec<u8> {
+    let big: Vec<u8> = [1.5_f64, -2.0, 3.0].into_iter().flat_map(f64::to_be_bytes).collect();
+    let little: Vec<u8> = [4.0_f32, 5.0, 10.0].into_iter().flat_map(f32::to_le_bytes).collect();
+    let other = b"    -1\n   151\na model\n    -1\n";
+    [&other[..], &set_58b(2, 4, 1, 3, &big), &set_58b(1, 5, 1, 1, &[10; 8]), &set_58b(1, 2, 1, 3, &little)].concat()
+}
+
+#[test]
+fn binary_universal_files_are_read_in_both_orders_and_spacings() {
+    let table = read(file_58b()).unwrap();
+    let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
+    assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
+    assert!(table.remarks[0].contains("not a function of time"), "{:?}", table.remarks);
+    let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
+    let table = read(set_58b(2, 4, 0, 2, &uneven)).unwrap();
+    assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.25; 2], [7.0; 2]]);
+    let wrong = message(&set_58b(1, 4, 1, 3, &[0; 20]));
+    assert!(wrong.contains("another number of bytes"), "{wrong}");
 }
 
 #[test]
@@ -129,7 +163,7 @@ fn damaged_files_are_tables_or_sentences() {
     let array = file("'>f4'", "(3, 3)", false, &[7; 36]);
     let text = b"t,x\n0,1\n1,2\n2,1\n3,2\n";
     let (zip, npz) = (zip_of(&[("a.csv", text)]), zip_of(&[("a.npy", &array)]));
-    for file in [gzip_of(text), zip, npz, matlab_file(), array] {
+    for file in [gzip_of(text), zip, npz, matlab_file(), file_58b(), array] {
         assert!(read(&file).is_ok());
         for place in 0..file.len() {
             let _ = read(&file[..place]);

@@ -1,7 +1,8 @@
 //! Formats with series of numbers: ground motions, seismograms, and universal files of modal analysis.
 
-use super::{Series, field_width, number_after, numbers, text_after};
+use super::{Series, SeriesReader, field_width, number_after, numbers, text_after};
 use crate::import::cell::clock;
+use crate::import::{Dialect, Result, Table};
 
 /// Sources: Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, OSMS 85-03; COSMOS (2001), Strong motion
 /// data format, version 1.20: the step is the real-header value 34.
@@ -119,6 +120,7 @@ pub(super) fn uff58(header: &[String]) -> Option<Series> {
     let (entity, node, direction) = (field(31, 41), field(41, 51), field(51, 55));
     let mut sizes = words(7).map(str::parse::<f64>).map_while(Result::ok);
     let [kind, count, is_even, start, dt] = [sizes.next()?, sizes.next()?, sizes.next()?, sizes.next()?, sizes.next()?];
+    let is_even = is_even == 1.0;
     let quantity = match words(9).next()? {
         "8" => "displacement",
         "11" => "velocity",
@@ -136,17 +138,50 @@ pub(super) fn uff58(header: &[String]) -> Option<Series> {
     // Function type 1 is one of time; complex numbers are none.
     let is_complex = kind > 4.0;
     let is_time = function == "1" && !is_complex;
-    let width = if kind == 2.0 { Some(13) } else { (kind == 4.0).then_some(20) };
-    let numbers = if is_complex { 2 } else { 1 };
+    let width = match (kind, is_even) {
+        (2.0, _) => Some(13),
+        (4.0, true) => Some(20),
+        _ => None,
+    };
+    let numbers = if is_complex { 2 } else { 1 } + if is_even { 0 } else { 1 };
     let no_record = match function {
-        _ if is_time && is_even == 1.0 => None,
-        _ if is_time => Some("has uneven times, which are not read"),
+        _ if is_time => None,
         "4" => Some("is a frequency response, not a function of time"),
         "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, not a function of time"),
         _ => Some("is not a function of time"),
     };
     let (unit, count) = (unit.map(str::to_owned), Some((count as usize).saturating_mul(numbers)));
-    Some(Series { name, unit, start, dt, count, width, no_record })
+    Some(Series { name, unit, start, dt, count, width, has_times: !is_even, no_record })
+}
+
+pub(super) fn uff58b(bytes: &[u8]) -> Result<Table> {
+    let mut reader = SeriesReader::new("universal file, data set 58b", Dialect::default(), uff58);
+    let (mut rest, mut line, mut is_set) = (bytes, 0, false);
+    let mut binary: Option<(usize, [usize; 4])> = None;
+    while !rest.is_empty() {
+        let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+        let text = String::from_utf8_lossy(&rest[..end]);
+        (rest, line) = (&rest[end..], line + 1);
+        match text.trim_start().strip_prefix("58b").filter(|_| is_set) {
+            Some(sizes) => {
+                let mut sizes = sizes.split_whitespace().map_while(|word| word.parse().ok());
+                let sizes = [(); 4].map(|()| sizes.next().unwrap_or(0));
+                binary = Some((line + HEADER - 1, sizes));
+                reader.line("58", line)?;
+            }
+            None => reader.line(&text, line)?,
+        }
+        is_set = text.trim() == "-1";
+        if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
+            // pyuff does not count the times of uneven functions.
+            let ends = |size: &usize| rest.get(*size..).is_some_and(|rest| rest.trim_ascii_start().starts_with(b"-1"));
+            let size = [size, size.saturating_mul(2)].into_iter().find(ends).unwrap_or(size);
+            let part = &rest[..size.min(rest.len())];
+            reader.bytes(part, size, order == 2, form);
+            (rest, binary) = (&rest[part.len()..], None);
+        }
+    }
+    reader.finish(line)
 }
 
 fn axis(direction: &str) -> &'static str {

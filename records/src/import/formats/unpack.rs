@@ -157,7 +157,7 @@ pub(super) struct NumberForm {
 }
 
 impl NumberForm {
-    fn number(self, bytes: &[u8]) -> f64 {
+    pub(super) fn number(self, bytes: &[u8]) -> f64 {
         let bits = bits(bytes, self.is_big);
         let above = 64 - 8 * self.size;
         match (self.kind, self.size) {
