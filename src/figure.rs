@@ -62,7 +62,7 @@ fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureForm
     let palette = Palette::of(egui::Theme::Light);
     let mut visible = context.visible.clone();
     visible.verdicts = false;
-    // What is under the pointer is no part of a figure.
+    // A figure must not show the marks that follow the pointer.
     let axis = TimeAxis { pointed: None, ..*context.axis };
     let laboratory = context.laboratory;
     let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);

@@ -94,7 +94,7 @@ fn dictionary() -> Vec<u8> {
 fn packed(text: &str) -> String {
     let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(LEVEL, RAW, 0));
     // The result begins on a full byte after this.
-    // What the dictionary has is a reference in the text after it: usual keys take a few bits of a link.
+    // A key that the dictionary has becomes a reference, so that usual keys take a few bits of a link.
     compress_to_output(&mut compressor, &dictionary(), TDEFLFlush::Sync, |_| true);
     let mut bytes = Vec::new();
     compress_to_output(&mut compressor, text.as_bytes(), TDEFLFlush::Finish, |part| {

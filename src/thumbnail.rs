@@ -272,7 +272,7 @@ mod tests {
                 before = now;
             }
             let SparkPicture { courses, cells } = making.picture().unwrap_or_else(|| panic!("{title}"));
-            // Of a scenario nothing may move.
+            // A scenario may have nothing that moves.
             let is_flat = courses.iter().all(|(_, _, spark)| spark.is_flat()) && cells.1.is_empty();
             assert!(!is_flat || making.picture.is_none(), "{title}");
         }

@@ -83,7 +83,7 @@ pub struct Sensor {
     pub measures: Quantity,
     /// Standard deviation of its white normal noise, in the quantity's unit.
     pub noise_std: f64,
-    /// What else it does to its readings.
+    /// The faults of its readings besides noise.
     #[serde(default, skip_serializing_if = "is_default")]
     pub faults: Faults,
 }

@@ -34,7 +34,7 @@ pub struct Analysis {
     pub(crate) waste: Waste,
 }
 
-/// What is known of a filter beside its diagnostics.
+/// A filter's diagnosis, and whether its diagnostics have begun.
 #[derive(Default)]
 struct DiagnosedFilter {
     id: u32,

@@ -130,7 +130,7 @@ impl Trials {
     }
 
     pub(super) fn price(&self) -> f64 {
-        // What a number must gain by Schwarz (1978).
+        // A number must gain this much log likelihood, by Schwarz (1978).
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
 

@@ -41,7 +41,7 @@ pub(super) fn highlight_ui<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce
 }
 
 fn concerns(lit: &str, path: &str) -> bool {
-    // The id becomes a part of its own, for which `*` can stand.
+    // The key is split around the id, so that `*` may stand in place of the id.
     let [lit, path] = [lit, path].map(|path| path.replacen("filters#", "filters.#", 1));
     // The shorter one decides: a lit table lights each of its numbers.
     lit.split('.').zip(path.split('.')).all(|(a, b)| a == b || a == "*")

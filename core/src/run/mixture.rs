@@ -212,7 +212,7 @@ impl WeightRule for Guesses {
         {
             return Err(reason);
         }
-        // Of equals the first, whose guess is the nearest: `max_by` takes the last one.
+        // Of equally likely guesses the first counts, which is the nearest: `max_by` takes the last one, so the order is turned.
         *leader = (0..each.len()).rev().max_by(|a, b| each[*a][0].total_cmp(&each[*b][0])).unwrap_or(0);
         let is_measured = members.iter().any(MixtureMember::is_read);
         *measured += usize::from(is_measured);
@@ -220,7 +220,7 @@ impl WeightRule for Guesses {
             let best = each[*leader][0];
             for (member, [sum, before]) in members.iter_mut().zip(each) {
                 let behind = best - *sum;
-                // Who catches up stays: it may only have begun far off.
+                // A guess that catches up stays: it may only have begun far off.
                 if behind >= FAR_BEHIND && behind >= *before {
                     (*sum, _) = (f64::NEG_INFINITY, member.failure.get_or_insert(FilterError::ImpossibleMeasurement));
                 }

@@ -54,7 +54,7 @@ pub struct FaultNumber {
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
-    /// What it is measured in.
+    /// The kind of its unit.
     pub scale: Scale,
     /// The usual value on that scale.
     pub usual: f64,
@@ -64,7 +64,7 @@ pub struct FaultNumber {
     pub allowed: Allowed,
 }
 
-/// What the number of a fault is measured in.
+/// The kind of unit of a fault's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// A pure number.

@@ -271,7 +271,7 @@ pub fn options() -> impl Iterator<Item = &'static Row> {
 }
 
 impl FilterSettings {
-    /// What the filter takes for late, in steps of `dt` \[s\].
+    /// The delays that the filter assumes, in steps of `dt` \[s\].
     pub fn delays(&self, dt: f64) -> Delays {
         Delays::new(self.input_delay, self.sensor_delay.iter().map(|late| late / dt))
     }

@@ -257,7 +257,7 @@ impl Agreement {
         let independent = (count as f64 / (order * span) as f64).max(3.0);
         let noise = noise.min(roughness(rates));
         let span = span as f64;
-        // Of white noise in the derivative: of its integral over a span, or of a triangle over two.
+        // The effect of white noise in the derivative: its integral over a span, or over a triangle of two spans.
         let of_noise = if order == 1 { span } else { 2.0 / 3.0 * dt * dt * span * span * span };
         let attenuation = 1.0 - of_noise * (dt * noise).powi(2) / (sums.squares[1] / sums.count);
         let factor = sums.slope() / attenuation.max(0.5);

@@ -70,7 +70,7 @@ pub trait Wrapper<T: Number, P: Dynamics>: Send {
     fn restore(&mut self, _: &[T]) {}
 }
 
-/// What options have learnt of the last sample.
+/// The results of the options for the last sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Learnt<'a, T> {
     /// The weight of each sensor's reading, of a filter that weighs them.

@@ -144,7 +144,7 @@ impl InstructionSet {
     }
 }
 
-/// Of the usual oscillators the compiler knows the sizes, so that loops become straight code.
+/// The compiler knows the sizes of the usual oscillators, so that their loops become straight code.
 #[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
 fn of_size<L: engine::Level>(level: L, batch: &[SetupRun<'_>], samples: &[usize]) -> Vec<Outcome> {
     let model = &batch[0].setup.design.model;

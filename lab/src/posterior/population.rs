@@ -108,7 +108,7 @@ impl<L: Fn(&[Vec<f64>]) -> Vec<f64>> Population<L> {
 
     fn proposals(&mut self, half: usize) -> Vec<Vec<f64>> {
         let Self { random, points, .. } = self;
-        // Of the other half, which rests meanwhile: moves are then reversible, and run side by side.
+        // The points of the other half rest meanwhile: moves are then reversible, and run side by side.
         let others: Vec<&Particle> = points.iter().skip(1 - half).step_by(2).collect();
         let (parameters, count) = (others[0].at.len(), others.len());
         // The best size for a normal distribution, by ter Braak (2006).

@@ -123,7 +123,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
             Some(format!("the times in `{name}` have no unit; in seconds they are {rate} samples a second: {said}")),
         );
     }
-    // Of several plausible units the one whose rate is nearest to 100 Hz.
+    // Where several units are plausible, the one counts whose rate is nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
         UNITS.iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
     let distance = |size: f64| libm::log10(rate(size) / 100.0).abs();

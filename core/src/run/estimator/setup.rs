@@ -45,7 +45,7 @@ pub struct Setup {
     pub white: f64,
     /// The record's column for each sensor.
     pub columns: Vec<usize>,
-    /// What is late: the input, and each sensor by its place among the columns.
+    /// The delays of the input, and of each sensor by its place among the columns.
     pub delays: Delays,
     /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub is_timed: bool,
