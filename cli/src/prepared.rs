@@ -210,7 +210,7 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     let remarks: Vec<String> = if is_own_form(table, &mapping) {
         left_out.into_iter().collect()
     } else {
-        let said = [Some(table.form.clone()), Some(meaning(&mapping)), left_out, Some(OVERRIDDEN.to_owned())];
+        let said = [Some(table.form.clone()), Some(mapping.in_words()), left_out, Some(OVERRIDDEN.to_owned())];
         said.into_iter().flatten().collect()
     };
     let imported = build(table, &mapping, scenario.input, scenario.hold, scenario.plant.kind.channels());
@@ -231,17 +231,6 @@ pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
 
 fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
     import::read(bytes, dialect).map_err(|error| InputError::bad(path, &error))
-}
-
-fn meaning(mapping: &Mapping) -> String {
-    let time = match (&mapping.time.column, mapping.time.rate) {
-        (Some(column), _) => format!("time in `{column}`"),
-        (None, Some(rate)) => format!("{rate} samples per second"),
-        (None, None) => "no time".to_owned(),
-    };
-    let input = mapping.input.iter().map(|input| format!("input in `{}`", input.column));
-    let sensors = mapping.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
-    std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
 }
 
 fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option<String> {

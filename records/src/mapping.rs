@@ -196,6 +196,18 @@ pub enum Decimal {
 }
 
 impl Mapping {
+    /// What the columns mean, in one sentence.
+    pub fn in_words(&self) -> String {
+        let time = match (&self.time.column, self.time.rate) {
+            (Some(column), _) => format!("time in `{column}`"),
+            (None, Some(rate)) => format!("{rate} samples per second"),
+            (None, None) => "no time".to_owned(),
+        };
+        let input = self.input.iter().map(|input| format!("input in `{}`", input.column));
+        let sensors = self.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
+        std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
+    }
+
     /// Checks every number.
     ///
     /// # Errors

@@ -13,7 +13,15 @@ use crate::scenario::{Law, Scenario, ScenarioError, Sensor, Values, short};
 impl Scenario {
     /// [`Self::from_toml`] for a document of any format; errors are without the line.
     pub fn from_document(document: &Document) -> Result<Self, ScenarioError> {
-        Self::read(document, |error| error).map(|(scenario, _)| scenario)
+        Self::from_document_with_remarks(document).map(|(scenario, _)| scenario)
+    }
+
+    /// The same, with the sentences of [`Self::from_toml_with_remarks`].
+    ///
+    /// # Errors
+    /// Those of [`Self::from_document`].
+    pub fn from_document_with_remarks(document: &Document) -> Result<(Self, Vec<String>), ScenarioError> {
+        Self::read(document, |error| error)
     }
 
     /// Reads a document; `locate` adds to an error its place in the text that the document was read from.
