@@ -112,3 +112,36 @@ def textbook_filter(readings, q, book):
         y, P = move(y), product(product(phi, P), list(zip(*phi)))
         P[2][2] += q * dt
     return path
+
+
+STOREYS = [k / 1.1 for k in [862.07] * 5 + [554.17] * 6 + [453.51] * 3 + [291.23] * 3 + [256.46] * 2 + [171.70]]  # stiffness over mass [1/s²]
+RAYLEIGH = (0.1298, 0.0155)  # 1/s, s: 5 % in the first two modes
+
+
+def low_passed(draw, seconds, dt, cutoff):
+    """White noise behind two equal low-passes of first order [Hz]."""
+    share, a, b, values = 1 - math.exp(-2 * math.pi * cutoff * dt), 0.0, 0.0, []
+    for _ in range(round(seconds / dt)):
+        a += share * (draw.gauss(0, 1) - a)
+        b += share * (a - b)
+        values.append(b)
+    return values
+
+
+def storeys(seconds=30.0, dt=1e-3, noise=0.05, seed=20):
+    """Accelerations of twenty storeys, shaken at storeys 1, 5 and 18, with noise of a share of their RMS; one list a sample."""
+    draw, n, (of_mass, of_stiffness) = random.Random(seed), len(STOREYS), RAYLEIGH
+    shakers = [(storey - 1, low_passed(draw, seconds, dt, 20.0)) for storey in (1, 5, 18)]
+
+    def accelerations(state, forces):
+        x, v = state[:n], state[n:]
+        shear = [k * (x[i] - (x[i - 1] if i else 0) + of_stiffness * (v[i] - (v[i - 1] if i else 0))) for i, k in enumerate(STOREYS)] + [0.0]
+        return [forces.get(i, 0.0) - of_mass * v[i] - shear[i] + shear[i + 1] for i in range(n)]
+
+    state, rows = [0.0] * (2 * n), []
+    for k in range(len(shakers[0][1])):
+        forces = {place: values[k] for place, values in shakers}
+        rows.append(accelerations(state, forces))
+        state = runge_kutta(lambda y, f: y[n:] + accelerations(y, f), state, [forces] * 3, dt)
+    sizes = [noise * math.sqrt(sum(a * a for a in column) / len(rows)) for column in zip(*rows)]
+    return [[a + draw.gauss(0, size) for a, size in zip(row, sizes)] for row in rows], sizes
