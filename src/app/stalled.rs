@@ -78,7 +78,7 @@ impl App {
             ("The map", map, |app| _ = app.laboratory.set_stopped(true)),
             ("The runs with many seeds", runs, |app| _ = app.laboratory.seeds.set_stopped(true)),
             ("The tuning", tuning, |app| _ = app.laboratory.tuning.cancel()),
-            ("The export", exporting.as_ref().map(Exporting::progress), |app| app.exporting = None),
+            ("The export", exporting.as_ref().map(Exporting::progress), |app| _ = app.stop_export()),
         ]
     }
 
