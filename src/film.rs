@@ -9,7 +9,7 @@ mod raster;
 
 pub use changes::{Change, Color, Shades, UNCHANGED};
 use egui::epaint::ClippedShape;
-use egui::{Context, Frame, Margin, Pos2, RawInput, Rect, Theme, Vec2, ViewportId};
+use egui::{Context, Frame, Margin, Pos2, RawInput, Rect, Theme, UiBuilder, Vec2, ViewportId};
 use encoding::{Gif, Pictures, encoded};
 use kalmanscope_core::{Task as _, Work};
 use raster::{Textures, drawn};
@@ -156,7 +156,9 @@ impl Studio {
             Frame::new().inner_margin(Margin::same(MARGIN)).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
                 legend_ui(ui, context);
-                view(kind).ui(ui, context, &mut Vec::new());
+                // Plots take all of their room, from its upper corner on.
+                let below = UiBuilder::new().max_rect(ui.available_rect_before_wrap());
+                ui.scope_builder(below, |ui| view(kind).ui(ui, context, &mut Vec::new()));
             });
         });
         self.textures.take(output.textures_delta);

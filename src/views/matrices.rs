@@ -12,6 +12,7 @@ use step::{FilterStep, StepResult};
 
 use crate::plot::medium::Medium;
 use crate::request::Request;
+use crate::text::significant;
 use crate::theme;
 use crate::view::{View, ViewContext};
 use crate::views::gain::sensor_ui;
@@ -55,6 +56,11 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
                 ui.weak("The sample before is no longer kept.");
             } else if let Some(step) = FilterStep::of(context, place, choice, k) {
                 step_ui(ui, context, estimates, &step, number);
+                let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood(k));
+                if !nis.is_nan() {
+                    let [nis, ln] = [nis, log_likelihood].map(|x| significant(x, 4));
+                    ui.weak(format!("NIS {nis} · log likelihood {ln}"));
+                }
             } else {
                 ui.weak(format!("This filter does not estimate the {}.", channel.name()));
             }
@@ -109,6 +115,10 @@ fn step_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, step: 
     Diagram { step, name: estimates.name(), color, palette, shown: &shown }.ui(ui);
     for (_, sentence) in remarks(step).into_iter().filter(|(is_so, _)| *is_so) {
         ui.weak(sentence);
+    }
+    // A figure is for paper or a slide, which has no room for more than the flow.
+    if Medium::of(ui.ctx()) == Medium::Figure {
+        return;
     }
     if let Some(wanted) = equations_ui(ui, estimates.id(), step, &shown) {
         looked.push(wanted);

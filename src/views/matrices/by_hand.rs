@@ -103,7 +103,7 @@ fn equations(step: &FilterStep, shown: &dyn Fn(StepResult, String) -> String) ->
         let difference = format!("{} − {}", r(reading.mean), in_brackets(r(h.mean)));
         let parts = format!("{} + {}", s(h.variance - reading.variance), s(reading.variance));
         all.extend([
-            one("e", format!("{z} − h({y}⁻)"), difference, (Innovation, update.innovation()), other),
+            one("e", format!("{z} − h(y⁻)"), difference, (Innovation, update.innovation()), other),
             one("S", "H P⁻Hᵀ + R".to_owned(), parts, variance(), &squared(other)),
             one("K", formula, quotient, (Gain, significant(update.gain, 4)), &ratio),
         ]);

@@ -2,14 +2,14 @@
 
 use egui::epaint::{BandPoint, BandShape};
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo,
+    pos2, vec2,
 };
 
 use super::step::{FilterStep, Normal, StepResult};
 use crate::spark::range;
 use crate::text::significant;
 use crate::theme::Palette;
-use crate::widgets::named;
 
 /// Limits the width below which the boxes stand in a column, and that of the flow \[points\].
 const ROW: f32 = 660.0;
@@ -21,7 +21,7 @@ const INSET: f32 = 7.0;
 const LINE: f32 = 1.3;
 
 /// The length of an arrow in a row as a share of the width, and in a column in lines; the size of its head \[points\].
-const ARROW: f32 = 0.1;
+const ARROW: f32 = 0.085;
 const DROP: f32 = 1.7;
 const HEAD: f32 = 4.0;
 
@@ -101,7 +101,8 @@ impl Diagram<'_> {
             pen.arrow(&[from, from + down, to + down, to], true);
         }
         let [before, _, e, k, after] = boxes.each_ref().map(|one| &one.lines[0]);
-        named(response, format!("Flow of {}: {before}, {e}, {k}, then {after}", self.name));
+        let words = format!("Flow of {}: {before}, {e}, {k}, then {after}", self.name);
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &words));
     }
 
     fn boxes(&self) -> [FlowBox<'_>; 5] {
@@ -153,7 +154,7 @@ impl Diagram<'_> {
         let shift = step.digits[0].text(step.beliefs[2].mean - step.beliefs[1].mean);
         [
             [way, noise],
-            [format!("h({}⁻)", step.channel.symbol()), r.text(update.expected.mean)],
+            ["h(y⁻)".to_owned(), r.text(update.expected.mean)],
             ["S".to_owned(), shown(StepResult::InnovationVariance, s.text(update.expected.variance))],
             ["+ K e".to_owned(), shown(StepResult::Shift, shift)],
             ["z =".to_owned(), r.text(update.measured.mean)],
@@ -244,7 +245,7 @@ impl Pen<'_> {
         self.painter.rect_filled(split, 0.0, self.color.gamma_multiply(0.65));
         for (at, align, words) in [
             (bar.left_top(), Align2::LEFT_BOTTOM, format!("P⁻ {:.0} %", 100.0 * share)),
-            (bar.right_top(), Align2::RIGHT_BOTTOM, format!("R {:.0} %", 100.0 * (1.0 - share))),
+            (bar.right_bottom() + 4.0 * Vec2::DOWN, Align2::RIGHT_TOP, format!("R {:.0} %", 100.0 * (1.0 - share))),
         ] {
             self.painter.text(at - Vec2::DOWN * 2.0, align, words, self.font.clone(), self.palette.weak);
         }
