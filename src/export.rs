@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use egui::{Context, Id, Popup, Ui};
+use egui::{Context, Id, Popup, Theme, Ui};
 use kalmanscope_cli::{ReportParts, Results, report, write_estimates};
 use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::{Estimates, Task};
@@ -10,6 +10,7 @@ use kalmanscope_diagnosis::Analysis;
 use kalmanscope_diagnosis::Remedy;
 
 use crate::figure::Figure;
+use crate::film::Film;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::ViewLayout;
@@ -20,13 +21,15 @@ use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
 use crate::team::{Lost, Priority, RunningTask};
 use crate::view::ViewContext;
+use crate::views::view;
 use crate::widgets::named;
 
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
-const TEXT: [ViewKind; 3] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters];
+const TABLES: [ViewKind; 2] = [ViewKind::Scores, ViewKind::Filters];
 
 const JSON: &str = "application/json";
+const GIF: &str = "image/gif";
 const SVG: &str = "image/svg+xml";
 const TOML: &str = "application/toml";
 
@@ -52,21 +55,29 @@ pub(crate) struct Exporting {
     export: Export,
     figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
     drawn: Vec<String>,
+    film: Option<Film>,
+    /// What the user should know about the file, beyond its place.
+    pub(crate) remark: String,
     written: Option<RunningTask<Everything>>,
 }
 
 impl Exporting {
-    pub(crate) fn new(export: Export, layout: &ViewLayout) -> Self {
+    pub(crate) fn new(export: Export, layout: &ViewLayout, session: &Session, theme: Theme) -> Self {
         let figures = match export {
             Export::Figure(format) => vec![(layout.rows(), format)],
             Export::Report => {
                 let more = ALWAYS.into_iter().filter(|kind| !layout.shown().contains(kind));
-                let views = layout.in_order().into_iter().chain(more).filter(|kind| !TEXT.contains(kind));
+                let views = layout.in_order().into_iter().chain(more).filter(|kind| !TABLES.contains(kind));
                 views.map(|kind| (vec![vec![kind]], FigureFormat::Page)).collect()
             }
             _ => Vec::new(),
         };
-        Self { export, figures, drawn: Vec::new(), written: None }
+        let film = match export {
+            Export::Film(view) if !session.is_live() => view.or_else(|| layout.in_sight().first().copied()),
+            _ => None,
+        };
+        let film = film.map(|view| Film::new(view, session, theme));
+        Self { export, figures, drawn: Vec::new(), film, remark: String::new(), written: None }
     }
 
     pub(crate) fn wanted(&self) -> Wanted {
@@ -77,7 +88,14 @@ impl Exporting {
         matches!(self.export, Export::Report | Export::All)
     }
 
+    pub(crate) fn film(&self) -> Option<&Film> {
+        self.film.as_ref()
+    }
+
     pub(crate) fn progress(&self) -> f64 {
+        if let Some(film) = &self.film {
+            return film.progress();
+        }
         // One more for the text: the share is not whole before the file is.
         self.drawn.len() as f64 / (self.figures.len() + 1) as f64
     }
@@ -88,6 +106,15 @@ impl Exporting {
         layout: &ViewLayout,
     ) -> Option<Result<ExportFile, String>> {
         let session = context.session;
+        if let Some(film) = &mut self.film {
+            let (contents, remark) = match film.advance(context)? {
+                Ok(made) => made,
+                Err(reason) => return Some(Err(reason)),
+            };
+            self.remark = remark.map_or_else(String::new, |remark| format!(". {remark}"));
+            let name = format!("{}.gif", view(film.view).name.replace(' ', "-").to_lowercase());
+            return Some(Ok(ExportFile { name, kind: GIF, contents }));
+        }
         // One figure a frame, since all figures of a report would be one long frame.
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
@@ -102,6 +129,8 @@ impl Exporting {
     fn file(&mut self, context: &ViewContext<'_>, layout: &ViewLayout) -> Result<Option<ExportFile>, String> {
         let (session, figures) = (context.session, &self.drawn);
         Ok(Some(match self.export {
+            Export::Film(_) if session.is_live() => return Err("the measurement has not ended".to_owned()),
+            Export::Film(_) => return Err("no view is shown".to_owned()),
             Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), SVG, figures.concat()),
             Export::Report => text("report.html", "text/html", report_on(session, figures)?),
             Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
@@ -197,6 +226,8 @@ impl Task for Everything {
 
 const FIGURE: (&str, &str) = ("Figure…", "The views on screen as outlines and text, for a document");
 
+const FILM: (&str, &str) = ("Film…", "Five seconds of a view from now on as an animated GIF, for a slide");
+
 const REPORT: (Export, &str, &str) = (
     Export::Report,
     "Report (HTML)",
@@ -207,7 +238,8 @@ const SESSION: (Export, &str, &str) =
     (Export::Session, "Session file", "Settings, views and time: open or drop it to continue");
 
 pub(crate) fn entries() -> impl Iterator<Item = (Request, &'static str, &'static str)> {
-    let all = std::iter::once(REPORT).chain(DATA).chain([SESSION]);
+    let film = (Export::Film(None), FILM.0, FILM.1);
+    let all = [film, REPORT].into_iter().chain(DATA).chain([SESSION]);
     let all = all.map(|(export, name, hint)| (Request::Export(export), name, hint));
     std::iter::once((Request::ShowFigure, FIGURE.0, FIGURE.1)).chain(all)
 }
@@ -223,6 +255,18 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, layout: &ViewLayout, requests: 
         entry(ui, (Request::CopyLink, "Copy link", "To this picture: settings, views and time (C)"));
         let as_request = |(export, name, hint)| (Request::Export(export), name, hint);
         entry(ui, (Request::ShowFigure, FIGURE.0, FIGURE.1));
+        match layout.in_sight()[..] {
+            [] => {}
+            [kind] => entry(ui, as_request((Export::Film(Some(kind)), FILM.0, FILM.1))),
+            ref kinds => {
+                let films = ui.menu_button(FILM.0, |ui| {
+                    for kind in kinds {
+                        entry(ui, as_request((Export::Film(Some(*kind)), view(*kind).name, FILM.1)));
+                    }
+                });
+                films.response.remembered(FILM.0);
+            }
+        }
         entry(ui, as_request(REPORT));
         let data = ui.menu_button("Data…", |ui| {
             // Nothing is computed for a view that is not there.

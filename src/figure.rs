@@ -7,7 +7,8 @@ mod canvas;
 mod dialog;
 mod svg;
 
-use canvas::{Canvas, FigurePart, Geometry, Pen, TYPE, extent};
+pub(crate) use canvas::extent;
+use canvas::{Canvas, FigurePart, Geometry, Pen, TYPE};
 use egui::epaint::ClippedShape;
 use egui::{Color32, Label, Pos2, RichText, Sense, Ui, Vec2, pos2, vec2};
 
@@ -153,10 +154,11 @@ impl FigurePage<'_> {
     }
 
     fn text_size(&self, kind: ViewKind, width: f32) -> Option<Vec2> {
-        let room = match kind {
-            ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters => AMPLE,
-            _ => return None,
-        };
+        if !kind.is_text() {
+            return None;
+        }
+        // A diagram is laid out for the width that there is; a table takes its own.
+        let room = if kind == ViewKind::Matrices { width } else { AMPLE };
         let shapes = self.canvas.draw(vec2(room, AMPLE), |ui| self.view_ui(ui, kind));
         Some((extent(&shapes) + vec2(6.0, 6.0)).max(vec2(width, 20.0)))
     }
@@ -201,13 +203,12 @@ impl FigurePage<'_> {
 }
 
 fn can_grow(kind: ViewKind) -> bool {
-    let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters);
-    !is_text && kind.proportions() != Proportions::Flat
+    !kind.is_text() && kind.proportions() != Proportions::Flat
 }
 
 const SAMPLE: egui::Vec2 = vec2(18.0, 9.0);
 
-pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
+pub(crate) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
     let ViewContext { session, palette, visible, .. } = *context;
     let record = session.run().record();
     let knows_truth = !record.true_channels().is_empty();

@@ -75,6 +75,11 @@ impl ViewKind {
         views.find(|view| view.tabs.contains(&self)).map_or(&[], |view| view.tabs)
     }
 
+    /// Whether its contents determine its height.
+    pub(crate) const fn is_text(self) -> bool {
+        matches!(self, Self::Matrices | Self::Scores | Self::Filters)
+    }
+
     pub(crate) const fn proportions(self) -> Proportions {
         match self {
             Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse => Proportions::Square,

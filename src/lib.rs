@@ -12,6 +12,7 @@ mod drawer;
 mod equation;
 pub mod export;
 pub mod figure;
+pub mod film;
 mod finder;
 pub mod import;
 pub mod inbox;

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use egui_tiles::Tree;
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Change};
+use kalmanscope_core::{Channel, Scenario};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
 use crate::laboratory::{MapChoice, SeedChoice, SensorChoice, TuneChoice};
@@ -78,7 +78,12 @@ pub enum Request {
     PlaceMark(RulerEnd, f64),
     ToggleMark(RulerEnd),
     ClearMarks,
+    ChooseChannel(Channel),
+    /// Show the gain and the step by this sensor, by its place.
+    ChooseSensor(usize),
+    HideResults(bool),
     Export(Export),
+    StopExport,
     ShowFigure,
     ToggleExports,
     ChooseMap(Box<MapChoice>),
@@ -107,6 +112,8 @@ impl Request {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
     Figure(FigureFormat),
+    /// Of a view, or of the first one in sight.
+    Film(Option<ViewKind>),
     Map,
     MonteCarlo,
     Report,

@@ -15,6 +15,10 @@ pub struct Visibility {
     pub verdicts: bool,
     pub hindsight: bool,
     pub only: Vec<Channel>,
+    /// The channel of the step by hand, the place of its sensor and of the gain's, and whether a reader fills in the results.
+    pub channel: Option<Channel>,
+    pub sensor: usize,
+    pub hides_results: bool,
     hidden_filters: BTreeSet<u32>,
 }
 
@@ -27,6 +31,9 @@ impl Default for Visibility {
             verdicts: true,
             hindsight: true,
             only: Vec::new(),
+            channel: None,
+            sensor: 0,
+            hides_results: false,
             hidden_filters: BTreeSet::new(),
         }
     }
@@ -58,7 +65,7 @@ impl Visibility {
     }
 
     pub(crate) fn hidden(&self) -> Vec<LegendEntry> {
-        let Self { truth, measured, bands, verdicts, hindsight, only: _, hidden_filters } = self;
+        let Self { truth, measured, bands, verdicts, hindsight, hidden_filters, .. } = self;
         let parts = [
             (LegendEntry::Truth, *truth),
             (LegendEntry::Measured, *measured),

@@ -12,6 +12,7 @@ pub use kalmanscope_filters::fourier::Transform;
 pub use kalmanscope_filters::gaussian_likelihood::log_likelihood;
 pub use kalmanscope_filters::lists::{mapped, numbers, places, sort_items, sort_numbers, sorted_places};
 pub use kalmanscope_records::hash::short_hash;
+pub use kalmanscope_records::task::pause;
 
 /// The engine, its filters of scenarios and its runs over records.
 pub mod engine {

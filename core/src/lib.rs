@@ -79,6 +79,7 @@ pub use run::remarks::{Remark, Trouble};
 pub use run::run_error::RunError;
 pub use run::simulate::{Simulator, Source, TruthError, TruthStop, simulate};
 pub use run::sink::{AssumedNoise, LastSample, Sample, Sink};
+pub use run::spread::Spread;
 pub use run::tape::Tape;
 pub use run::{Run, Update, smoothed};
 pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};

@@ -12,6 +12,7 @@ pub(crate) mod run_error;
 pub(crate) mod simulate;
 pub(crate) mod sink;
 pub(crate) mod smoother;
+pub(crate) mod spread;
 pub(crate) mod tape;
 pub(crate) mod waste;
 

@@ -105,17 +105,17 @@ impl App {
             Request::Leave => {
                 // Esc leaves one thing at a time: `||` stops at the first that was there.
                 let is_done = std::mem::take(&mut self.keys_open)
-                    || self.exporting.take().is_some()
+                    || self.stop_export()
                     || self.figure_dialog.take().is_some()
-                    || session.cancel()
-                    || laboratory.set_stopped(true)
-                    || laboratory.seeds.set_stopped(true)
-                    || laboratory.tuning.cancel()
-                    || laboratory.sensors.set_stopped(true)
+                    || self.session.cancel()
+                    || self.laboratory.set_stopped(true)
+                    || self.laboratory.seeds.set_stopped(true)
+                    || self.laboratory.tuning.cancel()
+                    || self.laboratory.sensors.set_stopped(true)
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {
-                    layout.leave_enlarged();
+                    self.layout.leave_enlarged();
                 }
             }
             Request::ForgetRecord => self.forget_record(ctx),
@@ -147,10 +147,16 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
+            Request::ChooseChannel(channel) => visible.channel = Some(channel),
+            Request::ChooseSensor(sensor) => visible.sensor = sensor,
+            Request::HideResults(hides) => visible.hides_results = hides,
             Request::Export(export) => {
-                (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
+                self.stop_export();
+                let exporting = Exporting::new(export, &self.layout, &self.session, ctx.theme());
+                (self.notice, self.exporting) = (None, Some(exporting));
                 ctx.request_repaint();
             }
+            Request::StopExport => _ = self.stop_export(),
             Request::ShowFigure => self.figure_dialog = Some(FigureDialog::default()),
             Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),

@@ -13,6 +13,7 @@ use crate::request::{FigureFormat, Request};
 use crate::share;
 use crate::theme::Palette;
 use crate::view::ViewContext;
+use crate::views::view;
 
 impl App {
     #[must_use]
@@ -83,16 +84,37 @@ impl App {
     pub(super) fn follow_export(&mut self, ctx: &Context) {
         let Some(mut exporting) = self.exporting.take() else { return };
         let palette = Palette::of(egui::Theme::Light);
+        if let Some(film) = exporting.film() {
+            self.session.seek(film.time());
+            let sentence = format!("Film of {}: {:.0} %", view(film.view).name, 100.0 * film.progress());
+            self.notice = Some(Notice { button: Some(("Stop", Request::StopExport)), ..Notice::done(&sentence) });
+        }
         let Some(made) = exporting.advance(&self.figure_context(&palette), &self.layout) else {
             self.exporting = Some(exporting);
             return ctx.request_repaint();
         };
+        if exporting.film().is_some() {
+            self.notice = None;
+        }
+        let remark = std::mem::take(&mut exporting.remark);
         let deliver = self.deliver.as_ref().ok_or_else(|| "there is no place for files here".to_owned());
         let failed = |reason: &str| format!("The file cannot be written: {reason}.");
         match made.and_then(|file| Ok((deliver?, file))) {
-            Ok((deliver, file)) => deliver(file, self.inbox.done(ctx, |place| format!("Written: {place}"), failed)),
+            Ok((deliver, file)) => {
+                deliver(file, self.inbox.done(ctx, move |place| format!("Written: {place}{remark}"), failed))
+            }
             Err(reason) => self.notice = Some(failed(&reason).into()),
         }
+    }
+
+    /// Playback returns to where it was before a film.
+    pub(super) fn stop_export(&mut self) -> bool {
+        let Some(exporting) = self.exporting.take() else { return false };
+        if let Some(film) = exporting.film() {
+            self.session.seek(film.before);
+            self.notice = None;
+        }
+        true
     }
 
     pub(super) fn open_session(&mut self, picture: share::SavedPicture, ctx: &Context) {

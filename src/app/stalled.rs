@@ -80,7 +80,7 @@ impl App {
             ("The runs with many seeds", runs, |app| _ = app.laboratory.seeds.set_stopped(true)),
             ("The tuning", tuning, |app| _ = app.laboratory.tuning.cancel()),
             ("The comparison of sensors", sensors, |app| _ = app.laboratory.sensors.set_stopped(true)),
-            ("The export", exporting.as_ref().map(Exporting::progress), |app| app.exporting = None),
+            ("The export", exporting.as_ref().map(Exporting::progress), |app| _ = app.stop_export()),
         ]
     }
 

@@ -77,7 +77,7 @@ fn beyond(limits: Rect, ground: Rect) -> Rect {
     limits
 }
 
-pub(super) fn extent(shapes: &[ClippedShape]) -> Vec2 {
+pub(crate) fn extent(shapes: &[ClippedShape]) -> Vec2 {
     let mut extent = Vec2::ZERO;
     shapes.iter().for_each(|clipped| extend(&clipped.shape, &mut extent));
     extent

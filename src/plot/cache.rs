@@ -38,7 +38,7 @@ pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl Fn
     let turns = Id::unique("turns of the charts");
     // Passes and not frames: egui may draw a frame twice, and each time all charts ask.
     let pass = ctx.cumulative_pass_nr();
-    let budget = if Medium::of(ctx) == Medium::Figure { Budget::Unlimited } else { budget };
+    let budget = if Medium::of(ctx) == Medium::Screen { budget } else { Budget::Unlimited };
     let may = ctx.data_mut(|data| data.get_temp_mut_or_default::<Turns>(turns).may_draw(chart, pass, budget));
     if !may {
         ctx.request_repaint();

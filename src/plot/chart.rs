@@ -65,7 +65,7 @@ impl<'a> Chart<'a> {
     fn ui(self, ui: &mut Ui, input: &PlotInput<'_>, last_row: bool, requests: &mut Vec<Request>) -> ChartResponse {
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
-            Medium::Screen => {
+            Medium::Screen | Medium::Film => {
                 self.readouts.unwrap_or_else(|| readouts(&self.columns, input.axis.readout(input.session)))
             }
             Medium::Figure => Vec::new(),
@@ -124,7 +124,7 @@ impl<'a> Chart<'a> {
         labels_ui(ui, &transform, &layers);
         frame_ui(ui, &transform, palette);
         let response = response.response;
-        if medium == Medium::Figure {
+        if medium != Medium::Screen {
             return ChartResponse { pointed: None, alone: false };
         }
         let marks = drawn.get().map_or(&[][..], |drawn| &drawn.marks[..]);

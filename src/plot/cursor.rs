@@ -45,7 +45,7 @@ impl Cursors {
             }
         }
         // The newest sample of a growing record is where the lines end.
-        if session.mode() == Mode::Whole && medium == Medium::Screen {
+        if session.mode() == Mode::Whole && medium != Medium::Figure {
             add(session.time(), "", palette.weak, true);
         }
         if axis.pointed.is_some() {

@@ -8,6 +8,8 @@ pub(crate) enum Medium {
     Screen,
     /// A figure: outlines that can be enlarged, and nothing that a reader cannot use, such as handles or values at the pointer.
     Figure,
+    /// A film: as a figure, with the values at the time of playback.
+    Film,
 }
 
 impl Medium {
@@ -32,7 +34,7 @@ impl Medium {
     /// The height of the time axis in the last row of plots \[points\]. In a figure it includes a title.
     pub(crate) const fn axis_height(self) -> f32 {
         match self {
-            Self::Screen => 18.0,
+            Self::Screen | Self::Film => 18.0,
             Self::Figure => 33.0,
         }
     }
@@ -40,7 +42,7 @@ impl Medium {
     /// The least distance between the numbers at a plot's axes, `[across, up]` \[points\].
     pub(crate) const fn between_ticks(self) -> [f32; 2] {
         match self {
-            Self::Screen => [75.0, 34.0],
+            Self::Screen | Self::Film => [75.0, 34.0],
             Self::Figure => [62.0, 25.0],
         }
     }
@@ -95,7 +97,7 @@ pub(crate) fn cells_ui(ui: &mut Ui, count: usize, cell_ui: &mut dyn FnMut(&mut U
     };
     match medium {
         Medium::Screen => _ = ScrollArea::vertical().auto_shrink(false).show(ui, all_ui),
-        Medium::Figure => all_ui(ui),
+        Medium::Figure | Medium::Film => all_ui(ui),
     }
 }
 

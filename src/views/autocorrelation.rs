@@ -42,7 +42,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     ui.small(match (&span, Medium::of(ui.ctx())) {
         (Some(_), _) => "From A to B.",
         (None, Medium::Screen) => "Of all samples; mark A and B for a part of them.",
-        (None, Medium::Figure) => "Of all samples.",
+        (None, Medium::Figure | Medium::Film) => "Of all samples.",
     });
     cells_ui(ui, sensors.len(), &mut |ui, sensor, last_row| {
         let mut band = 0.0_f64;

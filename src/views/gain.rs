@@ -1,6 +1,6 @@
 //! The Kalman gain over time.
 
-use egui::{Id, Ui};
+use egui::Ui;
 use kalmanscope_core::{Channel, Estimates, Quantity};
 
 use crate::plot::chart::{Chart, Curve, charts_ui};
@@ -33,23 +33,24 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
         ui.weak("Nothing is measured.");
         return None;
     }
-    let sensor = sensor_ui(ui, &context.session.sensors());
+    let sensors = context.session.sensors();
+    let sensor = context.visible.sensor.min(sensors.len() - 1);
+    sensor_ui(ui, &sensors, sensor, requests);
     charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
 }
 
-fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
-    let id = Id::unique("sensor of the gain");
-    let mut chosen = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(sensors.len() - 1);
+pub(super) fn sensor_ui(ui: &mut Ui, sensors: &[Quantity], chosen: usize, requests: &mut Vec<Request>) {
     if sensors.len() > 1 {
         ui.horizontal(|ui| {
             for (sensor, quantity) in sensors.iter().enumerate() {
                 let hint = format!("What the {} sensor moves", quantity.key());
-                ui.selectable_value(&mut chosen, sensor, format!("from e({})", quantity.symbol())).on_hover_text(hint);
+                let button = ui.selectable_label(sensor == chosen, format!("from e({})", quantity.symbol()));
+                if button.on_hover_text(hint).clicked() {
+                    requests.push(Request::ChooseSensor(sensor));
+                }
             }
         });
-        ui.data_mut(|data| data.insert_temp(id, chosen));
     }
-    chosen
 }
 
 fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {

@@ -51,7 +51,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Opti
     let reason_width = column.clamp(REASON.0, REASON.1);
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("scores").striped(true).spacing([SPACING, 4.0]).show(ui, |ui| {
-            if Medium::of(ui.ctx()) == Medium::Figure {
+            if Medium::of(ui.ctx()) != Medium::Screen {
                 ui.label("");
             } else if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
                 ui.ctx().copy_text(as_text(&summaries, &rows));

@@ -367,3 +367,53 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     assert!(third.state().session().is_measured(), "{:?}", third.state().session().problem());
     assert!(third.query_by_label(&place).is_none() && third.query_by_label("Open the record").is_none());
 }
+
+/// A film of a view alone from a time on, and the delays \[0.01 s\] and the widths of its frames.
+fn film(screen: &mut Screen, files: &Files, kind: ViewKind, time: f64) -> (ExportFile, Vec<u16>, Vec<u16>) {
+    show(screen, &[kind]);
+    screen.state_mut().session_mut().seek(time);
+    click(screen, "Export");
+    screen.get_by_label("Film…").click();
+    frames_until_delivered(screen, files);
+    screen.run_steps(2);
+    let file = files.borrow_mut().pop().expect("a film is delivered");
+    assert_eq!(screen.state().session().time(), time, "playback is where it was");
+    assert_eq!(screen.state().notice(), Some(format!("Written: {}", file.name).as_str()));
+    assert!(file.contents.len() <= kalmanscope::film::LARGEST, "{}", file.contents.len());
+    let mut decoder = gif::DecodeOptions::new().read_info(&file.contents[..]).expect("it is a GIF");
+    let (mut delays, mut widths) = (Vec::new(), Vec::new());
+    while let Some(frame) = decoder.read_next_frame().expect("every frame can be read") {
+        delays.push(frame.delay);
+        widths.push(frame.width);
+    }
+    (file, delays, widths)
+}
+
+#[test]
+fn five_seconds_of_any_view_are_a_film() {
+    let (mut screen, files) = exporting(DESKTOP);
+    // At 18 s of 20 s a second of the film is left: it begins earlier.
+    let (file, delays, widths) = film(&mut screen, &files, ViewKind::Oscillator, 18.0);
+    assert_eq!((file.name.as_str(), file.kind), ("oscillator.gif", "image/gif"));
+    assert_eq!((delays.len(), delays.iter().sum::<u16>(), widths[0]), (60, 500, 800));
+    assert!(widths.iter().all(|width| *width > 1), "the mass moves in each picture");
+    assert_eq!(film(&mut screen, &files, ViewKind::Oscillator, 18.0).0, file, "the same film again");
+    let (_, delays, widths) = film(&mut screen, &files, ViewKind::Matrices, 1.0);
+    assert_eq!(delays.len(), 60);
+    assert!(widths.iter().all(|width| *width > 20), "each sample has other numbers");
+}
+
+#[test]
+fn escape_stops_a_film_of_one_of_several_views_and_playback_returns() {
+    let (mut screen, files) = exporting(DESKTOP);
+    click(&mut screen, "Export");
+    click(&mut screen, "Film…");
+    screen.get_by_role_and_label(egui::accesskit::Role::Button, "Parameters").click();
+    screen.run_steps(10);
+    assert!(screen.state().notice().is_some_and(|notice| notice.starts_with("Film of Parameters: ")));
+    assert_ne!(screen.state().session().time(), 10.0);
+    press(&mut screen, Key::Escape);
+    screen.run_steps(100);
+    assert!(files.borrow().is_empty());
+    assert_eq!((screen.state().session().time(), screen.state().notice()), (10.0, None));
+}

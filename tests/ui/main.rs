@@ -31,6 +31,7 @@ mod settings;
 mod share;
 mod sizes;
 mod sounds;
+mod step;
 mod story;
 mod streams;
 mod thumb;

@@ -72,7 +72,7 @@ pub(super) fn dot_ui(
         return;
     }
     let place = graph.rect.clamp(at);
-    if Medium::of(ui.ctx()) == Medium::Figure {
+    if Medium::of(ui.ctx()) != Medium::Screen {
         return paint(ui, place, false, place == at, palette);
     }
     let reach = if ui.input(InputState::has_touch_screen) { GRASP.1 } else { GRASP.0 };

@@ -147,7 +147,7 @@ pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[MapPanel], survey: &Sur
         return bars.iter().enumerate().map(place).collect();
     }
     let height = (area.height() - gaps) / count;
-    if height >= LOW || Medium::of(ui.ctx()) == Medium::Figure {
+    if height >= LOW || Medium::of(ui.ctx()) != Medium::Screen {
         let place = |at: usize| {
             let room = Rect::from_min_size(corner, vec2(area.width(), height));
             corner.y += height + GAP;
