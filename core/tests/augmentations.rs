@@ -8,7 +8,7 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{DETERMINISTIC, exponential, mean};
-use crate::run::{finished, last, oscillator};
+use crate::run::{finished, last, oscillator, plants};
 
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
@@ -163,7 +163,7 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
 
 #[test]
 fn transitions_are_derivatives_of_steps() {
-    for plant in PlantKind::ALL {
+    for plant in plants() {
         let model =
             Model::new(plant.clone()).augmented([Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE]);
         let model = model.decaying(0.02).with_logarithms(plant == PlantKind::DUFFING);
