@@ -145,7 +145,7 @@ fn notes_give_the_rates_and_readings_of_the_model() {
         let (mut out, mut rate) = (vec![0.0; outputs.len()], vec![0.0; model.moving()]);
         list.run(&state, 0.7, |place, value| out[place] = value);
         let mut plain = vec![0.0; model.size];
-        model.rate(Baseline, &state, 0.7, &mut plain, &mut rate);
+        model.rate(Baseline, &state, 0.7.into(), &mut plain, &mut rate);
         let read = readings.iter().map(|reading| read(model, reading, &state, &rate, 0.7));
         let known: Vec<f64> = rate.iter().copied().chain(read).collect();
         for (found, known) in out.iter().zip(&known) {
