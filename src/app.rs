@@ -315,5 +315,7 @@ impl App {
         self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
         let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
         self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::Sensors);
+        self.laboratory.follow_sensors(&self.session, is_in_sight, ctx);
     }
 }

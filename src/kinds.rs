@@ -42,10 +42,11 @@ pub enum ViewKind {
     Map,
     MonteCarlo,
     Tune,
+    Sensors,
 }
 
 impl ViewKind {
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -66,6 +67,7 @@ impl ViewKind {
         Self::Map,
         Self::MonteCarlo,
         Self::Tune,
+        Self::Sensors,
     ];
 
     pub(crate) fn tabs(self) -> &'static [Self] {
@@ -77,7 +79,7 @@ impl ViewKind {
         match self {
             Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse => Proportions::Square,
             Self::Oscillator => Proportions::Flat,
-            Self::Map | Self::MonteCarlo | Self::Tune => Proportions::Tall,
+            Self::Map | Self::MonteCarlo | Self::Tune | Self::Sensors => Proportions::Tall,
             _ => Proportions::Wide,
         }
     }
@@ -116,7 +118,7 @@ pub const VIEWS: [(&str, &[Tabs]); 3] = [
     (
         "What if",
         &[
-            tabs("Laboratory", &[ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune]),
+            tabs("Laboratory", &[ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::Sensors]),
             tabs("Kalman gain", &[ViewKind::Gain]),
             tabs("Predict and update", &[ViewKind::Matrices]),
         ],

@@ -8,6 +8,7 @@
 
 mod choice;
 mod monte_carlo;
+mod sensors;
 mod settings;
 mod survey;
 #[cfg(test)]
@@ -26,6 +27,7 @@ use crate::team::{Finding, Team};
 pub(crate) use choice::part_of;
 pub use choice::{MOST, MapChoice};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
+pub use sensors::{SensorChoice, Sensors};
 pub(crate) use settings::{
     candidates, collide, label as setting_label, measure_label, name as setting_name, of_filters, offered,
 };
@@ -41,6 +43,7 @@ pub struct Laboratory {
     before: Option<Survey>,
     pub seeds: Seeds,
     pub tuning: Tuning,
+    pub sensors: Sensors,
     /// Its number changes whenever the map has to be drawn again, also when rows have come.
     pub state: WorkState,
     pub edition: u64,
@@ -55,6 +58,7 @@ impl Laboratory {
             before: None,
             seeds: Seeds::default(),
             tuning: Tuning::default(),
+            sensors: Sensors::default(),
             state: WorkState::default(),
             edition: 0,
         }
@@ -63,6 +67,7 @@ impl Laboratory {
     pub(crate) fn work_with(&mut self, team: Rc<dyn Team>) {
         self.rest();
         self.seeds.rest();
+        self.sensors.rest();
         self.team = team;
     }
 
@@ -149,6 +154,11 @@ impl Laboratory {
         }
     }
 
+    pub fn follow_sensors(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
+        let Self { team, sensors, .. } = self;
+        if is_in_sight { sensors.follow(&**team, session.run(), session.budget(), ctx) } else { sensors.rest() }
+    }
+
     fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<MapChoice, String> {
         if run.samples() > Session::LONGEST_WHOLE + 1 {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
@@ -201,13 +211,15 @@ impl Laboratory {
     }
 
     pub fn choices(&self) -> Choices {
-        Choices { map: self.choice.clone(), seeds: Some(self.seeds.choice), tuning: self.tuning.choice.clone() }
+        let (seeds, sensors) = (Some(self.seeds.choice), Some(self.sensors.choice.clone()));
+        Choices { map: self.choice.clone(), seeds, tuning: self.tuning.choice.clone(), sensors }
     }
 
-    pub fn restore(&mut self, Choices { map, seeds, tuning }: Choices) {
+    pub fn restore(&mut self, Choices { map, seeds, tuning, sensors }: Choices) {
         self.choose(map);
         self.seeds.choose(seeds.unwrap_or_default());
         self.tuning.choose(tuning);
+        self.sensors.choice = sensors.unwrap_or_default();
     }
 }
 
@@ -248,13 +260,17 @@ pub struct Choices {
     pub seeds: Option<SeedChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tuning: Option<TuneChoice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<SensorChoice>,
 }
 
 impl Choices {
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
-        let Self { map, seeds, tuning } = self;
+        let Self { map, seeds, tuning, sensors } = self;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
         seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
+        let of_sensors = sensors.as_ref().map_or(Ok(()), SensorChoice::check);
+        of_sensors.map_err(|reason| format!("Which sensor next: {reason}"))?;
         tuning
             .as_ref()
             .map_or(Ok(()), |tuning| tuning.check(scenario))
@@ -271,7 +287,8 @@ impl Choices {
     }
 
     pub(crate) fn or(self, others: Self) -> Self {
-        let Self { map, seeds, tuning } = self;
-        Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }
+        let Self { map, seeds, tuning, sensors } = self;
+        let (map, seeds) = (map.or(others.map), seeds.or(others.seeds));
+        Self { map, seeds, tuning: tuning.or(others.tuning), sensors: sensors.or(others.sensors) }
     }
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Change};
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
-use crate::laboratory::{MapChoice, SeedChoice, TuneChoice};
+use crate::laboratory::{MapChoice, SeedChoice, SensorChoice, TuneChoice};
 use crate::ruler::RulerEnd;
 use crate::session::Mode;
 use crate::share::SavedPicture;
@@ -87,6 +87,8 @@ pub enum Request {
     RunSeeds(bool),
     ChooseTuning(Box<TuneChoice>),
     Tune(bool),
+    ChooseSensors(Box<SensorChoice>),
+    CompareSensors(bool),
     OpenSession(Box<SavedPicture>),
 }
 

@@ -17,6 +17,7 @@ mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
 mod scores;
+mod sensors;
 pub(crate) mod sketch;
 mod spectrogram;
 mod tune;
@@ -48,6 +49,7 @@ pub fn view(kind: ViewKind) -> &'static View {
         ViewKind::Map => &map::VIEW,
         ViewKind::MonteCarlo => &monte_carlo::VIEW,
         ViewKind::Tune => &tune::VIEW,
+        ViewKind::Sensors => &sensors::VIEW,
     }
 }
 

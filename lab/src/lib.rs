@@ -20,6 +20,7 @@
 
 mod ensemble;
 mod monte_carlo;
+pub mod next_sensor;
 pub mod posterior;
 mod runner;
 mod threads;

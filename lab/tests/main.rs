@@ -5,6 +5,7 @@
 mod ensemble;
 mod lanes;
 mod monte_carlo;
+mod next_sensor;
 mod posterior;
 mod runner;
 mod threads;

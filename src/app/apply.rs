@@ -111,6 +111,7 @@ impl App {
                     || laboratory.set_stopped(true)
                     || laboratory.seeds.set_stopped(true)
                     || laboratory.tuning.cancel()
+                    || laboratory.sensors.set_stopped(true)
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {
@@ -159,6 +160,8 @@ impl App {
             Request::ChooseTuning(choice) => laboratory.tuning.choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
             Request::Tune(false) => _ = laboratory.tuning.cancel(),
+            Request::ChooseSensors(choice) => laboratory.sensors.choice = *choice,
+            Request::CompareSensors(wanted) => _ = laboratory.sensors.set_stopped(!wanted),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

@@ -48,12 +48,14 @@ impl App {
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory);
-        let [shows_seeds, shows_tuning] = [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| shown.contains(&kind));
-        let Choices { map, seeds, tuning } = picture.laboratory;
+        let of_each = [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::Sensors];
+        let [shows_seeds, shows_tuning, shows_sensors] = of_each.map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning, sensors } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
+            sensors: sensors.filter(|_| shows_sensors),
         };
         SavedPicture { laboratory, ..picture }
     }

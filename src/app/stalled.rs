@@ -65,19 +65,21 @@ impl App {
         }
     }
 
-    fn works(&self) -> [LongWork; 6] {
+    fn works(&self) -> [LongWork; 7] {
         let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
-        let Laboratory { seeds, tuning, state, .. } = laboratory;
+        let Laboratory { seeds, tuning, sensors, state, .. } = laboratory;
         let map = laboratory.progress().filter(|_| laboratory.is_working() && !state.is_stopped);
         let runs = seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64);
         let tuning = tuning.progress().filter(|_| is_in_sight(ViewKind::Tune));
+        let sensors = sensors.progress();
         [
             (IMPORT, importing.as_ref().and_then(Import::progress), |app| app.importing = None),
             ("The computation of the plots", session.progress(), |app| _ = app.session.cancel()),
             ("The map", map, |app| _ = app.laboratory.set_stopped(true)),
             ("The runs with many seeds", runs, |app| _ = app.laboratory.seeds.set_stopped(true)),
             ("The tuning", tuning, |app| _ = app.laboratory.tuning.cancel()),
+            ("The comparison of sensors", sensors, |app| _ = app.laboratory.sensors.set_stopped(true)),
             ("The export", exporting.as_ref().map(Exporting::progress), |app| app.exporting = None),
         ]
     }

@@ -2,7 +2,8 @@
 
 use egui::{Button, Checkbox, ComboBox, Ui};
 use kalmanscope_core::scenario::{Fault, FaultNumber, MAX_SENSORS};
-use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
+use kalmanscope_core::{Quantity, Scenario, Sensor};
+use kalmanscope_lab::next_sensor::measurable;
 
 use super::Edits;
 use super::highlight::highlight_ui;
@@ -19,7 +20,7 @@ fn is_measured(scenario: &Scenario, quantity: Quantity) -> bool {
 pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     let scenario = edits.scenario;
     let full = scenario.sensors.len() >= MAX_SENSORS;
-    let offered = offered(scenario);
+    let offered = measurable(scenario);
     ui.horizontal_wrapped(|ui| {
         // A chain has too many quantities to show all; those without a sensor are in a list.
         let shown = offered.iter().filter(|quantity| offered.len() <= FEW || is_measured(scenario, **quantity));
@@ -74,17 +75,6 @@ pub(super) fn sensors_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
 
 fn usual_noise(quantity: Quantity) -> f64 {
     quantity.aspect().info().usual_noise
-}
-
-fn offered(scenario: &Scenario) -> Vec<Quantity> {
-    let (kind, input) = (scenario.plant.kind.clone(), scenario.input);
-    // Under a force total and relative acceleration are equal, and so are drift and displacement of the first mass.
-    let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
-        aspect if aspect == Aspect::TOTAL_ACCELERATION => input == InputKind::GroundAcceleration,
-        aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,
-        _ => true,
-    };
-    kind.quantities().filter(|quantity| is_told_apart(quantity) || is_measured(scenario, *quantity)).collect()
 }
 
 pub(super) fn faults_ui(ui: &mut Ui, sensor: &Sensor, edits: &mut Edits<'_>) {

@@ -26,6 +26,7 @@ mod playback;
 mod record_store;
 mod records;
 mod screen_text;
+mod sensors;
 mod settings;
 mod share;
 mod sizes;
