@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::import::{Dimension, unit};
-use kalmanscope_core::{Axis, PlantKind, Quantity};
+use kalmanscope_core::{Axis, ForcedMass, PlantKind, Quantity};
 use kalmanscope_diagnosis::{MeasureKind, VerdictKind};
 use kalmanscope_lab::tune::Goal;
 
@@ -329,6 +329,9 @@ pub(crate) struct ImportArgs {
     /// The input is the acceleration of the ground, not a force
     #[arg(long)]
     pub(crate) ground: bool,
+    /// The column of a force on one mass, besides the input, such as 3=F3; may be given several times
+    #[arg(long, value_name = "MASS=COLUMN", value_parser = force_on)]
+    pub(crate) force_on: Vec<(ForcedMass, String)>,
     /// The column of a sensor, such as displacement=V2; may be given several times
     #[arg(long, value_name = "QUANTITY=COLUMN", value_parser = sensor)]
     pub(crate) sensor: Vec<(Quantity, String)>,
@@ -356,6 +359,15 @@ fn sensor(text: &str) -> Result<(Quantity, String), String> {
     let (key, column) = text.split_once('=').ok_or("expected QUANTITY=COLUMN, such as displacement=V2")?;
     let quantity = Quantity::from_key(key.trim()).ok_or_else(|| format!("there is no quantity `{key}`"))?;
     Ok((quantity, column.trim().to_owned()))
+}
+
+fn force_on(text: &str) -> Result<(ForcedMass, String), String> {
+    let (number, column) = text.split_once('=').ok_or("expected MASS=COLUMN, such as 3=F3")?;
+    let mass = ForcedMass::from_key(&format!("force_on_{}", number.trim()));
+    Ok((
+        mass.ok_or_else(|| format!("there is no mass `{number}`: they are numbered from 1"))?,
+        column.trim().to_owned(),
+    ))
 }
 
 fn offset(text: &str) -> Result<f64, String> {

@@ -153,6 +153,8 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
         ("the time".to_owned(), args.time.as_ref() == name)
     } else if mapping.input.as_ref().map(|input| &input.column) == name {
         ("the input".to_owned(), args.input.as_ref() == name)
+    } else if let Some((mass, _)) = mapping.forces.iter().find(|(_, column)| column.column == guess.column) {
+        (mass.name(), args.force_on.iter().any(|(_, column)| *column == guess.column))
     } else if let Some((quantity, _)) = sensor {
         (quantity.name(), args.sensor.iter().any(|(_, column)| *column == guess.column))
     } else if guess.is_own_clock() {
@@ -181,7 +183,8 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
 }
 
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
-    let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
+    let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, force_on, sensor, .. } =
+        args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
     if let (Some(rate), None) = (rate, decay) {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
@@ -202,6 +205,12 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
         // The guess may have taken this column for a sensor, and a filter must not be driven by its own reading.
         mapping.sensors.retain(|_, sensor| sensor.column != *column);
     }
+    for (mass, column) in force_on {
+        let is_other = |other: &MappedColumn| other.column != *column;
+        mapping.input = mapping.input.filter(is_other);
+        mapping.sensors.retain(|_, sensor| is_other(sensor));
+        mapping.forces.insert(*mass, mapped(column));
+    }
     if *ground {
         kind = InputKind::GroundAcceleration;
     }
@@ -217,7 +226,8 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
         mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
     }
     if let Some(Missing(missing)) = missing {
-        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
+        let inputs = mapping.input.iter_mut().chain(mapping.forces.values_mut());
+        let all = inputs.chain(mapping.sensors.values_mut());
         all.for_each(|mapped| mapped.missing = *missing);
     }
     (mapping, kind, guesses)

@@ -140,12 +140,16 @@ fn free_run(name: &str, fit: &FreeFit) -> Document {
 fn record_series(record: &Record) -> Document {
     let measured = record.sensors().iter().enumerate().map(|(i, quantity)| (quantity.key(), record.measured(i)));
     let truth = record.true_channels().into_iter().filter_map(|channel| Some((channel.key(), record.truth(channel)?)));
-    json!({
+    let mut series = json!({
         "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),
         "input": record.input(),
         "measured": Document::from_iter(measured),
         "truth": Document::from_iter(truth),
-    })
+    });
+    if !record.forced().is_empty() {
+        series["forces"] = Document::from_iter(record.forces().map(|(mass, values)| (mass.key(), values)));
+    }
+    series
 }
 
 fn filter_series(estimates: &Estimates) -> Document {

@@ -201,7 +201,7 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
             guess.take_no_input(&reasons);
         }
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
-        let mapping = Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping };
+        let mapping = Mapping { time, input: guess.input, forces: guess.forces, sensors: guess.sensors, ..mapping };
         left_out = columns_without_meaning(&mapping, &reasons);
         mapping
     } else {

@@ -138,7 +138,8 @@ fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
 fn hash_of(record: &Record) -> String {
     let mut hash = Hash::default();
     let columns = record.sensors().iter().filter_map(|&sensor| record.measured_quantity(sensor));
-    for number in [record.time(0), record.dt()].iter().chain(record.input()).chain(columns.flatten()) {
+    let inputs = record.input().iter().chain(record.forces().flat_map(|(_, values)| values));
+    for number in [record.time(0), record.dt()].iter().chain(inputs).chain(columns.flatten()) {
         hash.add(&number.to_bits().to_le_bytes());
     }
     hash.text()

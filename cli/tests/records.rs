@@ -41,9 +41,9 @@ fn records_of_every_plant_input_and_sensor_come_back() {
     let folder = Folder::new();
     for kind in PlantKind::ALL {
         let all: Vec<Quantity> = kind.quantities().collect();
-        // A scenario has at most twelve sensors.
+        // A scenario has at most 24 sensors.
         for (input, some) in
-            ["force", "ground_acceleration"].iter().flat_map(|input| all.chunks(12).map(move |some| (input, some)))
+            ["force", "ground_acceleration"].iter().flat_map(|input| all.chunks(24).map(move |some| (input, some)))
         {
             let sensors: String = some
                 .iter()

@@ -66,8 +66,8 @@ pub use statistics::{diagnostics, free_decay, free_run, frequency_response, scor
 
 pub use axis::{Axis, AxisError, Spacing};
 pub use kalmanscope_filters::{
-    Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, Hold, InputKind, KalmanFilter, MeasurementModel,
-    Propagation, Quantity, Robust, Stop, SystemError, Term,
+    Adaptation, Aspect, AspectInfo, Channel, FilterError, FilterKind, ForcedMass, Hold, InputKind, KalmanFilter,
+    MeasurementModel, Propagation, Quantity, Robust, Stop, SystemError, Term,
 };
 pub use kalmanscope_records::{Length, Record, RecordError, Task, Work};
 pub use plant::PlantKind;

@@ -103,50 +103,6 @@ impl PlantKind {
     pub const BOUC_WEN: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN));
     /// The same with exponent 1.
     pub const BOUC_WEN_1: Self = Self(Source::BuiltIn(&built_in::BOUC_WEN_1));
-    /// A chain of two equal masses on a shaken base, as the storeys of a building: `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
-    ///
-    /// ```text
-    /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
-    /// ẍᵢ = f - sᵢ + sᵢ₊₁,  s_{m+1} = 0
-    /// ```
-    ///
-    /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
-    ///
-    /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
-    pub const SHEAR_2: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<2>::PLANT));
-    /// A chain of three masses.
-    pub const SHEAR_3: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<3>::PLANT));
-    /// A chain of four masses.
-    pub const SHEAR_4: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<4>::PLANT));
-    /// A chain of five masses.
-    pub const SHEAR_5: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<5>::PLANT));
-    /// A chain of six masses.
-    pub const SHEAR_6: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<6>::PLANT));
-    /// A chain of seven masses.
-    pub const SHEAR_7: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<7>::PLANT));
-    /// A chain of eight masses.
-    pub const SHEAR_8: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<8>::PLANT));
-    /// A chain of nine masses.
-    pub const SHEAR_9: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<9>::PLANT));
-    /// A chain of ten masses.
-    pub const SHEAR_10: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<10>::PLANT));
-
-    /// Every plant of the registry.
-    pub const ALL: [Self; 13] = [
-        Self::SDOF,
-        Self::DUFFING,
-        Self::BOUC_WEN,
-        Self::BOUC_WEN_1,
-        Self::SHEAR_2,
-        Self::SHEAR_3,
-        Self::SHEAR_4,
-        Self::SHEAR_5,
-        Self::SHEAR_6,
-        Self::SHEAR_7,
-        Self::SHEAR_8,
-        Self::SHEAR_9,
-        Self::SHEAR_10,
-    ];
 
     /// A user's own plant. Files name plants of the registry only; a plant with the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
@@ -297,6 +253,35 @@ impl PlantKind {
     fn anywhere(&self) -> Vec<f64> {
         numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
     }
+}
+
+macro_rules! kinds {
+    ([$($other:ident)*] $($chain:ident $masses:literal)*) => {
+        impl PlantKind {
+            $(
+            /// A chain of equal masses on a shaken base, as the storeys of a building: `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+            ///
+            /// ```text
+            /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
+            /// ẍᵢ = f - sᵢ + sᵢ₊₁,  s_{m+1} = 0
+            /// ```
+            ///
+            /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
+            ///
+            /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
+            pub const $chain: Self = Self(Source::BuiltIn(&built_in::ShearPlant::<$masses>::PLANT));
+            )*
+
+            /// Every plant of the registry.
+            pub const ALL: [Self; MAX_MASSES + 3] = [$(Self::$other,)* $(Self::$chain,)*];
+        }
+    };
+}
+
+kinds! {
+    [SDOF DUFFING BOUC_WEN BOUC_WEN_1]
+    SHEAR_2 2 SHEAR_3 3 SHEAR_4 4 SHEAR_5 5 SHEAR_6 6 SHEAR_7 7 SHEAR_8 8 SHEAR_9 9 SHEAR_10 10 SHEAR_11 11 SHEAR_12 12 SHEAR_13 13
+    SHEAR_14 14 SHEAR_15 15 SHEAR_16 16 SHEAR_17 17 SHEAR_18 18 SHEAR_19 19 SHEAR_20 20
 }
 
 fn motion(channels: &[Channel]) -> usize {

@@ -3,6 +3,7 @@
 pub(crate) mod estimates;
 pub(crate) mod estimator;
 pub(crate) mod events;
+pub(crate) mod forces;
 pub(crate) mod mixture;
 pub(crate) mod pass;
 pub(crate) mod passage;

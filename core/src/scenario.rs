@@ -21,7 +21,7 @@ use crate::document::is_default;
 use kalmanscope_filters::catalogue::KnownChannels;
 use kalmanscope_filters::filter::FilterKind;
 use kalmanscope_filters::lists::mapped;
-use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
+use kalmanscope_filters::{Channel, ForcedMass, Hold, InputKind, Quantity};
 use kalmanscope_records::mapping::Mapping;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -56,6 +56,9 @@ pub struct Scenario {
     pub plant: Plant,
     /// The measured input: a force over mass, or the ground's acceleration.
     pub force: Force,
+    /// Measured forces over mass on single masses besides the input, by `force_on_1`, `force_on_2`, ….
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub forces: BTreeMap<ForcedMass, Force>,
     /// The kind of input.
     #[serde(skip_serializing_if = "is_default")]
     pub input: InputKind,
@@ -135,6 +138,7 @@ impl Default for Scenario {
             duration: 60.0,
             plant: Plant::default(),
             force: Force::default(),
+            forces: BTreeMap::new(),
             input: InputKind::default(),
             hold: Hold::default(),
             sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
@@ -194,6 +198,20 @@ impl Scenario {
     fn channels_of_plants(&self) -> impl DoubleEndedIterator<Item = Channel> {
         let of_filters = self.filters.iter().filter_map(|filter| filter.plant.as_ref());
         std::iter::once(&self.plant.kind).chain(of_filters).flat_map(PlantKind::channels).copied()
+    }
+
+    /// The masses on which forces are recorded besides the input: those of the record if there is one, else those of the simulation.
+    pub fn forced(&self) -> Vec<ForcedMass> {
+        match &self.record {
+            Some(mapping) => mapping.forces.keys().copied().collect(),
+            None => self.forces.keys().copied().collect(),
+        }
+    }
+
+    /// The same scenario whose input is the simulated force on one mass, so that [settings of the force](crate::setting::FORCE) are its.
+    #[must_use]
+    pub fn with_force_of(&self, mass: ForcedMass) -> Option<Self> {
+        Some(Self { force: *self.forces.get(&mass)?, ..self.clone() })
     }
 
     /// The quantity of each sensor.

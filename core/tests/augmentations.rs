@@ -8,7 +8,7 @@ use kalmanscope_core::{
 };
 
 use crate::numbers::{DETERMINISTIC, exponential, mean};
-use crate::run::{finished, last, oscillator};
+use crate::run::{finished, last, oscillator, plants};
 
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
@@ -147,7 +147,7 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
         let (mean, transition) = Propagation::LocalLinearisation.step(
             &model.state,
             &state,
-            Step { forces: [begin, end], hold: Hold::First, dt },
+            Step { inputs: [begin.into(), end.into()], hold: Hold::First, dt },
         );
         let expected = after(&state.as_slice()[..motion], 1.3);
         let by_gain = after(&vec![0.0; motion], 1.0);
@@ -163,7 +163,7 @@ fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
 
 #[test]
 fn transitions_are_derivatives_of_steps() {
-    for plant in PlantKind::ALL {
+    for plant in plants() {
         let model =
             Model::new(plant.clone()).augmented([Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE]);
         let model = model.decaying(0.02).with_logarithms(plant == PlantKind::DUFFING);
@@ -171,7 +171,7 @@ fn transitions_are_derivatives_of_steps() {
             .map(|(i, c)| if c.is_parameter() { c.usual_truth() + 0.01 } else { 0.1 * libm::sin(1.0 + i as f64) })
             .collect();
         let (state, _) = model.to_state(&values);
-        let step = Step { forces: [3.0, -2.0], hold: Hold::First, dt: 0.01 };
+        let step = Step { inputs: [3.0.into(), (-2.0).into()], hold: Hold::First, dt: 0.01 };
         let (_, transition) = Propagation::RungeKutta.step(&model.state, &state, step);
         for j in 0..model.size() {
             let h = 1e-5 * state[j].abs().max(0.01);

@@ -91,12 +91,13 @@ fn chains_answer_as_their_impedances_say() {
         let masses = kind.masses();
         for damping in [0.4, 0.01, 5.0] {
             let value = |channel: Channel| match (0..masses).find(|&mass| channel == Channel::stiffness(mass)) {
-                Some(mass) => kappas[mass],
+                Some(mass) => kappas[mass % 10],
                 None => damping,
             };
             let found = transfer_function(&kind, value).magnitude(&frequencies);
             for (&w, found) in frequencies.iter().zip(found) {
-                let expected = chain_by_impedance(&kappas[..masses], damping, w);
+                let expected =
+                    chain_by_impedance(&(0..masses).map(|mass| kappas[mass % 10]).collect::<Vec<f64>>(), damping, w);
                 let limit = if masses <= 4 { 1e-9 } else { 1e-6 };
                 assert!((found / expected - 1.0).abs() < limit, "{found} instead of {expected} at {w}, {}", kind.key());
             }

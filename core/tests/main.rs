@@ -29,6 +29,7 @@ mod estimates;
 mod events;
 mod faults;
 mod files;
+mod forces;
 mod forgetting;
 mod free_runs;
 mod frequency_response;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::registry::{hashed, keyed};
 
 /// The most masses that a plant can have.
-pub const MAX_MASSES: usize = 10;
+pub const MAX_MASSES: usize = 20;
 
 /// The role of a channel in a plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,12 +88,14 @@ macro_rules! by_mass {
         by_mass!($word; $word, $space, "")
     };
     ($first:literal; $word:literal, $space:literal, $after:literal) => {
-        $crate::channel::numbered!($first; concat!($word, $space); $after; "2" "3" "4" "5" "6" "7" "8" "9" "10")
+        $crate::channel::numbered!($first; concat!($word, $space); $after;
+            "2" "3" "4" "5" "6" "7" "8" "9" "10" "11" "12" "13" "14" "15" "16" "17" "18" "19" "20")
     };
 }
 macro_rules! symbols_by_mass {
     ($first:literal, $symbol:literal) => {
-        $crate::channel::numbered!($first; $symbol; ""; "₂" "₃" "₄" "₅" "₆" "₇" "₈" "₉" "₁₀")
+        $crate::channel::numbered!($first; $symbol; "";
+            "₂" "₃" "₄" "₅" "₆" "₇" "₈" "₉" "₁₀" "₁₁" "₁₂" "₁₃" "₁₄" "₁₅" "₁₆" "₁₇" "₁₈" "₁₉" "₂₀")
     };
 }
 macro_rules! numbered {

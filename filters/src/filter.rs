@@ -18,7 +18,7 @@ use crate::engine::design::{Method, Rule};
 use crate::registry::{keyed, registry};
 
 pub use crate::engine::design::{Course, Propagation};
-pub use crate::engine::model::Step;
+pub use crate::engine::model::{ForceOn, Input, Step};
 pub use crate::engine::robust::{self, Robust};
 pub use crate::engine::wrapper::Adaptation;
 pub use crate::filter_error::FilterError;

@@ -39,4 +39,4 @@ pub use filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
 };
 pub use filter_error::Stop;
-pub use quantity::{Aspect, AspectInfo, Hold, InputKind, Quantity, Term};
+pub use quantity::{Aspect, AspectInfo, ForcedMass, Hold, InputKind, Quantity, Term};

@@ -3,14 +3,14 @@
 use std::cmp::Ordering;
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Usual, by_mass, expected, symbols_by_mass};
 use crate::registry::{hashed, keyed};
 
 /// The most sensors that one scenario can have.
-pub const MAX_SENSORS: usize = 12;
+pub const MAX_SENSORS: usize = 24;
 
 /// A measurable quantity: an aspect of a mass.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,9 @@ impl Quantity {
 
     pub(crate) const fn stream(self) -> u64 {
         let (first, distance) = self.aspect.info().streams;
-        first + distance * self.mass as u64
+        let stream = first + distance * self.mass as u64;
+        // Below 64 there is room for sixteen masses; there ensembles begin.
+        if first < 64 && stream >= 64 { (4 << 32) + stream } else { stream }
     }
 
     /// Its place among others.
@@ -296,6 +298,53 @@ impl InputKind {
             Self::Force => input,
             Self::GroundAcceleration => -input,
         }
+    }
+}
+
+/// A mass on which a force is recorded, besides the input that acts on all masses. Its key is `force_on_3` for the third one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ForcedMass(u8);
+
+const FORCES_ON: &[&str] = by_mass!("force_on_1"; "force_on", "_", "");
+
+impl ForcedMass {
+    /// A mass, counted from 0.
+    pub fn new(mass: usize) -> Option<Self> {
+        (mass < MAX_MASSES).then_some(Self(mass as u8))
+    }
+
+    /// The mass with a key.
+    pub fn from_key(key: &str) -> Option<Self> {
+        FORCES_ON.iter().position(|own| *own == key).and_then(Self::new)
+    }
+
+    /// The mass, counted from 0.
+    pub const fn mass(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The key in scenario files and the column in CSV files.
+    pub const fn key(self) -> &'static str {
+        FORCES_ON[self.0 as usize]
+    }
+
+    /// The name in running text.
+    pub fn name(self) -> String {
+        format!("force on mass {}", self.0 + 1)
+    }
+}
+
+impl Serialize for ForcedMass {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
+    }
+}
+
+impl<'de> Deserialize<'de> for ForcedMass {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let problem = || format!("unknown force `{key}`: the keys are `force_on_1` to `force_on_{MAX_MASSES}`");
+        Self::from_key(&key).ok_or_else(|| de::Error::custom(problem()))
     }
 }
 

@@ -12,6 +12,7 @@ use rand_chacha::ChaCha8Rng;
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
     Force,
+    ForceOn(crate::ForcedMass),
     Disturbance,
     Sensor(crate::Quantity),
     Fault(crate::Quantity, u64),
@@ -25,6 +26,8 @@ const ENSEMBLES: u64 = 64;
 
 const LATER_SENSORS: u64 = 1 << 32;
 
+const FORCES_ON: u64 = 3 << 32;
+
 /// The streams of each family of faults begin at a multiple of this number; each sensor has one of them.
 const FAULTS: u64 = 1 << 40;
 
@@ -37,6 +40,7 @@ impl Purpose {
     const fn stream(self) -> u64 {
         match self {
             Self::Force => 0,
+            Self::ForceOn(mass) => FORCES_ON + mass.mass() as u64,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
             Self::Fault(quantity, stream) => FAULTS * (1 + stream) + quantity.stream(),
@@ -88,7 +92,8 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quantity;
+    use crate::channel::MAX_MASSES;
+    use crate::{ForcedMass, Quantity};
 
     #[test]
     fn moments_are_those_of_the_standard_normal() {
@@ -109,6 +114,7 @@ mod tests {
         let purposes = [Purpose::Force, Purpose::Disturbance, Purpose::Draw(0), Purpose::Draw(u64::MAX)]
             .into_iter()
             .chain(sensors)
+            .chain((0..MAX_MASSES).filter_map(ForcedMass::new).map(Purpose::ForceOn))
             .chain(ensembles);
         let streams: Vec<u64> = purposes.map(Purpose::stream).collect();
         let different: std::collections::HashSet<u64> = streams.iter().copied().collect();

@@ -11,8 +11,8 @@ use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
-    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
-    Signal, Values, simulate,
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, ForcedMass, Hold, PlantKind, Propagation, Quantity,
+    Record, Scenario, Signal, Values, simulate,
 };
 use kalmanscope_lanes::{InstructionSet, LaneRun, outcomes, serves};
 
@@ -353,4 +353,25 @@ fn lanes_over_readings_with_times_have_the_bits_of_a_single_number() {
     }
     compared.assert_many(400, 30);
     assert!(twice > 10, "all readings count in {twice} records");
+}
+
+#[test]
+fn lanes_over_forces_on_single_masses_have_the_bits_of_a_single_number() {
+    let mut compared = Compared::default();
+    for seed in 4000..4060 {
+        let mut scenario = ensemble(seed);
+        let mut draw = Draw(seed);
+        for filter in &mut scenario.filters {
+            filter.adaptation = Adaptation::default();
+            filter.augment.retain(|channel| *channel != Channel::WHITE_FORCE);
+        }
+        let mut record = simulate(&scenario);
+        if draw.once_in(2) {
+            record = with_own_times(record, &mut draw);
+        }
+        let mass = ForcedMass::new(draw.below(scenario.plant.kind.masses())).unwrap();
+        let force = (0..record.len()).map(|_| draw.between(-5.0, 5.0)).collect();
+        compared.take(seed, &scenario, &[record.with_forces(vec![(mass, force)]).unwrap()]);
+    }
+    compared.assert_many(200, 10);
 }

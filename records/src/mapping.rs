@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kalmanscope_filters::Quantity;
+use kalmanscope_filters::{ForcedMass, Quantity};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -32,6 +32,9 @@ pub struct Mapping {
     /// The input; without one it is zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<MappedColumn>,
+    /// The forces over mass on single masses besides the input, as `force_on_3`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub forces: BTreeMap<ForcedMass, MappedColumn>,
     /// Whether no input was recorded: the guess of the sensors' columns then takes no column as the input.
     #[serde(skip_serializing_if = "is_default")]
     pub no_input: bool,
@@ -204,8 +207,14 @@ impl Mapping {
             (None, None) => "no time".to_owned(),
         };
         let input = self.input.iter().map(|input| format!("input in `{}`", input.column));
+        let forces = self.forces.iter().map(|(on, column)| format!("{} in `{}`", on.name(), column.column));
         let sensors = self.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
-        std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
+        std::iter::once(time).chain(input).chain(forces).chain(sensors).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The columns of input, forces and sensors.
+    pub fn columns(&self) -> impl Iterator<Item = &MappedColumn> {
+        self.input.iter().chain(self.forces.values()).chain(self.sensors.values())
     }
 
     /// Checks every number.
@@ -213,8 +222,8 @@ impl Mapping {
     /// # Errors
     /// [`MappingError`] for the first impossible one.
     pub fn validate(&self) -> Result<(), MappingError> {
-        let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
-            self;
+        let Self { file: _, hash: _, dialect: _, time, input, forces, no_input, sensors, .. } = self;
+        let Self { from, to, band, every, interpolate, .. } = self;
         let require = |ok: bool, key: &str, value: String, allowed: &str| {
             if ok { Ok(()) } else { Err(MappingError { key: key.to_owned(), value, allowed: allowed.to_owned() }) }
         };
@@ -225,7 +234,8 @@ impl Mapping {
         let is_one = !no_input || input.is_none();
         require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;
         let named = sensors.iter().map(|(quantity, column)| (format!("sensors.{}", quantity.key()), column));
-        for (key, column) in input.iter().map(|column| ("input".to_owned(), column)).chain(named) {
+        let forces = forces.iter().map(|(on, column)| (format!("forces.{}", on.key()), column));
+        for (key, column) in input.iter().map(|column| ("input".to_owned(), column)).chain(forces).chain(named) {
             let MappedColumn { column: _, unit: _, gain, offset, delay, missing } = column;
             let is_gain = gain.is_finite() && *gain != 0.0;
             require(is_gain, &format!("{key}.gain"), gain.to_string(), "finite and not 0")?;
@@ -259,8 +269,8 @@ impl Mapping {
 
 impl Default for Mapping {
     fn default() -> Self {
-        let (file, hash, dialect, time, input, no_input, sensors, from, to, band) = Default::default();
-        Self { file, hash, dialect, time, input, no_input, sensors, from, to, band, every: 1, interpolate: 1 }
+        let (file, hash, dialect, time, input, forces, no_input, sensors, from, to, band) = Default::default();
+        Self { file, hash, dialect, time, input, forces, no_input, sensors, from, to, band, every: 1, interpolate: 1 }
     }
 }
 

@@ -8,8 +8,9 @@ use std::io::Write;
 use std::sync::Arc;
 
 use kalmanscope_filters::catalogue::all_and;
+use kalmanscope_filters::filter::ForceOn;
 use kalmanscope_filters::lists::{mapped, numbers};
-use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
+use kalmanscope_filters::{Channel, ForcedMass, Hold, InputKind, Quantity};
 use thiserror::Error;
 
 use crate::resample::{finer_input, spread};
@@ -38,6 +39,8 @@ pub struct Record {
     measured: Vec<Vec<f64>>,
     truth_channels: Vec<Channel>,
     truth: Vec<Vec<f64>>,
+    forced: Vec<ForcedMass>,
+    forces: Vec<Vec<f64>>,
     clocks: Option<Arc<Clocks>>,
 }
 
@@ -89,6 +92,19 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
+    /// The same record with forces over mass on single masses, a finite value for each sample \[m/s²\], with the course of the input
+    /// between samples.
+    ///
+    /// # Errors
+    /// [`RecordError::Repeated`], [`RecordError::Length`] and [`RecordError::Value`] as in [`Self::new`].
+    pub fn with_forces(self, columns: Vec<(ForcedMass, Vec<f64>)>) -> Result<Self, RecordError> {
+        for (on, values) in &columns {
+            check(on.key(), values, "a finite number", f64::is_finite)?;
+        }
+        let (forced, forces) = complete(columns, self.len(), |on| on.key().to_owned())?;
+        Ok(Self { forced, forces, ..self })
+    }
+
     /// The same record, with times for its readings, and maybe for its input. A reading counts in the step in which it falls, and its
     /// column should have its value at the end of that step: a filter reports the innovation there.
     ///
@@ -117,17 +133,31 @@ impl Record {
 
     /// A record without samples.
     pub fn empty(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>, truth_channels: Vec<Channel>) -> Self {
-        let (start, forgotten, input, clocks) = Default::default();
+        let (start, forgotten, input, clocks, forced, forces) = Default::default();
         let [measured, truth] = [sensors.len(), truth_channels.len()].map(|count| vec![Vec::new(); count]);
-        Self { dt, start, forgotten, kind, hold, input, sensors, measured, truth_channels, truth, clocks }
+        Self {
+            dt,
+            start,
+            forgotten,
+            kind,
+            hold,
+            input,
+            sensors,
+            measured,
+            truth_channels,
+            truth,
+            forced,
+            forces,
+            clocks,
+        }
     }
 
     fn columns(&self) -> impl Iterator<Item = &Vec<f64>> {
-        std::iter::once(&self.input).chain(&self.measured).chain(&self.truth)
+        std::iter::once(&self.input).chain(&self.forces).chain(&self.measured).chain(&self.truth)
     }
 
     fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth)
+        std::iter::once(&mut self.input).chain(&mut self.forces).chain(&mut self.measured).chain(&mut self.truth)
     }
 
     /// Takes the memory of an old record.
@@ -147,7 +177,9 @@ impl Record {
         check("input", &input, "a finite number", f64::is_finite).ok()?;
         let measured = mapped(&self.measured, &|values| spread(values, steps));
         let empty = Self::empty(self.dt / steps as f64, self.kind, self.hold, self.sensors.clone(), Vec::new());
-        Some(Self { input, measured, start: self.time(0), ..empty })
+        let (forced, forces) =
+            (self.forced.clone(), mapped(&self.forces, &|force| finer_input(force, steps, self.hold)));
+        Some(Self { input, measured, forced, forces, start: self.time(0), ..empty })
     }
 
     /// Removes the first samples.
@@ -161,6 +193,18 @@ impl Record {
         self.input.push(input);
         let columns = self.measured.iter_mut().zip(measured).chain(self.truth.iter_mut().zip(truth));
         columns.for_each(|(column, value)| column.push(value));
+    }
+
+    /// A record without samples, with columns for the forces on these masses too.
+    #[must_use]
+    pub fn with_columns_of(self, forced: Vec<ForcedMass>) -> Self {
+        let forces = vec![Vec::new(); forced.len()];
+        Self { forced, forces, ..self }
+    }
+
+    /// Adds the forces on single masses of a sample that was [pushed](Self::push).
+    pub fn push_forces(&mut self, forces: impl IntoIterator<Item = f64>) {
+        self.forces.iter_mut().zip(forces).for_each(|(column, value)| column.push(value));
     }
 
     /// Time between samples \[s\].
@@ -198,6 +242,34 @@ impl Record {
         &self.input
     }
 
+    /// The masses on which forces are recorded besides the input.
+    pub fn forced(&self) -> &[ForcedMass] {
+        &self.forced
+    }
+
+    /// The force over mass on one mass at every sample \[m/s²\], if it is recorded.
+    pub fn force_on(&self, mass: ForcedMass) -> Option<&[f64]> {
+        self.forces().find(|(own, _)| *own == mass).map(|(_, values)| values)
+    }
+
+    /// The forces over mass on single masses at every sample \[m/s²\].
+    pub fn forces(&self) -> impl Iterator<Item = (ForcedMass, &[f64])> {
+        self.forced.iter().zip(&self.forces).map(|(mass, values)| (*mass, values.as_slice()))
+    }
+
+    /// Whether nothing moves the masses: input and forces are zero.
+    pub fn is_free(&self) -> bool {
+        std::iter::once(&self.input).chain(&self.forces).flatten().all(|value| *value == 0.0)
+    }
+
+    /// Writes the forces on these masses at the samples before `k` and at `k`, which were recorded `delay` samples before.
+    pub fn forces_to(&self, k: usize, delay: i32, masses: &[ForcedMass], into: &mut [ForceOn]) {
+        for (on, mass) in into.iter_mut().zip(masses) {
+            let values = self.force_on(*mass);
+            on.ends = [k.saturating_sub(1), k].map(|k| values.map_or(0.0, |values| values[self.delayed(k, delay)]));
+        }
+    }
+
     /// The kind of input.
     pub fn input_kind(&self) -> InputKind {
         self.kind
@@ -217,8 +289,13 @@ impl Record {
     /// The force over mass \[m/s²\] at sample `k` that was recorded `delay` samples before. Beyond the ends the nearest value holds.
     #[inline]
     pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
+        self.force(self.delayed(k, delay))
+    }
+
+    #[inline]
+    fn delayed(&self, k: usize, delay: i32) -> usize {
         let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };
-        self.force(place.min(self.len() - 1))
+        place.min(self.len() - 1)
     }
 
     /// False if readings and input have the samples' times.
@@ -287,12 +364,13 @@ impl Record {
     }
 
     fn write_samples(&self, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
-        let sensors = self.sensors.iter().map(|s| s.key().to_owned());
+        let forces = self.forced.iter().map(|on| on.key().to_owned());
+        let sensors = forces.chain(self.sensors.iter().map(|s| s.key().to_owned()));
         let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
         writer
             .write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
         for k in 0..self.len() {
-            let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
+            let columns = self.forces.iter().chain(&self.measured).chain(&self.truth).map(|column| column[k]);
             let row = [self.time(k), self.input[k]].into_iter().chain(columns);
             writer.write_record(row.map(digits))?;
         }
@@ -300,10 +378,14 @@ impl Record {
     }
 
     fn write_clocks(&self, clocks: &Clocks, writer: &mut csv::Writer<impl Write>) -> Result<(), csv::Error> {
-        let of_samples = || Timed { times: numbers(self.len(), &|k| k as f64), values: self.input.clone() };
-        let input = clocks.input.clone().unwrap_or_else(of_samples);
-        let all: Vec<&Timed> = std::iter::once(&input).chain(&clocks.readings).collect();
-        let names = std::iter::once(input_name(self.kind)).chain(self.sensors.iter().map(|sensor| sensor.key()));
+        let of_samples =
+            |values: &Vec<f64>| Timed { times: numbers(self.len(), &|k| k as f64), values: values.clone() };
+        let mut inputs = vec![clocks.input.clone().unwrap_or_else(|| of_samples(&self.input))];
+        inputs.extend(self.forces.iter().map(of_samples));
+        let all: Vec<&Timed> = inputs.iter().chain(&clocks.readings).collect();
+        let forces = self.forced.iter().map(|on| on.key());
+        let sensors = self.sensors.iter().map(|sensor| sensor.key());
+        let names = std::iter::once(input_name(self.kind)).chain(forces).chain(sensors);
         let header = names.enumerate().flat_map(|(place, name)| {
             let time = if place == 0 { "t [s]".to_owned() } else { format!("t ({}) [s]", place + 1) };
             [time, name.to_owned()]

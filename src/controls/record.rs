@@ -1,14 +1,14 @@
 //! The record: its length and its force, or the file of a measured one.
 
-use egui::{DragValue, Ui};
-use kalmanscope_core::Hold;
+use egui::{DragValue, PopupCloseBehavior, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
+use kalmanscope_core::{Force, ForcedMass, Hold, Scenario};
 
 use super::highlight::highlight_ui;
-use super::number::{REMARK, limit_ui};
+use super::number::{Named, NumberField, REMARK, limit_ui};
 use super::plant::equation_ui;
-use super::row::{choice_row_ui, scenario_number_ui, scenario_row_ui};
+use super::row::{choice_row_ui, list_ui, scenario_number_ui, scenario_row_ui};
 use super::{Edits, PanelRequest};
 use crate::session::{Library, name_of};
 use crate::text::sentence;
@@ -50,8 +50,9 @@ pub(super) fn record_ui(ui: &mut Ui, edits: &mut Edits<'_>, library: &Library, a
 }
 
 fn lines(mapping: &Mapping) -> Vec<String> {
-    let Mapping { input, sensors, from, to, band, every, interpolate, .. } = mapping;
+    let Mapping { input, forces, sensors, from, to, band, every, interpolate, .. } = mapping;
     let input = input.iter().map(|input| format!("input: {} × {}", input.column, input.gain));
+    let forces = forces.iter().map(|(mass, column)| format!("{}: {} × {}", mass.name(), column.column, column.gain));
     let sensors = sensors.iter().map(|(quantity, column)| format!("{}: {}", quantity.name(), column.column));
     let part = (from.is_some() || to.is_some()).then(|| {
         let text = |time: &Option<f64>| time.map_or_else(String::new, |time| format!(" {time} s"));
@@ -60,7 +61,7 @@ fn lines(mapping: &Mapping) -> Vec<String> {
     let band = band.map(|[low, high]| format!("band: {low} to {high} Hz"));
     let rate = (*every > 1).then(|| format!("one sample of {every}"));
     let finer = (*interpolate > 1).then(|| format!("{interpolate} steps in place of one"));
-    input.chain(sensors).chain([part, band, rate, finer].into_iter().flatten()).collect()
+    input.chain(forces).chain(sensors).chain([part, band, rate, finer].into_iter().flatten()).collect()
 }
 
 /// Limits the length of a record: a day \[s\].
@@ -108,6 +109,44 @@ pub(super) fn force_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
     for info in &FORCE {
         if (info.serves)(scenario, &scenario.plant.kind) {
             scenario_row_ui(ui, info, edits);
+        }
+    }
+    forces_ui(ui, edits);
+}
+
+fn forces_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
+    let scenario = edits.scenario;
+    let masses = scenario.plant.kind.masses();
+    if masses < 2 && scenario.forces.is_empty() {
+        return;
+    }
+    let address = |mass: ForcedMass| format!("forces.{}", mass.key());
+    let hint = "Forces that act on one mass each, besides the input that acts on all; the filters know them exactly";
+    let (name, summary) = ("on single masses", if scenario.forces.is_empty() { "none" } else { "some" });
+    list_ui(ui, (name, hint), summary, name, PopupCloseBehavior::CloseOnClickOutside, &mut |ui| {
+        for mass in (0..masses).filter_map(ForcedMass::new) {
+            let mut is_on = scenario.forces.contains_key(&mass);
+            if ui.checkbox(&mut is_on, mass.name()).changed() {
+                edits.change.put(address(mass), &is_on.then(Force::default));
+            }
+        }
+    });
+    for (&mass, force) in &scenario.forces {
+        let own = Scenario { force: *force, ..Scenario::clone(scenario) };
+        ui.label(sentence(&mass.name()));
+        if let Some(shape) = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force") {
+            choice_row_ui(ui, shape, (&own, &address(mass)), &mass.name(), edits);
+        }
+        for info in FORCE.iter().filter(|info| (info.serves)(&own, &scenario.plant.kind)) {
+            let (label, mut value) = ((info.label)(&own).unwrap_or(info.name), (info.get)(&own));
+            let (text, key) = (format!("{}, {}", mass.name(), info.name), address(mass));
+            let before = value;
+            NumberField::of(info, label, Named { text: &text, key: &key }).ui(ui, &mut value);
+            if value != before {
+                let mut changed = own.clone();
+                (info.set)(&mut changed, value);
+                edits.change.put(key, &changed.force);
+            }
         }
     }
 }

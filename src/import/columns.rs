@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use kalmanscope_core::import::{MappedColumn, Offset, Table, Time};
-use kalmanscope_core::{InputKind, PlantKind, Quantity};
+use kalmanscope_core::{ForcedMass, InputKind, PlantKind, Quantity};
 
 use super::draft::{ColumnRole, Draft};
 use crate::equation;
@@ -59,6 +59,11 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
                 mapped_ui(ui, &name, mapped, table);
             }
         }
+        ColumnRole::ForceOn(mass) => {
+            if let Some(mapped) = draft.mapping.forces.get_mut(&mass) {
+                mapped_ui(ui, &name, mapped, table);
+            }
+        }
         ColumnRole::Sensor(quantity) => {
             if let Some(mapped) = draft.mapping.sensors.get_mut(&quantity) {
                 mapped_ui(ui, &name, mapped, table);
@@ -77,8 +82,10 @@ fn roles(draft: &Draft) -> Vec<(ColumnRole, String)> {
         InputKind::GroundAcceleration => "the ground's acceleration",
     };
     let quantities = draft.plant.quantities().map(|quantity: Quantity| (ColumnRole::Sensor(quantity), quantity.name()));
+    let forces = (0..draft.plant.masses()).filter_map(ForcedMass::new);
+    let forces = forces.map(|mass| (ColumnRole::ForceOn(mass), mass.name()));
     let first = [(ColumnRole::Unused, "left out"), (ColumnRole::Time, "the time"), (ColumnRole::Input, input)];
-    first.map(|(role, words)| (role, words.to_owned())).into_iter().chain(quantities).collect()
+    first.map(|(role, words)| (role, words.to_owned())).into_iter().chain(quantities).chain(forces).collect()
 }
 
 fn unit_ui(ui: &mut Ui, name: &str, unit: &mut String) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kalmanscope_core::free_decay::Ring;
 use kalmanscope_core::import::{ColumnGuess, ImportError, Imported, MappedColumn, Mapping, Time, building};
 use kalmanscope_core::suggest::scenario_for;
-use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario, Task as _, Work};
+use kalmanscope_core::{ForcedMass, Hold, InputKind, PlantKind, Quantity, Scenario, Task as _, Work};
 
 use super::{ImportSettings, SharedFile};
 use crate::session::{RecordFile, Session};
@@ -32,6 +32,7 @@ pub enum ColumnRole {
     Unused,
     Time,
     Input,
+    ForceOn(ForcedMass),
     Sensor(Quantity),
 }
 
@@ -74,8 +75,11 @@ impl Draft {
         if self.mapping.input.as_ref().is_some_and(|input| input.column == *name) {
             return ColumnRole::Input;
         }
+        let force = self.mapping.forces.iter().find(|(_, column)| column.column == *name);
+        let force = force.map(|(mass, _)| ColumnRole::ForceOn(*mass));
         let sensor = self.mapping.sensors.iter().find(|(_, column)| column.column == *name);
-        sensor.map_or(ColumnRole::Unused, |(quantity, _)| ColumnRole::Sensor(*quantity))
+        let sensor = sensor.map(|(quantity, _)| ColumnRole::Sensor(*quantity));
+        force.or(sensor).unwrap_or(ColumnRole::Unused)
     }
 
     pub fn set_role(&mut self, place: usize, role: ColumnRole) {
@@ -88,15 +92,15 @@ impl Draft {
         if mapping.input.as_ref().is_some_and(|input| input.column == column.name) {
             mapping.input = None;
         }
+        mapping.forces.retain(|_, force| force.column != column.name);
         mapping.sensors.retain(|_, sensor| sensor.column != column.name);
         let mapped = MappedColumn::of(&self.file.table, column.name.clone());
         match role {
             ColumnRole::Unused => {}
             ColumnRole::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
             ColumnRole::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
-            ColumnRole::Sensor(quantity) => {
-                mapping.sensors.insert(quantity, mapped);
-            }
+            ColumnRole::ForceOn(mass) => drop(mapping.forces.insert(mass, mapped)),
+            ColumnRole::Sensor(quantity) => drop(mapping.sensors.insert(quantity, mapped)),
         }
     }
 

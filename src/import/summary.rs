@@ -12,6 +12,12 @@ impl Draft {
     pub(super) fn meaning(&self, place: usize) -> Option<String> {
         match self.role(place) {
             ColumnRole::Input => self.mapping.input.as_ref().map(|mapped| self.input_words(mapped)),
+            ColumnRole::ForceOn(mass) => {
+                let taken = |one: &&MappedColumn| dimension(one) == Some(Dimension::Force) && one.gain == 1.0;
+                let words =
+                    |one: &MappedColumn| with_unit(&mass.name(), one, "m/s²", Some(one).filter(taken).map(|_| NO_MASS));
+                self.mapping.forces.get(&mass).map(words)
+            }
             ColumnRole::Sensor(quantity) => self.mapping.sensors.get(&quantity).map(|one| sensor_words(quantity, one)),
             ColumnRole::Time | ColumnRole::Unused => None,
         }
@@ -61,7 +67,7 @@ impl Draft {
     }
 
     pub(super) fn doubts(&self) -> Vec<String> {
-        let mapped = self.mapping.input.iter().chain(self.mapping.sensors.values());
+        let mapped = self.mapping.columns();
         let is_unknown = |mapped: &&MappedColumn| !mapped.unit.trim().is_empty() && dimension(mapped).is_none();
         let units = mapped.filter(is_unknown);
         let units = units.map(|one| format!("“{}” is no known unit: the numbers of {} stay.", one.unit, one.column));
@@ -71,6 +77,8 @@ impl Draft {
         units.chain(guessed).chain(axes).collect()
     }
 }
+
+const NO_MASS: &str = "taken for a force over mass: give 1 / mass as its gain";
 
 fn dimension(mapped: &MappedColumn) -> Option<Dimension> {
     unit(&mapped.unit).map(|(dimension, _)| dimension)

@@ -92,17 +92,11 @@ const fn chain(masses: usize) -> [Channel; CHAIN] {
     channels
 }
 
-const SHEAR: [(&str, &str); MAX_MASSES - 1] = [
-    ("shear_2", "shear chain, 2 masses"),
-    ("shear_3", "shear chain, 3 masses"),
-    ("shear_4", "shear chain, 4 masses"),
-    ("shear_5", "shear chain, 5 masses"),
-    ("shear_6", "shear chain, 6 masses"),
-    ("shear_7", "shear chain, 7 masses"),
-    ("shear_8", "shear chain, 8 masses"),
-    ("shear_9", "shear chain, 9 masses"),
-    ("shear_10", "shear chain, 10 masses"),
-];
+macro_rules! words {
+    ($($masses:literal)*) => { [$((concat!("shear_", $masses), concat!("shear chain, ", $masses, " masses"))),*] };
+}
+
+const SHEAR: [(&str, &str); MAX_MASSES - 1] = words!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20);
 
 impl<const MASSES: usize> ShearPlant<MASSES> {
     const CHANNELS: [Channel; CHAIN] = chain(MASSES);

@@ -1,6 +1,6 @@
 //! A plant with everything that surrounds it: augmentations, decay of the parameters, logarithms, readings of sensors.
 
-use kalmanscope_filters::engine::model::{Reading, Scale, StateModel, read};
+use kalmanscope_filters::engine::model::{Input, Reading, Scale, StateModel, read};
 use kalmanscope_filters::linalg::{Matrix, Vector};
 use kalmanscope_filters::{Dynamics as _, InputKind};
 
@@ -198,16 +198,17 @@ impl Model {
     }
 
     /// `h(y, f)`: the reading of a perfect sensor, in its quantity's unit.
-    pub fn read(&self, reading: &Reading, state: &[f64], force: f64) -> f64 {
-        self.read_disturbed(reading, state, force, 0.0)
+    pub fn read<'a>(&self, reading: &Reading, state: &[f64], input: impl Into<Input<'a>>) -> f64 {
+        self.read_disturbed(reading, state, input.into(), 0.0)
     }
 
     /// [`Self::read`] under an additional, unrecorded force over mass `disturbance` \[m/s²\].
-    pub fn read_disturbed(&self, reading: &Reading, state: &[f64], force: f64, disturbance: f64) -> f64 {
+    pub fn read_disturbed(&self, reading: &Reading, state: &[f64], input: Input<'_>, disturbance: f64) -> f64 {
         let mut rate = Vector::zeros(0);
         if reading.is_of_rates() {
-            rate = self.rate_under(state, self.acting_force(state, force) + disturbance);
+            rate = self.rate_under(state, self.acting_force(state, input.force) + disturbance);
+            input.push(rate.as_mut_slice());
         }
-        read(&self.state, reading, state, rate.as_slice(), force)
+        read(&self.state, reading, state, rate.as_slice(), input.force)
     }
 }

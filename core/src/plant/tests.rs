@@ -79,7 +79,7 @@ fn gradients_of_readings_agree_with_differences() {
         let at = state(&model, 3);
         for quantity in model.plant().quantities() {
             let reading = model.reading(quantity).unwrap();
-            let gradient = model.state.gradients(&[&reading], &at, 2.0);
+            let gradient = model.state.gradients(&[&reading], &at, 2.0.into());
             let error = worst(&at, |j| vec![gradient[j]], |y| vec![model.read(&reading, y, 2.0)]);
             assert!(error < 3e-6, "{quantity:?} of {:?}: {error}", model.plant());
         }
@@ -145,7 +145,7 @@ fn notes_give_the_rates_and_readings_of_the_model() {
         let (mut out, mut rate) = (vec![0.0; outputs.len()], vec![0.0; model.moving()]);
         list.run(&state, 0.7, |place, value| out[place] = value);
         let mut plain = vec![0.0; model.size];
-        model.rate(Baseline, &state, 0.7, &mut plain, &mut rate);
+        model.rate(Baseline, &state, 0.7.into(), &mut plain, &mut rate);
         let read = readings.iter().map(|reading| read(model, reading, &state, &rate, 0.7));
         let known: Vec<f64> = rate.iter().copied().chain(read).collect();
         for (found, known) in out.iter().zip(&known) {
@@ -181,13 +181,13 @@ fn each_state_moves_and_is_measured_as_if_it_were_alone() {
                 let model = Model::new(plant.clone()).augmented([Channel::INPUT_GAIN]).decaying(eta);
                 let n = model.size();
                 let begin: Vec<f64> = (0..n * count).map(|i| 0.2 + 0.7 * libm::sin(i as f64).abs()).collect();
-                let step = Step { forces: [0.7, -0.4], hold: Hold::First, dt: 0.01 };
+                let step = Step { inputs: [0.7.into(), (-0.4).into()], hold: Hold::First, dt: 0.01 };
                 let (mut states, mut engine) = (begin.clone(), States::new(model.state.clone()));
                 engine.advance(&mut states, step);
                 let quantities = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                 let readings: Vec<_> = quantities.iter().map(|&q| model.reading(q).unwrap()).collect();
                 let mut values = vec![0.0; 2 * count];
-                engine.read(&states, -0.4, &readings.iter().collect::<Vec<_>>(), &mut values);
+                engine.read(&states, (-0.4).into(), &readings.iter().collect::<Vec<_>>(), &mut values);
                 for place in 0..count {
                     let mut moved = begin[place * n..(place + 1) * n].to_vec();
                     let rate = |y: &[f64], force: f64, rate: &mut [f64]| {

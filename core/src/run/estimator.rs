@@ -5,12 +5,13 @@ pub(crate) mod sampled;
 pub(crate) mod setup;
 pub(crate) mod update;
 
-use kalmanscope_filters::filter::Gaussian;
+use kalmanscope_filters::filter::{Gaussian, Input};
 use kalmanscope_filters::truncated_normal::truncated;
-use kalmanscope_filters::{Channel, FilterError, Hold, InputKind, Quantity, Stop};
+use kalmanscope_filters::{Channel, FilterError, ForcedMass, Hold, InputKind, Quantity, Stop};
 use kalmanscope_records::Record;
 use kalmanscope_records::record::Parts;
 
+use crate::run::forces::Forces;
 use crate::run::passage::Passages;
 use crate::run::sink::{Sample, Sink};
 use crate::{FilterSettings, Model, PlantKind, Scenario};
@@ -18,10 +19,11 @@ use crate::{FilterSettings, Model, PlantKind, Scenario};
 pub(crate) trait Estimator: Send {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
-    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
+    /// From the inputs at the sample before and just before this one, to the one at this sample.
+    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
-    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError>;
+    fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// In the channels' units. Only a mean and a covariance can be replaced.
     fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
@@ -41,6 +43,13 @@ pub(crate) trait Estimator: Send {
     fn restore(&mut self, _: &State) -> Result<(), FilterError> {
         Err(FilterError::IndefiniteCovariance)
     }
+}
+
+/// The inputs at both ends of a step between samples, and at the sample at its end.
+#[derive(Clone, Copy)]
+pub(crate) struct Inputs<'a> {
+    pub(crate) ends: [Input<'a>; 2],
+    pub(crate) now: Input<'a>,
 }
 
 pub(crate) struct State {
@@ -66,11 +75,11 @@ impl Estimator for FilterError {
         Err(*self)
     }
 
-    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step(&mut self, _: Inputs<'_>, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(*self)
     }
 
-    fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, _: &Parts, _: &Forces, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(*self)
     }
 }
@@ -87,6 +96,7 @@ pub(crate) struct FilterContext {
     pub(crate) stream: usize,
     pub(crate) is_timed: bool,
     pub(crate) start: f64,
+    pub(crate) forced: Vec<ForcedMass>,
 }
 
 impl FilterContext {
@@ -94,14 +104,15 @@ impl FilterContext {
         let &Scenario { seed, input, hold, .. } = scenario;
         let (plant, sensors) = (scenario.plant.kind.clone(), scenario.measured());
         let stream = filter.id.saturating_sub(1) as usize;
-        Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0 }
+        Self { plant, input, hold, sensors, dt, seed, stream, is_timed: false, start: 0.0, forced: Vec::new() }
     }
 
     /// Over a record, at the times of its readings where it has some.
     pub(crate) fn over(record: &Record, scenario: &Scenario, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
         let is_timed = has_times && counts_in_samples(settings).is_none();
-        Self { is_timed, start: record.time_of(0), ..Self::new(scenario, record.dt(), settings) }
+        let forced = record.forced().to_vec();
+        Self { is_timed, start: record.time_of(0), forced, ..Self::new(scenario, record.dt(), settings) }
     }
 
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
@@ -110,6 +121,10 @@ impl FilterContext {
 
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(&self.plant, self.input)
+    }
+
+    pub(crate) fn forces(&self, settings: &FilterSettings) -> Forces {
+        Forces::of(self.model(settings).channels(), &self.forced, self.hold)
     }
 }
 

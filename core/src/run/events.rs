@@ -9,8 +9,10 @@ use kalmanscope_records::record::Parts;
 use thiserror::Error;
 
 use crate::run::estimator::{Estimator, FilterContext, State, Truncating, Truncation, counts_in_samples};
+use crate::run::forces::Forces;
 use crate::run::pass;
 use crate::run::passage::{Adjoint, Passage, Passages};
+use crate::run::run_error::one_input;
 use crate::run::sink::{LastSample, Sample, Sink};
 use crate::run::smoother::Hindsight;
 use crate::{FilterSettings, Pass, RunError, Scenario};
@@ -98,6 +100,7 @@ impl EventFilter {
     /// [`EventSetupError`] where the scenario is impossible, or the filter has a setting that counts in samples.
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
         scenario.validate().map_err(RunError::from)?;
+        one_input(scenario)?;
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?.clone();
@@ -287,7 +290,7 @@ impl EventFilter {
         let steps = (times[1] - times[0]) / self.scenario.dt;
         let parts = Parts::evenly(steps, times, forces, force, &timeline.events[place].readings);
         latest.1 = Passages::default();
-        estimator.step_through(&parts, &mut Truncating { truncation, sink: latest })?;
+        estimator.step_through(&parts, &Forces::default(), &mut Truncating { truncation, sink: latest })?;
         let event = &mut timeline.events[place];
         event.passages = std::mem::take(&mut latest.1).all;
         event.state = estimator.state();

@@ -19,7 +19,8 @@ use kalmanscope_records::record::Parts;
 use crate::FilterSettings;
 use crate::run::estimator::setup::Beginning;
 use crate::run::estimator::update::SensorUpdate;
-use crate::run::estimator::{Estimator, FilterContext};
+use crate::run::estimator::{Estimator, FilterContext, Inputs};
+use crate::run::forces::Forces;
 use crate::run::sink::{AssumedNoise, LastSample, Sample, Sink};
 
 /// The weights of filters. It fails where a filter has failed without which the others cannot continue.
@@ -140,12 +141,12 @@ impl Estimator for Mixture {
         Ok(())
     }
 
-    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.step_all(sink, &|member, sink| member.step(before, force, measured, sink))
+    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.step_all(sink, &|member, sink| member.step(inputs, measured, sink))
     }
 
-    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.step_all(sink, &|member, sink| member.step_through(parts, sink))
+    fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.step_all(sink, &|member, sink| member.step_through(parts, forces, sink))
     }
 }
 

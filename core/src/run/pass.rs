@@ -10,9 +10,12 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
 
 use crate::run::estimator::setup::Setup;
-use crate::run::estimator::{Estimator, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled};
+use crate::run::estimator::{
+    Estimator, FilterContext, Inputs, Truncating, Truncation, counts_in_samples, engine, sampled,
+};
+use crate::run::forces::Forces;
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
-use crate::run::run_error::{RunError, sensor_places};
+use crate::run::run_error::{RunError, one_input, sensor_places};
 use crate::run::sink::Sink;
 use crate::run::tape::Tape;
 use crate::{Estimates, FilterSettings, Scenario};
@@ -23,6 +26,7 @@ pub struct Pass {
     truncation: Truncation,
     sensors: Vec<usize>,
     delays: Delays,
+    forces: Forces,
     parts: Option<Box<Parts>>,
     done: usize,
     /// Where and why the filter stopped, if it did.
@@ -60,6 +64,7 @@ impl Pass {
         let own = settings.clone();
         Self {
             delays: settings.delays(context.dt),
+            forces: context.forces(settings),
             parts: context.is_timed.then(Box::default),
             truncation: Truncation::of(settings, context.model(settings).channels()),
             filter: Built::new(Box::new(move || build(&own, &context))),
@@ -127,7 +132,7 @@ impl Pass {
 
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end, or until the filter stops.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { filter, truncation, sensors, delays, parts, done, stop, ahead: _ } = self;
+        let Self { filter, truncation, sensors, delays, forces, parts, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, delays.input);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
@@ -146,15 +151,17 @@ impl Pass {
                 filter.begin(sink)
             } else {
                 let k = sample - record.forgotten();
+                forces.take(record, k, delays.input);
                 if let Some(parts) = parts.as_mut()
                     && record.parts_to(k, delays, sensors, parts)
                 {
-                    filter.step_through(parts, sink)
+                    filter.step_through(parts, forces, sink)
                 } else {
                     for (place, (value, &sensor)) in measured.iter_mut().zip(sensors.iter()).enumerate() {
                         *value = record.late_reading(sensor, k, delays.of(place));
                     }
-                    filter.step(force(k - 1), force(k), measured, sink)
+                    let ends = forces.over([force(k - 1), force(k)]);
+                    filter.step(Inputs { ends, now: forces.now(force(k)) }, measured, sink)
                 }
             };
             if let Err(reason) = step {
@@ -196,6 +203,7 @@ impl OnlineFilter {
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, RunError> {
         let sensors = scenario.measured();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors, Vec::new());
+        one_input(scenario)?;
         let pass = Pass::new(scenario, place, &record)?;
         let delays = scenario.filters[place].delays(scenario.dt);
         Ok(Self { pass, record, reach: [delays.lookahead(), delays.reach()] })

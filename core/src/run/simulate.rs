@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_filters::random::{Normal, Purpose};
-use kalmanscope_filters::{Channel, Hold, Quantity, Reading};
+use kalmanscope_filters::{Channel, ForcedMass, Hold, Quantity, Reading};
 use kalmanscope_records::Record;
 use thiserror::Error;
 
+use crate::run::forces::Forces;
 use crate::scenario::fault::{Act, FaultStage, Moment};
 use crate::{Force, Model, Scenario, Signal};
 use response::{HALVED, Response};
@@ -46,7 +47,10 @@ pub struct TruthStop {
 /// Disturbance and parameters are held over each step. A linear plant's response is exact, others' to 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
-    inputs: Inputs,
+    inputs: InputSignal,
+    /// Those on single masses, as the record and the plant have them.
+    forces: Vec<(ForcedMass, InputSignal)>,
+    acting: Forces,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
     faults: Vec<Vec<Act>>,
@@ -80,9 +84,18 @@ impl Simulator {
             _ => 0.0,
         };
         let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
-        let (force, dt, noise) = (scenario.force, scenario.dt, stream(Purpose::Force));
+        let signal_of = |force: Force, purpose: Purpose| InputSignal {
+            force,
+            dt: scenario.dt,
+            noise: stream(purpose),
+            first: 0,
+            kept: VecDeque::new(),
+        };
+        let forced: Vec<ForcedMass> = scenario.forces.keys().copied().collect();
         Self {
-            inputs: Inputs { force, dt, noise, first: 0, kept: VecDeque::new() },
+            inputs: signal_of(scenario.force, Purpose::Force),
+            forces: scenario.forces.iter().map(|(on, force)| (*on, signal_of(*force, Purpose::ForceOn(*on)))).collect(),
+            acting: Forces::of(model.channels(), &forced, scenario.hold),
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: mapped(&scenario.sensors, &|s| stream(Purpose::Sensor(s.measures))),
             faults: mapped(&scenario.sensors, &|s| s.faults.acts(s.measures, scenario.seed)),
@@ -102,7 +115,8 @@ impl Simulator {
     pub fn empty_record(&self) -> Record {
         let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
         let sensors = mapped(sensors, &|s| s.measures);
-        Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
+        let forced = self.forces.iter().map(|(on, _)| *on).collect();
+        Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec()).with_columns_of(forced)
     }
 
     /// Appends the next sample to `record`. Returns whether there was one; else [`Self::stop`] has the reason.
@@ -133,11 +147,13 @@ impl Simulator {
         let load = self.load.take().map_or_else(|| self.sample(sample), Ok);
         let is_done = load.and_then(|load| {
             let Load { recorded, forces, disturbance } = load;
-            let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+            let inputs = self.acting.over(forces);
+            let is_done = self.response.advance(&self.model, inputs, disturbance, self.scenario.dt, most);
             if is_done == Ok(false) {
                 self.load = Some(load);
             } else {
                 record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+                record.push_forces(self.forces.iter_mut().map(|(_, force)| force.at(sample)));
             }
             is_done
         });
@@ -148,7 +164,7 @@ impl Simulator {
     }
 
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
-        let Self { scenario, inputs, disturbance_noise, sensor_noise, faults, .. } = self;
+        let Self { scenario, inputs, forces, acting, disturbance_noise, sensor_noise, faults, .. } = self;
         let Self { model, signals, readings, measured, state, .. } = self;
         let response = &mut self.response;
         let t = k as f64 * scenario.dt;
@@ -163,14 +179,15 @@ impl Simulator {
         let recorded = inputs.at(k);
         // Before the record the first input holds.
         let ahead = -scenario.plant.input_delay as isize;
-        let mut acting = |k: usize| scenario.input.force(inputs.at(k.saturating_add_signed(ahead)));
-        let (force, next) = (acting(k), acting(k + 1));
+        let felt = |k: usize| k.saturating_add_signed(ahead);
+        let [force, next] = [k, k + 1].map(|k| scenario.input.force(inputs.at(felt(k))));
+        acting.set(forces.iter_mut().map(|(on, force)| (*on, [k, k + 1].map(|k| force.at(felt(k))))));
         state.clear();
         state.extend_from_slice(response.state.as_slice());
         if let Some(place) = state.iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(model.channels()[place]));
         }
-        if !(force + disturbance).is_finite() {
+        if !(force + disturbance).is_finite() || !acting.is_finite() {
             return Err(TruthError::Force);
         }
         measured.clear();
@@ -180,7 +197,9 @@ impl Simulator {
             let mut act = |stage: FaultStage, value: f64| {
                 faults.iter_mut().fold(value, |value, fault| fault.apply(stage, value, &moment))
             };
-            let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
+            let exact = reading
+                .as_ref()
+                .map_or(f64::NAN, |r| model.read_disturbed(r, state, acting.within(force, 0.0), disturbance));
             let exact = act(FaultStage::Exact, exact);
             let value = exact + sensor.noise_std * act(FaultStage::Noise, noise.sample());
             if !value.is_finite() {
@@ -192,7 +211,10 @@ impl Simulator {
             }
             measured.push(reported);
         }
-        inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
+        let first = (k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize);
+        inputs.forget_before(first);
+        // The record takes the forces of this sample after the step.
+        forces.iter_mut().for_each(|(_, force)| force.forget_before(first.min(k)));
         let end = match scenario.hold {
             Hold::Zero => force,
             Hold::First => next,
@@ -213,7 +235,7 @@ fn place_of_next(record: &Record) -> usize {
     record.forgotten() + record.len()
 }
 
-struct Inputs {
+struct InputSignal {
     force: Force,
     dt: f64,
     noise: Normal,
@@ -221,7 +243,7 @@ struct Inputs {
     kept: VecDeque<f64>,
 }
 
-impl Inputs {
+impl InputSignal {
     fn at(&mut self, k: usize) -> f64 {
         while self.first + self.kept.len() <= k {
             let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);

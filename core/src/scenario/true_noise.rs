@@ -65,7 +65,7 @@ impl Scenario {
         let felt = |quantity: Quantity| {
             let reading = model.reading(quantity);
             let under = |disturbance| {
-                reading.as_ref().map_or(0.0, |reading| model.read_disturbed(reading, &at_rest, 0.0, disturbance))
+                reading.as_ref().map_or(0.0, |reading| model.read_disturbed(reading, &at_rest, 0.0.into(), disturbance))
             };
             (under(1.0) - under(0.0)) * self.plant.disturbance_std
         };

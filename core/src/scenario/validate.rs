@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use super::cost::largest_ensemble;
 use super::filter::of_filter;
-use super::numbers::of_scenario;
+use super::numbers::{FORCE, of_scenario};
 use super::row::{Allowed, SettingInfo};
 use super::table::TABLES;
 use super::{FilterSettings, Plant, Scenario};
@@ -53,13 +53,24 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
     pub fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { seed, dt, duration, plant, force: _, input: _, hold: _, sensors, filters, record, draw } = self;
+        let Self { seed, dt, duration, plant, force: _, forces, input: _, hold: _, sensors, filters, record, draw } =
+            self;
         if let Some(record) = record {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
         i64::try_from(*seed).map_err(|_| impossible("seed", seed, "a whole number from 0 to 2⁶³ - 1"))?;
         for info in of_scenario().filter(|info| (info.serves)(self, &plant.kind)) {
             check(format_args!(""), info, self)?;
+        }
+        for &mass in forces.keys() {
+            let key = format_args!("forces.{}", mass.key());
+            let (has, count) = (plant.kind.masses() > mass.mass(), plant.kind.masses());
+            require(has, key, "set", format_args!("on one of the {count} mass(es) of the plant"))?;
+            let own = self.with_force_of(mass).unwrap_or_default();
+            for info in FORCE.iter().filter(|info| (info.serves)(&own, &plant.kind)) {
+                let own_key = info.key.strip_prefix("force").unwrap_or(info.key);
+                number(format_args!("{key}{own_key}"), (info.get)(&own), info.allowed)?;
+            }
         }
         let most = MAX_SAMPLES - 1;
         let is_of_samples = *duration >= *dt && duration / dt <= most as f64;

@@ -9,6 +9,7 @@ use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::FilterContext;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
+use crate::run::forces::Forces;
 use crate::run::waste::Piecewise;
 use crate::scenario::Fault;
 use crate::{FilterSettings, Scenario, Sensor};
@@ -89,26 +90,31 @@ impl CramerRao {
         let columns: Option<Vec<usize>> = sensors.iter().map(|quantity| quantity.place_in(record.sensors())).collect();
         let (delays, mut parts) = (settings.delays(record.dt()), Parts::default());
         let force = |k: usize| record.delayed_force(k, delays.input);
-        let n = channels.len();
+        let (n, mut forces) = (channels.len(), Forces::of(channels, record.forced(), record.hold()));
         for k in seen..end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 move_to(&mut filter.belief.mean, before);
                 let has_parts =
                     columns.as_ref().is_some_and(|columns| record.parts_to(k, &delays, columns, &mut parts));
-                let mut holds = true;
+                forces.take(record, k, delays.input);
+                let (mut holds, mut from) = (true, 0.0);
                 for (part, readings) in parts.iter().filter(|_| has_parts) {
-                    filter.predict(Baseline, Span { share: part.share, forces: part.forces, times: [0.0; 2] });
+                    let ([begin, end], to) = (part.forces, from + part.share);
+                    let inputs = [forces.within(begin, from), forces.within(end, to)];
+                    from = to;
+                    filter.predict(Baseline, Span { share: part.share, inputs, times: [0.0; 2] });
                     let truth = filter.belief.mean.clone();
-                    holds &= filter.update(Baseline, part.force, readings).holds;
+                    holds &= filter.update(Baseline, forces.within(part.force, to), readings).holds;
                     filter.belief.mean = truth;
                 }
                 if !has_parts {
-                    filter.predict(Baseline, Span { share: 1.0, forces: [force(before), force(k)], times: [0.0; 2] });
+                    let inputs = forces.over([force(before), force(k)]);
+                    filter.predict(Baseline, Span { share: 1.0, inputs, times: [0.0; 2] });
                     move_to(&mut filter.belief.mean, k);
                     for (value, column) in sample.iter_mut().zip(&measured) {
                         *value = column.map_or(f64::NAN, |column| column[k]);
                     }
-                    holds = filter.update(Baseline, force(k), &sample).holds;
+                    holds = filter.update(Baseline, forces.now(force(k)), &sample).holds;
                 }
                 if !holds {
                     *stopped = true;

@@ -8,6 +8,7 @@ use kalmanscope_filters::{Channel, Hold, Quantity, Reading};
 use kalmanscope_records::Record;
 use kalmanscope_records::task::{at_once, pause};
 
+use crate::run::forces::Forces;
 use crate::run::simulate::response::{HALVED, Response};
 use crate::{Estimates, FilterSettings, Model, Scenario};
 
@@ -110,8 +111,10 @@ impl Identified {
     }
 
     fn read(&self, reading: Option<&Reading>, state: &[f64], record: &Record, k: usize) -> f64 {
+        let mut forces = Forces::of(self.model.channels(), record.forced(), record.hold());
+        forces.take(record, k, self.input_delay);
         let force = record.delayed_force(k, self.input_delay);
-        reading.map_or(f64::NAN, |reading| self.model.read(reading, state, force))
+        reading.map_or(f64::NAN, |reading| self.model.read(reading, state, forces.now(force)))
     }
 
     /// The first samples of a leg, which have [`BEGINNING`] readings, but not more than half of it, and the motion fitted to them.
@@ -182,6 +185,7 @@ impl Identified {
         values[..motion.len()].copy_from_slice(motion);
         let mut response = Response::new(self.model.to_state(&values).0.iter().copied());
         let force = |k: usize| record.delayed_force(k, self.input_delay);
+        let mut on_masses = Forces::of(self.model.channels(), record.forced(), record.hold());
         pause().await;
         let (mut begin, mut end) = (samples.start, HALVED);
         for k in samples {
@@ -190,9 +194,11 @@ impl Identified {
             }
             take(k, response.state.as_slice());
             let forces = [k, if record.hold() == Hold::Zero { k } else { k + 1 }].map(force);
+            on_masses.take(record, k + 1, self.input_delay);
             loop {
                 let most = end - response.halved;
-                let Ok(is_there) = response.advance(&self.model, forces, 0.0, record.dt(), most) else { return };
+                let inputs = on_masses.over(forces);
+                let Ok(is_there) = response.advance(&self.model, inputs, 0.0, record.dt(), most) else { return };
                 // About a millisecond, since a step that is halved takes time.
                 if k - begin >= CHUNK || response.halved >= end {
                     (begin, end) = (k, response.halved + HALVED);

@@ -8,11 +8,16 @@ use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, CramerRao, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, Quantity,
-    Record, Run, Sample, Scenario, Sensor, Signal, Sink, Stop, Values, simulate,
+    Channel, CramerRao, Estimates, EventFilter, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, PlantKind,
+    Quantity, Record, Run, Sample, Scenario, Sensor, Signal, Sink, Stop, Values, simulate,
 };
 
 use crate::numbers::{beliefs, bits};
+
+/// Every plant but the chains of more than ten masses, whose steps are long and the same.
+pub(crate) fn plants() -> impl Iterator<Item = PlantKind> {
+    PlantKind::ALL.into_iter().filter(|kind| kind.masses() <= 10)
+}
 
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");

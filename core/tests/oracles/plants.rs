@@ -3,6 +3,8 @@
 use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
 use nalgebra::{Complex, DMatrix, DVector};
 
+use crate::run::plants;
+
 pub(crate) type Number = Complex<f64>;
 
 /// The values of functions of a state, and their Jacobian.
@@ -37,7 +39,7 @@ fn abs(x: Number) -> Number {
 
 pub(crate) fn written() -> impl Iterator<Item = PlantKind> {
     const SINGLE: [PlantKind; 3] = [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN];
-    PlantKind::ALL.into_iter().filter(|kind| SINGLE.contains(kind) || kind.key().starts_with("shear_"))
+    plants().filter(|kind| SINGLE.contains(kind) || kind.key().starts_with("shear_"))
 }
 
 #[derive(Clone, Debug)]

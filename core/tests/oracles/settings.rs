@@ -5,7 +5,7 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scen
 use super::from_papers::scenario;
 use crate::health::check_scenario;
 use crate::numbers::largest;
-use crate::run::{finished, last};
+use crate::run::{finished, last, plants};
 
 const NONLINEAR: [FilterKind; 4] = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::ENKF];
 
@@ -55,7 +55,7 @@ fn parameters_are_identified() {
 
 #[test]
 fn defaults_are_off_the_truth() {
-    for plant in PlantKind::ALL {
+    for plant in plants() {
         let scenario = switched(plant.clone(), 1, &[FilterKind::EKF]);
         let settings = &scenario.filters[0];
         for channel in plant.parameters().filter(|&c| c != Channel::POST_YIELD_RATIO) {
@@ -68,7 +68,7 @@ fn defaults_are_off_the_truth() {
 
 /// Every filter on every plant, with few members.
 fn small() -> impl Iterator<Item = (PlantKind, FilterKind, Scenario)> {
-    PlantKind::ALL.into_iter().flat_map(|plant| {
+    plants().flat_map(|plant| {
         FilterKind::ALL.map(|kind| {
             let mut scenario = scenario(plant.clone(), kind);
             scenario.filters[0].ensemble_size = 60;

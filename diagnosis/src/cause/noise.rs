@@ -172,7 +172,7 @@ pub(super) static FELT_DISTURBANCE: Cause = Cause {
         let at_rest = model.at_rest(|quantity| filter.initial_mean[quantity.gain()]);
         let felt = |i: usize| {
             let reading = model.reading(case.sensors[i].sensor)?;
-            let read = |force| model.read_disturbed(&reading, &at_rest, 0.0, force);
+            let read = |force| model.read_disturbed(&reading, &at_rest, 0.0.into(), force);
             Some((read(1.0) - read(0.0)) * disturbance).filter(|felt| *felt != 0.0)
         };
         let places = places(filter.sensor_std.len(), &|i| felt(i).is_some());

@@ -27,7 +27,7 @@ pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
 }
 
 pub(super) fn has_input(run: &Run) -> bool {
-    run.record().input().iter().any(|input| *input != 0.0)
+    !run.record().is_free()
 }
 
 /// None before there are verdicts. `told` limits the filters to those of the story.

@@ -5,7 +5,7 @@ use super::columns::{Rooted, add_times, entry, lower_root};
 use super::design::{Design, Method, Rule};
 use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart};
-use super::model::{Derivatives, Reading, StateModel, gradient, read};
+use super::model::{Derivatives, Input, Reading, StateModel, gradient, read};
 use super::number::{Mask, Number};
 
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl<T: Number> ExpectedReadings<T> {
         self.state.len()
     }
 
-    /// Takes the prediction of some sensors' measurements while this recorded force acts. Sigma points through a linear function
+    /// Takes the prediction of some sensors' measurements while this input acts. Sigma points through a linear function
     /// give its exact moments, which H gives for less. Returns the lanes for which points can be drawn.
     #[inline(always)]
     pub(super) fn take<L: Level, C: Count>(
@@ -68,7 +68,7 @@ impl<T: Number> ExpectedReadings<T> {
         design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
-        force: T,
+        input: Input<'_, T>,
     ) -> Rooted<T::Mask> {
         let rooted = Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) };
         self.is_linear = true;
@@ -81,11 +81,11 @@ impl<T: Number> ExpectedReadings<T> {
                 && let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method
             {
                 self.is_linear = false;
-                return apart!(level, self.transform(level, rule, design, belief, active, force));
+                return apart!(level, self.transform(level, rule, design, belief, active, input));
             }
-            self.derivatives.take(level, &design.model, &belief.mean, force);
+            self.derivatives.take(level, &design.model, &belief.mean, input);
         }
-        apart!(level, self.linearise(level, count, design, belief, active, force, None));
+        apart!(level, self.linearise(level, count, design, belief, active, input.force, None));
         rooted
     }
 
@@ -182,7 +182,7 @@ impl<T: Number> ExpectedReadings<T> {
         design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
-        force: T,
+        input: Input<'_, T>,
     ) -> Rooted<T::Mask> {
         let Self { mean: expected, cov, cross, derivatives, root, state, high, low, shift, .. } = self;
         let (n, m) = (level.size(state.len()), active.len());
@@ -191,7 +191,7 @@ impl<T: Number> ExpectedReadings<T> {
         let rooted = lower_root(level, &belief.cov[..n * n], root, n);
         let distance = rule.spread.sqrt();
         let weight = 0.5 / rule.spread;
-        read_all(level, design, active, mean, force, plain, rate, expected);
+        read_all(level, design, active, mean, input, plain, rate, expected);
         shift[..m].fill(T::of(0.0));
         cov[..m * m].fill(T::of(0.0));
         cross[..m * n].fill(T::of(0.0));
@@ -200,7 +200,7 @@ impl<T: Number> ExpectedReadings<T> {
                 for i in 0..n {
                     state[i] = mean[i] + column[i] * side;
                 }
-                read_all(level, design, active, state, force, plain, rate, readings);
+                read_all(level, design, active, state, input, plain, rate, readings);
             }
             for row in 0..m {
                 (high[row], low[row]) = (high[row] - expected[row], low[row] - expected[row]);
@@ -287,13 +287,13 @@ fn read_all<T: Number, L: Level>(
     design: &Design<impl Dynamics>,
     active: &[usize],
     state: &[T],
-    force: T,
+    input: Input<'_, T>,
     plain: &mut [T],
     rate: &mut [T],
     readings: &mut [T],
 ) {
-    design.model.rate(level, state, force, plain, rate);
+    design.model.rate(level, state, input, plain, rate);
     for (row, &sensor) in active.iter().enumerate() {
-        readings[row] = read(&design.model, &design.readings[sensor], state, rate, force);
+        readings[row] = read(&design.model, &design.readings[sensor], state, rate, input.force);
     }
 }

@@ -6,7 +6,7 @@ use super::design::{Design, Method};
 use super::dynamics::Dynamics;
 use super::level::{Baseline, Level, apart};
 use super::linearised::Linearised;
-use super::model::Step;
+use super::model::{Input, Step};
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::sigma_points::SigmaPoints;
@@ -56,12 +56,12 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
         }
     }
 
-    /// Takes the forces over mass at the ends of a share of a step \[m/s²\]. White forces and jumps belong to whole steps.
+    /// Takes the inputs at the ends of a share of a step. White forces and jumps belong to whole steps.
     #[inline(always)]
-    pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [T; 2]) {
+    pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [Input<'_, T>; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
         let (end, hold) = if has_slope { (end, Hold::First) } else { (begin, Hold::Zero) };
-        let whole = Step { forces: [begin, end], hold, dt: dt * share };
+        let whole = Step { inputs: [begin, end], hold, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         for at in 0..self.design.model.forgotten.len() {
             let (place, time) = self.design.model.forgotten[at];
@@ -84,7 +84,14 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(always)]
-    fn pass<L: Level>(&mut self, level: L, share: f64, step: &Step<T>, is_last: bool, renews: bool) -> Rooted<T::Mask> {
+    fn pass<L: Level>(
+        &mut self,
+        level: L,
+        share: f64,
+        step: &Step<'_, T>,
+        is_last: bool,
+        renews: bool,
+    ) -> Rooted<T::Mask> {
         if self.update.passage.is_some() {
             self.note_regression(level.plain(), step);
         }
@@ -111,7 +118,7 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(never)]
-    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
+    fn note_regression<L: Level>(&mut self, level: L, step: &Step<'_, T>) {
         self.square();
         let Self { design, points, belief, update, .. } = self;
         if let Some(passage) = &mut update.passage {
@@ -120,7 +127,7 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     #[inline(always)]
-    fn advance<L: Level>(&mut self, level: L, step: &Step<T>) -> Rooted<T::Mask> {
+    fn advance<L: Level>(&mut self, level: L, step: &Step<'_, T>) -> Rooted<T::Mask> {
         let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
         match (*method, root) {
             (Method::Linearised(propagation, _), _) => linearised.advance(level, propagation, model, belief, step),
@@ -168,12 +175,12 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     pub(super) fn update<L: Level>(
         &mut self,
         level: L,
-        force: T,
+        input: Input<'_, T>,
         measured: &[T],
         variances: Option<&[T]>,
     ) -> UpdateResult<T> {
         let Self { design, noise, belief, update, checks, root, .. } = self;
-        let observation = MeasuredReadings { force, measured, variances: variances.unwrap_or(&noise.sensors) };
+        let observation = MeasuredReadings { input, measured, variances: variances.unwrap_or(&noise.sensors) };
         update.condition(level, &mut Target { design, belief, root: root.as_mut(), checks }, observation)
     }
 
@@ -246,8 +253,8 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     }
 
     /// Whether the forces that count in a step are finite in all lanes.
-    pub fn are_finite(&self, [begin, end]: [T; 2]) -> bool {
-        begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
+    pub fn are_finite(&self, [begin, end]: [Input<'_, T>; 2]) -> bool {
+        begin.force.is_finite().all() && (!self.design.has_slope || end.force.is_finite().all())
     }
 
     pub fn is_predicted(&self, lane: usize) -> bool {

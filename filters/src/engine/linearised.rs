@@ -7,7 +7,7 @@ use super::design::Propagation;
 use super::dynamics::Dynamics;
 use super::exponential::{Exponential, Impulse};
 use super::level::{Level, apart};
-use super::model::{Derivatives, StateModel, Step};
+use super::model::{Derivatives, Input, StateModel, Step};
 use super::number::Number;
 
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl<T: Number> Linearised<T> {
         propagation: Propagation,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         self.step(level, propagation, model, &mut belief.mean, step);
         apart!(level, {
@@ -69,7 +69,7 @@ impl<T: Number> Linearised<T> {
         propagation: Propagation,
         model: &StateModel<impl Dynamics>,
         mean: &mut [T],
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         match propagation {
             Propagation::LocalLinearisation => self.linearise(level, model, mean, step),
@@ -94,8 +94,8 @@ impl<T: Number> Linearised<T> {
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `dt φ₁(A dt)` for `A⁻¹(exp(A dt) - I)`:
     /// A may be singular; Van Loan (1978), Computing integrals involving the matrix exponential.
     #[inline(always)]
-    fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
-        self.derivatives.take(level, model, mean, step.forces[0]);
+    fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<'_, T>) {
+        self.derivatives.take(level, model, mean, step.inputs[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
             apart!(level, self.swing(level, model, mean, step));
             return;
@@ -112,7 +112,7 @@ impl<T: Number> Linearised<T> {
     }
 
     #[inline(always)]
-    fn swing<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
+    fn swing<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<'_, T>) {
         let n = level.size(model.size);
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, .. } = self;
         let (rate, columns, rows, mean) = (&rate[..2], &columns[..2 * n], &mut rows[..2 * n], &mut mean[..n]);
@@ -131,6 +131,10 @@ impl<T: Number> Linearised<T> {
             self.effect[0] = p * push;
             self.effect[1] = q * push;
             self.push(level, model, mean);
+            for (_, push) in step.slopes_on() {
+                mean[0] = mean[0] + p * push;
+                mean[1] = mean[1] + q * push;
+            }
         }
     }
 
@@ -140,7 +144,7 @@ impl<T: Number> Linearised<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         mean: &mut [T],
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
@@ -189,12 +193,17 @@ impl<T: Number> Linearised<T> {
             let (x, v) = effect.split_at_mut(m);
             apply(x, second, m, (push, by_force));
             apply(v, integral, m, (push, by_force));
+            for (place, push) in step.slopes_on() {
+                let own = (place - m) * m..(place - m + 1) * m;
+                add_times(&mut mean[..m], push, &second[own.clone()]);
+                add_times(&mut mean[m..2 * m], push, &integral[own]);
+            }
             self.push(level, model, mean);
         }
     }
 
     #[inline(always)]
-    fn flow<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
+    fn flow<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<'_, T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (rate, columns, rows) = (&rate[..moving], &columns[..moving * n], &mut rows[..moving * n]);
@@ -210,6 +219,9 @@ impl<T: Number> Linearised<T> {
         if step.has_slope() {
             let push = step.slope();
             apply(effect, slope, moving, (push, &model.by_force[..]));
+            for (place, push) in step.slopes_on() {
+                add_times(&mut mean[..moving], push, &slope[place * moving..(place + 1) * moving]);
+            }
             self.push(level, model, mean);
         }
     }
@@ -226,11 +238,11 @@ impl<T: Number> Linearised<T> {
 
     /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
     #[inline(always)]
-    fn euler<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
+    fn euler<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<'_, T>) {
         apart!(level, {
             let Self { derivatives, rows, .. } = self;
             let (moving, dt) = (model.moving(), T::of(step.dt));
-            derivatives.take(level, model, mean, step.forces[0]);
+            derivatives.take(level, model, mean, step.inputs[0]);
             add_times(&mut mean[..moving], dt, &derivatives.rate);
             begin(rows, moving);
             add_times(rows, dt, &derivatives.columns);
@@ -243,18 +255,23 @@ impl<T: Number> Linearised<T> {
     /// kₛ = g(y + aₛ dt kₛ₋₁),  Kₛ = Aₛ (I + aₛ dt Kₛ₋₁),  y⁻ = y + dt Σ bₛ kₛ,  Φ = I + dt Σ bₛ Kₛ
     /// ```
     #[inline(always)]
-    fn runge_kutta<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<T>) {
+    fn runge_kutta<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        mean: &mut [T],
+        step: &Step<'_, T>,
+    ) {
         let moving = level.moving(model.moving());
-        let [begin_force, middle_force, end_force] = step.thrice();
+        let [at_begin, at_middle, at_end] = step.thrice();
         self.begun.copy_from_slice(mean);
         self.stage.copy_from_slice(mean);
         begin(&mut self.rows, moving);
         self.half.fill(T::of(0.0));
         self.derivatives.rate.fill(T::of(0.0));
-        let stages =
-            [(0.0, 1.0, begin_force), (0.5, 2.0, middle_force), (0.5, 2.0, middle_force), (1.0, 1.0, end_force)];
-        for (share, weight, force) in stages {
-            apart!(level, self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], force));
+        let stages = [(0.0, 1.0, at_begin), (0.5, 2.0, at_middle), (0.5, 2.0, at_middle), (1.0, 1.0, at_end)];
+        for (share, weight, input) in stages {
+            apart!(level, self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], input));
         }
     }
 
@@ -265,7 +282,7 @@ impl<T: Number> Linearised<T> {
         model: &StateModel<impl Dynamics>,
         mean: &mut [T],
         [after, counts]: [f64; 2],
-        force: T,
+        input: Input<'_, T>,
     ) {
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         std::mem::swap(&mut self.half, &mut self.before);
@@ -273,7 +290,7 @@ impl<T: Number> Linearised<T> {
         for i in 0..moving {
             stage[i] = begun[i] + derivatives.rate[i] * after;
         }
-        derivatives.take(level, model, stage, force);
+        derivatives.take(level, model, stage, input);
         add_times(&mut mean[..moving], T::of(counts), &derivatives.rate);
         let (a, slope) = (&derivatives.columns[..moving * n], &mut slope[..moving * n]);
         product(slope, &a[..moving * moving], &before[..moving * n], moving, moving);

@@ -83,10 +83,17 @@ impl<P: Dynamics> StateModel<P> {
         acting
     }
 
-    /// The rates of the components that move under this recorded force. `plain` is memory for n numbers.
+    /// The rates of the components that move under this input. `plain` is memory for n numbers.
     #[inline(always)]
-    pub fn rate<T: Number, L: Level>(&self, level: L, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
-        self.plant.with_equation(RateWork { model: self, level, state, force, plain, rate });
+    pub fn rate<T: Number, L: Level>(
+        &self,
+        level: L,
+        state: &[T],
+        input: Input<'_, T>,
+        plain: &mut [T],
+        rate: &mut [T],
+    ) {
+        self.plant.with_equation(RateWork { model: self, level, state, input, plain, rate });
     }
 
     #[cfg_attr(target_arch = "wasm32", inline(never))]
@@ -95,13 +102,14 @@ impl<P: Dynamics> StateModel<P> {
         &self,
         equation: impl RateFunction<T>,
         state: &[T],
-        force: T,
+        input: Input<'_, T>,
         plain: &mut [T],
         rate: &mut [T],
     ) {
-        let acting = self.acting(state, force);
+        let acting = self.acting(state, input.force);
         let own = self.plain(state, plain);
         equation.rate(own, acting, rate);
+        input.push(rate);
         self.decay(own, rate);
     }
 
@@ -140,18 +148,18 @@ impl<P: Dynamics> StateModel<P> {
     /// `A = ∂g/∂y`, n × n, under this recorded force over mass \[m/s²\].
     pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
         let mut derivatives = Derivatives::new(self);
-        derivatives.take(Baseline, self, state, force);
+        derivatives.take(Baseline, self, state, force.into());
         let rows = Matrix::from_column_slice(self.moving(), self.size, &derivatives.columns);
         rows.resize_vertically(self.size, 0.0)
     }
 
     /// `H = ∂h/∂y` of some sensors in a state, m × n.
-    pub fn gradients(&self, readings: &[&Reading], state: &[f64], force: f64) -> Matrix {
+    pub fn gradients(&self, readings: &[&Reading], state: &[f64], input: Input<'_>) -> Matrix {
         let mut derivatives = Derivatives::new(self);
-        derivatives.take(Baseline, self, state, force);
+        derivatives.take(Baseline, self, state, input);
         let mut transposed = Matrix::zeros(self.size, readings.len());
         for (reading, row) in readings.iter().zip(transposed.as_mut_slice().chunks_exact_mut(self.size)) {
-            gradient(self, reading, state, &derivatives, force, row);
+            gradient(self, reading, state, &derivatives, input.force, row);
         }
         transposed.transpose()
     }
@@ -161,7 +169,7 @@ struct RateWork<'a, T, L, P> {
     model: &'a StateModel<P>,
     level: L,
     state: &'a [T],
-    force: T,
+    input: Input<'a, T>,
     plain: &'a mut [T],
     rate: &'a mut [T],
 }
@@ -169,9 +177,9 @@ struct RateWork<'a, T, L, P> {
 impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RateWork<'_, T, L, P> {
     #[inline(always)]
     fn with(self, equation: impl RateFunction<T>) {
-        let Self { model, level, state, force, plain, rate } = self;
+        let Self { model, level, state, input, plain, rate } = self;
         if fits(level, equation) {
-            model.rate_by(equation, state, force, plain, rate);
+            model.rate_by(equation, state, input, plain, rate);
         }
     }
 }
@@ -193,14 +201,22 @@ impl<T: Number> Derivatives<T> {
 
     /// A function apart: it is long, and called from many places.
     #[inline(always)]
-    pub(crate) fn take<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, state: &[T], force: T) {
+    pub(crate) fn take<L: Level>(
+        &mut self,
+        level: L,
+        model: &StateModel<impl Dynamics>,
+        state: &[T],
+        input: Input<'_, T>,
+    ) {
         apart!(level, {
+            let force = input.force;
             let Self { rate, columns, plain } = self;
             let (n, moving) = (level.size(model.size), level.moving(model.moving()));
             let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
             let own = model.plain(state, plain);
             let out = Slopes { rate: &mut *rate, columns: &mut *columns, rows: moving };
             model.plant.linearise(level, own, model.acting(state, force), out);
+            input.push(rate);
             model.decay(own, rate);
             if model.eta != 0.0 {
                 for place in model.plant.sizes()[1]..moving {
@@ -338,18 +354,75 @@ pub(crate) fn gradient<T: Number>(
     }
 }
 
+/// A recorded force over mass on one mass \[m/s²\], besides the force on all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceOn {
+    /// The place of the mass's velocity.
+    pub place: usize,
+    /// Its values at a sample and at the next one.
+    pub ends: [f64; 2],
+}
+
+impl ForceOn {
+    /// The value at a share of the step.
+    #[inline(always)]
+    pub fn value(&self, at: f64) -> f64 {
+        let [begin, end] = self.ends;
+        begin + (end - begin) * at
+    }
+}
+
+/// The recorded input at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input<'a, T = f64> {
+    /// The force over mass on all masses \[m/s²\].
+    pub force: T,
+    /// Those on single masses.
+    pub on: &'a [ForceOn],
+    /// The share of the step between samples at which these act: 0 for its beginning, 1 for its end.
+    pub at: f64,
+}
+
+impl<T> From<T> for Input<'_, T> {
+    /// A force on all masses alone.
+    fn from(force: T) -> Self {
+        Self { force, on: &[], at: 0.0 }
+    }
+}
+
+impl<'a, T: Real> Input<'a, T> {
+    /// Adds the forces on single masses to the rates.
+    #[inline(always)]
+    pub fn push(&self, rate: &mut [T]) {
+        for on in self.on {
+            rate[on.place] = rate[on.place] + on.value(self.at);
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn with<U>(self, force: U) -> Input<'a, U> {
+        Input { force, on: self.on, at: self.at }
+    }
+
+    #[inline(always)]
+    fn between([begin, end]: [Self; 2], share: f64) -> Self {
+        let force = begin.force + (end.force - begin.force) * share;
+        Self { force, on: begin.on, at: begin.at + (end.at - begin.at) * share }
+    }
+}
+
 /// A step from one sample to the next, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step<T = f64> {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
-    pub forces: [T; 2],
+pub struct Step<'a, T = f64> {
+    /// The recorded input at its beginning and at its end, linear in between; the same where it is held.
+    pub inputs: [Input<'a, T>; 2],
     /// The course of the force between samples.
     pub hold: Hold,
     /// The time that it takes \[s\].
     pub dt: f64,
 }
 
-impl<T: Number> Step<T> {
+impl<'a, T: Number> Step<'a, T> {
     #[inline(always)]
     pub(crate) fn has_slope(&self) -> bool {
         self.hold == Hold::First
@@ -358,22 +431,34 @@ impl<T: Number> Step<T> {
     /// \[m/s³\]
     #[inline(always)]
     pub(crate) fn slope(&self) -> T {
-        (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
+        (self.inputs[1].force - self.inputs[0].force) * (1.0 / self.dt)
+    }
+
+    /// The places of the forces on single masses, and their slopes \[m/s³\].
+    #[inline(always)]
+    pub(crate) fn slopes_on(&self) -> impl Iterator<Item = (usize, T)> + use<'a, T> {
+        let [begin, end] = self.inputs;
+        let share = (end.at - begin.at) / self.dt;
+        begin.on.iter().map(move |on| (on.place, T::of((on.ends[1] - on.ends[0]) * share)))
     }
 
     #[inline(always)]
-    pub(crate) fn thrice(&self) -> [T; 3] {
-        let [begin, end] = self.forces;
-        [begin, begin + (end - begin) * 0.5, end]
+    pub(crate) fn thrice(&self) -> [Input<'a, T>; 3] {
+        let [begin, end] = self.inputs;
+        [begin, Input::between(self.inputs, 0.5), end]
     }
 
     pub(crate) fn part(&self, i: usize, parts: usize) -> Self {
-        let [begin, end] = self.forces;
-        let force = |i: usize| match i {
-            0 => begin,
-            i if i == parts => end,
-            i => begin + (end - begin) * (i as f64 / parts as f64),
+        let input = |i: usize| match i {
+            0 => self.inputs[0],
+            i if i == parts => self.inputs[1],
+            i => Input::between(self.inputs, i as f64 / parts as f64),
         };
-        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
+        Self { inputs: [input(i), input(i + 1)], dt: self.dt / parts as f64, ..*self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn with<U>(&self, force: impl Fn(T) -> U) -> Step<'a, U> {
+        Step { inputs: self.inputs.map(|input| input.with(force(input.force))), hold: self.hold, dt: self.dt }
     }
 }

@@ -69,7 +69,7 @@ impl<T: Number> Passage<T> {
         design: &Design<impl Dynamics>,
         points: &mut SigmaPoints<T>,
         belief: &GaussianBelief<T>,
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         let (Method::SigmaPoints(rule) | Method::SquareRoot(rule)) = design.method else { return };
         let n = belief.size();

@@ -2,7 +2,7 @@
 
 use super::dynamics::{Dynamics, EquationWork, FEW, RateFunction, fits};
 use super::level::Level;
-use super::model::{StateModel, Step};
+use super::model::{Input, StateModel, Step};
 use super::number::Number;
 
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl<T: Number> RungeKutta<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         model.plant.with_equation(RungeKuttaStep { level, method: self, model, state, step });
     }
@@ -36,10 +36,10 @@ impl<T: Number> RungeKutta<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         state: &[T],
-        force: T,
+        input: Input<'_, T>,
     ) -> &[T] {
         let Self { rates: [rate, ..], plain, .. } = self;
-        model.rate(level, state, force, plain, rate);
+        model.rate(level, state, input, plain, rate);
         rate
     }
 
@@ -49,13 +49,13 @@ impl<T: Number> RungeKutta<T> {
         equation: E,
         model: &StateModel<impl Dynamics>,
         state: &mut [T],
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
         if model.eta != 0.0 {
             classical(
                 #[inline(always)]
-                |state, force, rate| model.rate_by(equation, state, force, plain, rate),
+                |state, input, rate| model.rate_by(equation, state, input, plain, rate),
                 state,
                 step.thrice(),
                 step.dt,
@@ -65,7 +65,11 @@ impl<T: Number> RungeKutta<T> {
         }
         let [own, moving] = equation.sizes();
         let [begin, middle, end] = step.thrice();
-        let forces = [model.acting(state, begin), model.acting(state, middle), model.acting(state, end)];
+        let inputs = [
+            begin.with(model.acting(state, begin.force)),
+            middle.with(model.acting(state, middle.force)),
+            end.with(model.acting(state, end.force)),
+        ];
         // The compiler sees through numbers of a small plant's own, and does not always inline an array's own `map`.
         let mut small = [[T::of(0.0); FEW]; 6];
         let (here, memory): (&mut [T], [&mut [T]; 5]) = if E::IS_SMALL {
@@ -81,9 +85,12 @@ impl<T: Number> RungeKutta<T> {
         let memory = [&mut start[..moving], &mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
         classical(
             #[inline(always)]
-            |state, force, rate| equation.rate(state, force, rate),
+            |state, input: Input<'_, T>, rate| {
+                equation.rate(state, input.force, rate);
+                input.push(rate);
+            },
             here,
-            forces,
+            inputs,
             step.dt,
             memory,
         );
@@ -96,7 +103,7 @@ struct RungeKuttaStep<'a, T, L, P> {
     method: &'a mut RungeKutta<T>,
     model: &'a StateModel<P>,
     state: &'a mut [T],
-    step: &'a Step<T>,
+    step: &'a Step<'a, T>,
 }
 
 impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T, L, P> {
@@ -108,13 +115,13 @@ impl<T: Number, L: Level, P: Dynamics> EquationWork<T> for RungeKuttaStep<'_, T,
     }
 }
 
-/// One classical step of as many numbers as `start` has, with the forces at its beginning, middle and end, and memory for the beginning
+/// One classical step of as many numbers as `start` has, with the inputs at its beginning, middle and end, and memory for the beginning
 /// and four rates. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
 #[inline(always)]
-pub fn classical<T: Number>(
-    mut rate: impl FnMut(&[T], T, &mut [T]),
+pub fn classical<T: Number, F: Copy>(
+    mut rate: impl FnMut(&[T], F, &mut [T]),
     state: &mut [T],
-    [begin, middle, end]: [T; 3],
+    [begin, middle, end]: [F; 3],
     dt: f64,
     [start, k1, k2, k3, k4]: [&mut [T]; 5],
 ) {

@@ -5,7 +5,7 @@ use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
 use super::dynamics::Dynamics;
 use super::level::{Level, apart, each};
-use super::model::{StateModel, Step};
+use super::model::{Input, StateModel, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 
@@ -58,7 +58,7 @@ impl<T: Number> SigmaPoints<T> {
         rule: Rule,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) -> Rooted<T::Mask> {
         let rooted = apart!(level, self.draw(level, rule, model, belief));
         self.travel(level, model, step);
@@ -70,44 +70,45 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     #[inline(always)]
-    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Step<T>) {
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, step: &Step<'_, T>) {
         if Self::is_apart(level.size(model.size)) {
             let Self { centre, of_centre, .. } = self;
             apart!(level, of_centre.advance(level, model, centre, step));
         }
-        let [begin, end] = step.forces;
-        let forces = [T::pack(|_| begin), T::pack(|_| end)];
-        let step = Step { forces, hold: step.hold, dt: step.dt };
+        let step = step.with(
+            #[inline(always)]
+            |force| T::pack(|_| force),
+        );
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
             apart!(level, method.advance(level, model, points, &step));
         }
     }
 
-    /// The points of a pack, and the rates of their moving components under this recorded force.
+    /// The points of a pack, and the rates of their moving components under this input.
     #[inline(always)]
     pub(super) fn rate<L: Level>(
         &mut self,
         level: L,
         model: &StateModel<impl Dynamics>,
         pack: usize,
-        force: T::Pack,
+        input: Input<'_, T::Pack>,
     ) -> (&[T::Pack], &[T::Pack]) {
         let Self { points, method, .. } = self;
         let state = &points[pack * model.size..(pack + 1) * model.size];
-        (state, method.rate(level, model, state, force))
+        (state, method.rate(level, model, state, input))
     }
 
-    /// The centre, and the rates of its moving components under this recorded force, where it is [apart](Self::is_apart).
+    /// The centre, and the rates of its moving components under this input, where it is [apart](Self::is_apart).
     #[inline(always)]
     pub(super) fn rate_of_centre<L: Level>(
         &mut self,
         level: L,
         model: &StateModel<impl Dynamics>,
-        force: T,
+        input: Input<'_, T>,
     ) -> (&[T], &[T]) {
         let Self { centre, of_centre, .. } = self;
-        (centre, of_centre.rate(level, model, centre, force))
+        (centre, of_centre.rate(level, model, centre, input))
     }
 
     #[inline(always)]

@@ -20,7 +20,7 @@ use super::columns::{Rooted, lower_root, take_times};
 use super::design::{Design, Rule};
 use super::dynamics::Dynamics;
 use super::level::{Count, Level, apart, each};
-use super::model::{Reading, StateModel, Step, read};
+use super::model::{Input, Reading, StateModel, Step, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
 
@@ -91,7 +91,7 @@ impl<T: Number> SquareRoot<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         belief: &mut GaussianBelief<T>,
-        step: &Step<T>,
+        step: &Step<'_, T>,
     ) {
         let Self { rule, points, rows, .. } = self;
         apart!(level, points.place(level, *rule, &belief.mean, rows));
@@ -185,12 +185,12 @@ impl<T: Number> SquareRoot<T> {
         design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
-        force: T,
+        input: Input<'_, T>,
         expected: &mut [T],
     ) {
         self.is_linear = design.readings.iter().all(Reading::is_of_components);
         if !self.is_linear {
-            self.read_points(level, design, belief, active, force);
+            self.read_points(level, design, belief, active, input);
         }
         let Self { rule, size, rows, array, even, columns, readings, of_centre, .. } = self;
         let (n, m, zero) = (level.size(*size), count.number(), T::of(0.0));
@@ -205,7 +205,7 @@ impl<T: Number> SquareRoot<T> {
             even.fill(zero);
             let reading = &all[active[sensor]];
             if reading.is_of_components() {
-                expected[sensor] = read(model, reading, mean, &[], force);
+                expected[sensor] = read(model, reading, mean, &[], input.force);
                 apply(reading, rows, odd);
                 *columns = reading.components.iter().fold(*columns, |most, &(place, _)| most.max(place + 1));
             } else {
@@ -233,22 +233,22 @@ impl<T: Number> SquareRoot<T> {
         design: &Design<impl Dynamics>,
         belief: &GaussianBelief<T>,
         active: &[usize],
-        force: T,
+        input: Input<'_, T>,
     ) {
         let Self { rule, size, rows, points, readings, of_centre, .. } = self;
         points.place(level, *rule, &belief.mean, rows);
         if SigmaPoints::<T>::is_apart(level.size(*size)) {
-            let (state, rate) = points.rate_of_centre(level, &design.model, force);
+            let (state, rate) = points.rate_of_centre(level, &design.model, input);
             for (row, &sensor) in active.iter().enumerate() {
-                of_centre[row] = read(&design.model, &design.readings[sensor], state, rate, force);
+                of_centre[row] = read(&design.model, &design.readings[sensor], state, rate, input.force);
             }
         }
-        let force = T::pack(|_| force);
+        let input = input.with(T::pack(|_| input.force));
         let packs = SigmaPoints::<T>::packs(level.size(*size));
         for pack in 0..packs {
-            let (state, rate) = points.rate(level, &design.model, pack, force);
+            let (state, rate) = points.rate(level, &design.model, pack, input);
             for (row, &sensor) in active.iter().enumerate() {
-                readings[row * packs + pack] = read(&design.model, &design.readings[sensor], state, rate, force);
+                readings[row * packs + pack] = read(&design.model, &design.readings[sensor], state, rate, input.force);
             }
         }
     }

@@ -10,6 +10,7 @@ use super::design::{Design, Method};
 use super::dynamics::Dynamics;
 use super::expected::{ExpectedReadings, select_column, times_cov};
 use super::level::{Baseline, Count, Exactly, Level, apart, each};
+use super::model::Input;
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
@@ -39,8 +40,8 @@ pub(super) struct Target<'a, T: Number, P> {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredReadings<'a, T> {
-    /// The recorded force over mass that acts meanwhile \[m/s²\].
-    pub(super) force: T,
+    /// The recorded input meanwhile.
+    pub(super) input: Input<'a, T>,
     pub(super) measured: &'a [T],
     pub(super) variances: &'a [T],
 }
@@ -138,7 +139,7 @@ impl<T: Number> Update<T> {
         }
         let Self { active, expected, .. } = self;
         let Target { design, belief, checks, .. } = target;
-        checks.expected = expected.take(level, count, design, belief, active, observation.force);
+        checks.expected = expected.take(level, count, design, belief, active, observation.input);
         apart!(level, {
             let measured = self.compare(level, count, observation);
             self.correct(level, count, design, belief, measured, checks)
@@ -159,7 +160,7 @@ impl<T: Number> Update<T> {
         let (m, zero) = (count.number(), T::of(0.0));
         let (active, innovation, mean) = (&active[..m], &mut innovation[..m], &mut expected.mean[..m]);
         expected.is_linear = false;
-        root.read(level, count, design, belief, active, observation.force, mean);
+        root.read(level, count, design, belief, active, observation.input, mean);
         let mut measured = zero;
         for row in 0..m {
             let (value, variance) = (observation.measured[active[row]], observation.variances[active[row]]);

@@ -16,15 +16,16 @@ use std::ops::{Deref, DerefMut};
 use super::dynamics::Dynamics;
 use super::filter::GaussianFilter;
 use super::level::{Level, apart};
+use super::model::Input;
 use super::number::Number;
 use super::update::UpdateResult;
 
 /// A step between samples, or a part of one.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<T> {
+pub struct Span<'a, T> {
     pub share: f64,
-    /// The recorded forces over mass at its beginning and at its end \[m/s²\].
-    pub forces: [T; 2],
+    /// The recorded input at its beginning and at its end.
+    pub inputs: [Input<'a, T>; 2],
     /// The times of both, from the first sample on \[s\].
     pub times: [f64; 2],
 }
@@ -32,8 +33,8 @@ pub struct Span<T> {
 /// The readings of a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<'a, T> {
-    /// The recorded force over mass that acts meanwhile \[m/s²\].
-    pub(crate) force: T,
+    /// The recorded input meanwhile.
+    pub(crate) input: Input<'a, T>,
     /// A number for each sensor; NaN where it is missing.
     pub(crate) measured: &'a [T],
     /// The diagonal of R; that of the filter's noise if left out.
@@ -42,7 +43,7 @@ pub struct Readings<'a, T> {
 
 /// A filter in whatever options: predict, update, and the belief.
 pub trait Recursion<T: Number, P: Dynamics> {
-    fn predict(&mut self, span: Span<T>);
+    fn predict(&mut self, span: Span<'_, T>);
 
     fn update(&mut self, readings: Readings<'_, T>) -> UpdateResult<T>;
 
@@ -52,7 +53,7 @@ pub trait Recursion<T: Number, P: Dynamics> {
 
 /// An option: a filter around another.
 pub trait Wrapper<T: Number, P: Dynamics>: Send {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<'_, T>) {
         inner.predict(span);
     }
 
@@ -113,19 +114,19 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
     }
 
     #[inline(always)]
-    pub fn predict<L: Level>(&mut self, level: L, span: Span<T>) {
+    pub fn predict<L: Level>(&mut self, level: L, span: Span<'_, T>) {
         if self.has_options() {
             return self.in_options(level, |filter| filter.predict(span));
         }
-        self.filter.predict(level, span.share, span.forces);
+        self.filter.predict(level, span.share, span.inputs);
     }
 
     #[inline(always)]
-    pub fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> UpdateResult<T> {
+    pub fn update<L: Level>(&mut self, level: L, input: Input<'_, T>, measured: &[T]) -> UpdateResult<T> {
         if self.has_options() {
-            return self.in_options(level, |filter| filter.update(Readings { force, measured, variances: None }));
+            return self.in_options(level, |filter| filter.update(Readings { input, measured, variances: None }));
         }
-        self.filter.update(level, force, measured, None)
+        self.filter.update(level, input, measured, None)
     }
 
     #[inline(never)]
@@ -156,14 +157,14 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
 struct AtLevel<'a, L, T: Number, P>(L, &'a mut GaussianFilter<T, P>);
 
 impl<L: Level, T: Number, P: Dynamics> Recursion<T, P> for AtLevel<'_, L, T, P> {
-    fn predict(&mut self, Span { share, forces, .. }: Span<T>) {
+    fn predict(&mut self, Span { share, inputs, .. }: Span<'_, T>) {
         let Self(level, filter) = self;
-        apart!(level, filter.predict(*level, share, forces));
+        apart!(level, filter.predict(*level, share, inputs));
     }
 
-    fn update(&mut self, Readings { force, measured, variances }: Readings<'_, T>) -> UpdateResult<T> {
+    fn update(&mut self, Readings { input, measured, variances }: Readings<'_, T>) -> UpdateResult<T> {
         let Self(level, filter) = self;
-        apart!(level, filter.update(*level, force, measured, variances))
+        apart!(level, filter.update(*level, input, measured, variances))
     }
 
     fn filter(&mut self) -> &mut GaussianFilter<T, P> {
@@ -177,7 +178,7 @@ struct Inside<'a, T, P> {
 }
 
 impl<T: Number, P: Dynamics> Recursion<T, P> for Inside<'_, T, P> {
-    fn predict(&mut self, span: Span<T>) {
+    fn predict(&mut self, span: Span<'_, T>) {
         let Self { wrappers, plain } = self;
         match wrappers.split_last_mut() {
             Some((outer, wrappers)) => outer.predict(&mut Inside { wrappers, plain: &mut **plain }, span),

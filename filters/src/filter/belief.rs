@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Course, FilterError, Step, System};
 use crate::engine::belief::GaussianBelief;
-use crate::engine::model::Reading;
+use crate::engine::model::{ForceOn, Input, Reading};
 use crate::linalg::{Ldl, Matrix, Vector, symmetric};
 
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.
@@ -13,7 +13,7 @@ pub trait Belief: Send {
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
-    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError>;
+    fn predict(&mut self, system: &mut dyn System, step: Step<'_>, noise: &Noise) -> Result<(), FilterError>;
 
     /// Conditions the belief on one measurement or more, and writes the update to `correction`.
     ///
@@ -175,19 +175,23 @@ pub struct Observation {
     pub values: Vec<f64>,
     /// The diagonal of R, in the sensors' units squared.
     pub variances: Vec<f64>,
-    /// The recorded force over mass at the sample \[m/s²\].
+    /// The recorded force over mass at the sample on all masses \[m/s²\].
     pub force: f64,
+    /// Those on single masses.
+    pub on: Vec<ForceOn>,
 }
 
 impl Observation {
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
-        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
+        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0, on: Vec::new() }
     }
 
     /// A number for each sensor, NaN where it is missing, and the variance of each.
-    pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
-        let Self { readings, sensors, values, variances, force } = self;
-        *force = new_force;
+    pub(super) fn take(&mut self, input: Input<'_>, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
+        let Self { readings, sensors, values, variances, force, on } = self;
+        *force = input.force;
+        on.clear();
+        on.extend(input.on.iter().map(|on| ForceOn { ends: [on.value(input.at); 2], ..*on }));
         sensors.clear();
         values.clear();
         variances.clear();
@@ -215,6 +219,10 @@ impl Observation {
         self.sensors.is_empty()
     }
 
+    fn input(&self) -> Input<'_> {
+        Input { force: self.force, on: &self.on, at: 0.0 }
+    }
+
     fn readings(&self) -> Vec<&Reading> {
         self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref()).collect()
     }
@@ -222,13 +230,13 @@ impl Observation {
     /// `h(y, f)`, the m numbers that the sensors would read in each of some states of n numbers, one column for each.
     pub fn read(&self, system: &mut dyn System, states: &[f64]) -> Matrix {
         let mut values = Matrix::zeros(self.len(), states.len() / system.size());
-        system.read(states, self.force, &self.readings(), values.as_mut_slice());
+        system.read(states, self.input(), &self.readings(), values.as_mut_slice());
         values
     }
 
     /// `H = ∂h/∂y`, m × n, in a state.
     pub fn jacobian(&self, system: &dyn System, state: &[f64]) -> Matrix {
-        system.jacobian(state, self.force, &self.readings())
+        system.jacobian(state, self.input(), &self.readings())
     }
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.

@@ -4,7 +4,7 @@ use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observat
 use crate::Hold;
 use crate::engine::columns::factor;
 use crate::engine::dynamics::Dynamics;
-use crate::engine::model::{Reading, StateModel};
+use crate::engine::model::{Input, Reading, StateModel};
 use crate::engine::weights::Innovations;
 use crate::engine::wrapper::{Adapting, Jump};
 use crate::gaussian_likelihood::part_of;
@@ -69,18 +69,19 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.jump.as_ref().is_some_and(|jump| jump.has_widened)
     }
 
-    /// Carries the belief over one step, with the recorded forces over mass at both ends \[m/s²\]; held, the second does not matter.
+    /// Carries the belief over one step, with the recorded forces over mass \[m/s²\], or [inputs](Input), at both ends; held, the second does not matter.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
     /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
-    pub fn predict(&mut self, [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+    pub fn predict<'a>(&mut self, inputs: [impl Into<Input<'a>>; 2]) -> Result<(), FilterError> {
+        let [begin, end] = inputs.map(Into::into);
         let end = match self.hold {
             Hold::Zero => begin,
             Hold::First => end,
         };
-        let whole = Step { forces: [begin, end], hold: self.hold, dt: self.dt };
-        if !whole.forces.iter().all(|force| force.is_finite()) {
+        let whole = Step { inputs: [begin, end], hold: self.hold, dt: self.dt };
+        if !whole.inputs.iter().all(|input| input.force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
         let Self { system, noise, jump, substeps, belief, white, .. } = self;
@@ -106,17 +107,22 @@ impl<B: Belief + ?Sized> Filter<B> {
         Ok(())
     }
 
-    /// Conditions the belief on one sample, while `force` acts, and writes the update to `correction`. NaN skips a sensor.
+    /// Conditions the belief on one sample, while a force over mass \[m/s²\], or an [input](Input), acts, and writes the update to `correction`. NaN skips a sensor.
     ///
     /// # Errors
     /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite,
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the belief is not valid any more,
     /// [`FilterError::ImpossibleMeasurement`] where the likelihood overflows; [`FilterError::InfiniteMeasurement`].
-    pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
+    pub fn update<'a>(
+        &mut self,
+        input: impl Into<Input<'a>>,
+        measured: &[f64],
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
         let Self { system, noise, observation, learning, jump, belief, white, .. } = self;
         *correction = Correction::nothing(system.size(), noise.sensors.len());
         learning.sample += 1;
-        observation.take(force, measured, &noise.sensors)?;
+        observation.take(input.into(), measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }

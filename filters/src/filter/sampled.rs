@@ -43,7 +43,7 @@ impl Ensemble {
 }
 
 impl Belief for Ensemble {
-    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
+    fn predict(&mut self, system: &mut dyn System, step: Step<'_>, noise: &Noise) -> Result<(), FilterError> {
         let Self { members, normal, origin } = self;
         *origin = None;
         system.advance(members.as_mut_slice(), step);
@@ -282,7 +282,7 @@ impl Particles {
 }
 
 impl Belief for Particles {
-    fn predict(&mut self, system: &mut dyn System, step: Step, noise: &Noise) -> Result<(), FilterError> {
+    fn predict(&mut self, system: &mut dyn System, step: Step<'_>, noise: &Noise) -> Result<(), FilterError> {
         self.origin = None;
         let Self { particles, weights, .. } = self;
         let mut moved = particles.clone();

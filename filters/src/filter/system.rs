@@ -4,7 +4,7 @@ use super::Propagation;
 use crate::engine::dynamics::Dynamics;
 use crate::engine::level::{Baseline, Level};
 use crate::engine::linearised::Linearised;
-use crate::engine::model::{Reading, StateModel, Step, read};
+use crate::engine::model::{Input, Reading, StateModel, Step, read};
 use crate::engine::number::{Number, Real};
 use crate::engine::runge_kutta::RungeKutta;
 use crate::linalg::{Matrix, Vector};
@@ -18,16 +18,16 @@ pub trait System: Send {
     fn forgotten(&self) -> &[(usize, f64)];
 
     /// Moves states of n numbers, one behind the other, by one Runge-Kutta step.
-    fn advance(&mut self, states: &mut [f64], step: Step);
+    fn advance(&mut self, states: &mut [f64], step: Step<'_>);
 
-    /// Writes `h(y, f)`, m numbers for each of the states, under this recorded force over mass \[m/s²\].
-    fn read(&mut self, states: &[f64], force: f64, readings: &[&Reading], values: &mut [f64]);
+    /// Writes `h(y, f)`, m numbers for each of the states, under this input.
+    fn read(&mut self, states: &[f64], input: Input<'_>, readings: &[&Reading], values: &mut [f64]);
 
     /// `H = ∂h/∂y` in a state, m × n.
-    fn jacobian(&self, state: &[f64], force: f64, readings: &[&Reading]) -> Matrix;
+    fn jacobian(&self, state: &[f64], input: Input<'_>, readings: &[&Reading]) -> Matrix;
 
     /// The step of a linearised mean: see [`Propagation::step`].
-    fn step(&self, propagation: Propagation, state: &Vector, step: Step) -> (Vector, Matrix);
+    fn step(&self, propagation: Propagation, state: &Vector, step: Step<'_>) -> (Vector, Matrix);
 }
 
 type Pack = <f64 as Number>::Pack;
@@ -73,10 +73,9 @@ impl<P: Dynamics> System for States<P> {
         &self.model.forgotten
     }
 
-    fn advance(&mut self, states: &mut [f64], step: Step) {
+    fn advance(&mut self, states: &mut [f64], step: Step<'_>) {
         let (n, moving, points) = (self.model.size, self.model.moving(), f64::POINTS);
-        let forces = step.forces.map(|force| f64::pack(|_| force));
-        let step = Step { forces, hold: step.hold, dt: step.dt };
+        let step = step.with(|force| f64::pack(|_| force));
         for own in states.chunks_mut(n * points) {
             self.take(own);
             let Self { model, method, states, .. } = self;
@@ -89,18 +88,18 @@ impl<P: Dynamics> System for States<P> {
         }
     }
 
-    fn read(&mut self, states: &[f64], force: f64, readings: &[&Reading], values: &mut [f64]) {
+    fn read(&mut self, states: &[f64], input: Input<'_>, readings: &[&Reading], values: &mut [f64]) {
         let (n, m, points) = (self.model.size, readings.len(), f64::POINTS);
-        let force = f64::pack(|_| force);
+        let input = input.with(f64::pack(|_| input.force));
         let has_rates = readings.iter().any(|reading| reading.is_of_rates());
         for (own, values) in states.chunks(n * points).zip(values.chunks_mut(m * points)) {
             self.take(own);
             let Self { model, states, plain, rate, .. } = self;
             if has_rates {
-                Baseline.apart(|| model.rate(Baseline, states, force, plain, rate));
+                Baseline.apart(|| model.rate(Baseline, states, input, plain, rate));
             }
             for (row, reading) in readings.iter().enumerate() {
-                let reading = read(model, reading, states, rate, force);
+                let reading = read(model, reading, states, rate, input.force);
                 for (k, values) in values.chunks_exact_mut(m).enumerate() {
                     values[row] = f64::of_pack(reading, k);
                 }
@@ -108,18 +107,18 @@ impl<P: Dynamics> System for States<P> {
         }
     }
 
-    fn jacobian(&self, state: &[f64], force: f64, readings: &[&Reading]) -> Matrix {
-        self.model.gradients(readings, state, force)
+    fn jacobian(&self, state: &[f64], input: Input<'_>, readings: &[&Reading]) -> Matrix {
+        self.model.gradients(readings, state, input)
     }
 
-    fn step(&self, propagation: Propagation, state: &Vector, step: Step) -> (Vector, Matrix) {
+    fn step(&self, propagation: Propagation, state: &Vector, step: Step<'_>) -> (Vector, Matrix) {
         propagation.step(&self.model, state, step)
     }
 }
 
 impl Propagation {
     /// The state after a step and its transition matrix Φ, n × n. The rows of Φ below those that move are an identity's.
-    pub fn step(self, model: &StateModel<impl Dynamics>, state: &Vector, step: Step) -> (Vector, Matrix) {
+    pub fn step(self, model: &StateModel<impl Dynamics>, state: &Vector, step: Step<'_>) -> (Vector, Matrix) {
         let mut linearised = Linearised::new(model);
         let (mut mean, mut transition) = (state.clone(), Matrix::identity(state.len(), state.len()));
         linearised.step(Baseline, self, model, mean.as_mut_slice(), &step);

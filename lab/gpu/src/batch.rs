@@ -20,7 +20,7 @@ const SMALLEST: f64 = 1e-30;
 
 /// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that is a list of operations,
 /// with all settings of the engine ([`Setup::of_any`]), sensors with noise, and numbers that single precision can hold. A record has
-/// the truth of the first components of the state, or of none.
+/// one input, and the truth of the first components of the state, or of none.
 pub fn serves(run: &LaneRun<'_>) -> bool {
     program(run).is_some()
 }
@@ -38,7 +38,8 @@ fn prepare(run: &LaneRun<'_>) -> Option<(Setup, usize)> {
     let known = known(&setup.channels, record)?;
     let is_fine = |variance: &f64| *variance == 0.0 || (SMALLEST..=LARGEST * LARGEST).contains(variance);
     let variances = || setup.variance.iter().chain(&setup.process).chain(&setup.sensors).chain([&setup.white]);
-    let numbers_are_fine = setup.mean.iter().all(|mean| mean.abs() <= LARGEST)
+    let numbers_are_fine = record.forced().is_empty()
+        && setup.mean.iter().all(|mean| mean.abs() <= LARGEST)
         && variances().all(is_fine)
         && setup.sensors.iter().all(|&variance| variance > 0.0);
     (numbers_are_fine && (1..=MOST_SAMPLES).contains(&record.len())).then_some((setup, known))

@@ -6,7 +6,7 @@ use js_sys::{Array, Float64Array, Uint8Array, Uint32Array};
 use kalmanscope_core::import::{ImportError, Loaded, Table, load};
 use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::suggest::{self, Suggestion};
-use kalmanscope_core::{Pass, Quantity, Record, Scenario, Source, Tape, document};
+use kalmanscope_core::{ForcedMass, Pass, Quantity, Record, Scenario, Source, Tape, document};
 use kalmanscope_lab::{Ensemble, Runner};
 use wasm_bindgen::{JsCast as _, JsValue};
 
@@ -102,6 +102,9 @@ fn in_message(source: &Source) -> JsValue {
 
 fn filtered(record: &Record) -> Array {
     let message = Array::of2(&record.dt().into(), &Float64Array::from(record.input()));
+    for (mass, values) in record.forces() {
+        push(&message, mass.key(), values);
+    }
     for (place, quantity) in record.sensors().iter().enumerate() {
         push(&message, quantity.key(), record.measured(place));
     }
@@ -123,7 +126,7 @@ fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     let numbers = |value: JsValue| Some(value.dyn_into::<Float64Array>().ok()?.to_vec());
     let dt = record.get(0).as_f64()?;
     let input = Input { kind: scenario.input, hold: scenario.hold, values: numbers(record.get(1))? };
-    let (mut sensors, mut truth, mut clocks) = (Vec::new(), Vec::new(), Clocks::default());
+    let (mut sensors, mut forces, mut truth, mut clocks) = (Vec::new(), Vec::new(), Vec::new(), Clocks::default());
     for column in record.iter().skip(2) {
         let column: Array = column.dyn_into().ok()?;
         let (key, values) = (column.get(0).as_string()?, numbers(column.get(1))?);
@@ -135,11 +138,13 @@ fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
             }
         } else if let Some(channel) = key.strip_prefix(TRUE) {
             truth.push((scenario.channel(channel)?, values));
+        } else if let Some(mass) = ForcedMass::from_key(&key) {
+            forces.push((mass, values));
         } else {
             sensors.push((Quantity::from_key(&key)?, values));
         }
     }
-    let record = Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()?;
+    let record = Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()?.with_forces(forces).ok()?;
     if clocks.readings.is_empty() { Some(record) } else { record.with_clocks(clocks).ok() }
 }
 

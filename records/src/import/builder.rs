@@ -102,6 +102,10 @@ async fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold, tr
     let mut columns = Columns { table, conditioning: Conditioning { mapping, timing: &timing }, own, is_kept, remarks };
     let values = columns.input(hold)?;
     pause().await;
+    let mut forces = Vec::new();
+    for (&on, mapped) in &mapping.forces {
+        forces.push((on, columns.force(&on.name(), mapped, hold, false)?));
+    }
     let mut sensors = Vec::new();
     for (&quantity, mapped) in &mapping.sensors {
         sensors.push((quantity, columns.sensor(mapped)?));
@@ -126,7 +130,8 @@ async fn built(table: &Table, mapping: &Mapping, kind: InputKind, hold: Hold, tr
         FEWEST..=MOST => {}
         _ => return Err(ImportError::TooLong(samples)),
     }
-    let mut record = Record::new(dt, Input { kind, hold, values }, sensors)?.with_truth(truth)?.starting_at(start);
+    let record = Record::new(dt, Input { kind, hold, values }, sensors)?.with_truth(truth)?;
+    let mut record = record.with_forces(forces)?.starting_at(start);
     if let Some(own) = own.filter(|_| is_kept) {
         record = record.with_clocks(own.clocks)?;
     }
@@ -152,29 +157,39 @@ impl Columns<'_> {
     }
 
     fn input(&mut self, hold: Hold) -> Result<Vec<f64>> {
-        let Conditioning { mapping, timing } = self.conditioning;
-        let steps = self.conditioning.steps();
-        let Some(mapped) = &mapping.input else {
-            self.remarks.push("there is no column for the input; it counts as zero".to_owned());
-            return Ok(vec![0.0; steps.count]);
+        let Some(mapped) = &self.conditioning.mapping.input else {
+            if self.conditioning.mapping.forces.is_empty() {
+                self.remarks.push("there is no column for the input; it counts as zero".to_owned());
+            }
+            return Ok(vec![0.0; self.conditioning.steps().count]);
         };
+        self.force("input", mapped, hold, true)
+    }
+
+    /// The times of one that `keeps` them are the record's.
+    fn force(&mut self, name: &str, mapped: &MappedColumn, hold: Hold, keeps: bool) -> Result<Vec<f64>> {
+        let (timing, steps) = (self.conditioning.timing, self.conditioning.steps());
         let mut values = self.mapped(mapped)?;
         if let Some(own) = self.own.as_mut().filter(|_| self.is_kept) {
-            let Some(values) = own.input(mapped, hold, steps) else {
-                self.remarks.push("the input is missing in all rows; it counts as zero".to_owned());
+            let values = if keeps { own.input(mapped, hold, steps) } else { own.force(mapped, hold, steps) };
+            let Some(values) = values else {
+                self.remarks.push(format!("the {name} is missing in all rows; it counts as zero"));
                 return Ok(vec![0.0; steps.count]);
             };
             let count = own.empty(&mapped.column);
             if count > 0 {
                 let how = if hold == Hold::Zero { "stays as it was" } else { "is interpolated" };
-                self.remarks.push(format!("the input is missing in {count} row(s); it {how} there"));
+                self.remarks.push(format!("the {name} is missing in {count} row(s); it {how} there"));
+            }
+            if !keeps {
+                self.remarks.push(format!("the {name} counts at the samples, not at times of its own"));
             }
             return Ok(values);
         }
         if let Some((first, count)) = fill(&mut values) {
             let time = timing.start + first as f64 * timing.dt;
             let said =
-                format!("the input is missing in {count} sample(s), the first at {time} s; it is interpolated there");
+                format!("the {name} is missing in {count} sample(s), the first at {time} s; it is interpolated there");
             self.remarks.push(said);
         }
         Ok(self.conditioning.input(values, hold))

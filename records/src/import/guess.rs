@@ -1,7 +1,7 @@
 //! The meaning of a file's columns by their headers and cells: a guess at all of them.
 
 use kalmanscope_filters::lists::{mapped, places, sort_items};
-use kalmanscope_filters::{InputKind, Quantity};
+use kalmanscope_filters::{ForcedMass, InputKind, Quantity};
 
 use super::header::{Dimension, STANDARD_GRAVITY, unit};
 use super::shape::{are_axes, gravity, is_counter, is_noise, liveliness, never_changes, plain};
@@ -146,7 +146,7 @@ impl Mapping {
         all.iter_mut().filter(|one| one.is_free && counts(one)).for_each(|one| one.leave_out(COUNTER));
         let unknown = |one: &&Candidate| one.is_free || [STILL, UNIT].contains(&one.why);
         let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
-        if !has(&all, &|role| matches!(role, Role::Input(_))) {
+        if !has(&all, &|role| matches!(role, Role::Input(_) | Role::ForceOn(_))) {
             match all.iter().filter(unknown).count() {
                 // With a named sensor and several other columns, none of these is a better guess than the others.
                 2.. if has_sensor => {
@@ -185,6 +185,7 @@ impl Mapping {
                     mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() };
                 }
                 Some(Role::Input(of)) => (kind, mapping.input) = (of, Some(mapped())),
+                Some(Role::ForceOn(mass)) => drop(mapping.forces.insert(mass, mapped())),
                 Some(Role::Sensor(quantity)) => drop(mapping.sensors.insert(quantity, mapped())),
                 None => {}
             }
@@ -312,6 +313,7 @@ fn candidates(table: &Table) -> Vec<Candidate> {
 enum Role {
     Time,
     Input(InputKind),
+    ForceOn(ForcedMass),
     Sensor(Quantity),
 }
 
@@ -339,6 +341,9 @@ const BY_CLOCK: &str = "its cells are times of day";
 fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if let Some(quantity) = Quantity::from_key(&column.name) {
         return Some((Role::Sensor(quantity), NAMED));
+    }
+    if let Some(mass) = ForcedMass::from_key(&column.name) {
+        return Some((Role::ForceOn(mass), NAMED));
     }
     if column.is_dated || column.is_time_of_day {
         return Some((Role::Time, BY_CLOCK));

@@ -23,7 +23,7 @@ pub(super) struct OwnTimes {
 impl OwnTimes {
     pub(super) fn of_rows(table: &Table, mapping: &Mapping, times: &[f64]) -> Self {
         let mut own = Self::default();
-        for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
+        for mapped in mapping.columns() {
             if let Some(place) = table.place(&mapped.column) {
                 own.add(&mapped.column, times, &table.columns[place].values, mapped.missing);
             }
@@ -60,13 +60,14 @@ impl OwnTimes {
     }
 
     pub(super) fn input(&mut self, mapped: &MappedColumn, hold: Hold, steps: Steps) -> Option<Vec<f64>> {
-        let timed = self.scaled(mapped, steps);
-        if timed.times.is_empty() {
-            return None;
-        }
-        let values = numbers(steps.count, &|k| timed.at(k as f64, hold));
-        self.clocks.input = Some(timed);
+        let values = self.force(mapped, hold, steps)?;
+        self.clocks.input = Some(self.scaled(mapped, steps));
         Some(values)
+    }
+
+    pub(super) fn force(&self, mapped: &MappedColumn, hold: Hold, steps: Steps) -> Option<Vec<f64>> {
+        let timed = self.scaled(mapped, steps);
+        (!timed.times.is_empty()).then(|| numbers(steps.count, &|k| timed.at(k as f64, hold)))
     }
 
     pub(super) fn empty(&self, name: &str) -> usize {
@@ -119,7 +120,7 @@ pub(super) fn on_one_clock(table: &Table, mapping: &Mapping, remarks: &mut Vec<S
     let is_clock = |place: &usize| clocks.iter().any(|(_, clock)| clock == place);
     let Some(stated) = stated.filter(is_clock) else { return Ok(None) };
     let mut parts: Vec<(usize, Vec<(usize, &MappedColumn)>)> = Vec::new();
-    for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
+    for mapped in mapping.columns() {
         let Some(place) = table.place(&mapped.column) else { continue };
         let own = clocks.iter().find(|(of, _)| *of == place).map_or(stated, |(_, clock)| *clock);
         let clock = parts.iter().map(|(clock, _)| *clock).chain([stated]).find(|other| is_same(table, *other, own));

@@ -28,7 +28,7 @@ const ENDS: [f64; 11] =
 
 /// A counter of samples without a meaning, at `rate` a second, with lost rows: its name, and the times of the rows \[s\].
 pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(String, Vec<f64>)> {
-    let has_meaning = |name: &str| mapping.input.iter().chain(mapping.sensors.values()).any(|of| of.column == name);
+    let has_meaning = |name: &str| mapping.columns().any(|of| of.column == name);
     table.columns.iter().filter(|column| !has_meaning(&column.name)).find_map(|column| {
         let values = &column.values;
         let most = values.iter().fold(0.0, |a: f64, b| a.max(*b));

@@ -74,6 +74,7 @@ impl Record {
         of(self) == of(other)
             && self.sensors == other.sensors
             && self.truth_channels == other.truth_channels
+            && self.forced == other.forced
             && clocks
             && self.columns().zip(other.columns()).all(begins)
     }
@@ -154,6 +155,8 @@ impl Record {
             input: cut(&self.input),
             measured: mapped(&self.measured, &cut),
             truth: mapped(&self.truth, &cut),
+            forces: mapped(&self.forces, &cut),
+            forced: self.forced.clone(),
             sensors: self.sensors.clone(),
             truth_channels: self.truth_channels.clone(),
             clocks: self.clocks.as_ref().map(|clocks| Arc::new(clocks.part(samples.clone()))),

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
-use kalmanscope_core::channel::MAX_MASSES;
+use kalmanscope_core::Channel;
 
 use super::stage::SceneFrame;
 use crate::plot::axes::{tick, ticks};
@@ -106,12 +106,12 @@ fn ruler(stage: &SceneFrame, painter: &Painter, length: &str, palette: &Palette)
     }
 }
 
-const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
-
 fn bar(stage: &SceneFrame, painter: &Painter, length: &str, palette: &Palette) {
-    for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses) {
+    for mass in 0..stage.masses {
         mark_at(stage, painter, stage.rest(mass), palette.weak);
-        label(stage, painter, stage.rest(mass), name, palette);
+        // The symbol of a displacement has the number of its mass.
+        let number = Channel::displacement(mass).symbol().trim_start_matches('x');
+        label(stage, painter, stage.rest(mass), &format!("m{}", if mass == 0 { "₁" } else { number }), palette);
     }
     let longest = stage.metres(stage.body.x.max(0.5 * stage.gap));
     let Some(mark) = ticks((0.0, longest), 3.0).into_iter().nth(1) else { return };

@@ -3,7 +3,7 @@
 use egui::text::LayoutJob;
 use egui::{FontId, Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
-use kalmanscope_core::{Channel, Estimates, Record};
+use kalmanscope_core::{Channel, Estimates, ForcedMass, Record};
 
 use super::parts::{Ink, Link, MassBelief, arrow, body, ghosts, ground, link, slice};
 use super::stage::{SceneFrame, displacement, recent};
@@ -33,8 +33,6 @@ impl<'a> Scene<'a> {
         let spring = kind.info().spring;
         // Filters may have more masses than the truth.
         let is_known = |mass: usize| mass < kind.masses();
-        let force = recent(record, k);
-        let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
         for mass in 0..stage.masses {
             let beliefs: Vec<MassBelief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
@@ -57,7 +55,11 @@ impl<'a> Scene<'a> {
                 before = (at.right(), x);
             }
             ghosts(stage, painter, mass, &beliefs, visible.bands);
-            if !is_known(mass) || kind.is_driven(mass) {
+            let on_all = (!is_known(mass) || kind.is_driven(mass)).then(|| record.input());
+            let on_one = ForcedMass::new(mass).and_then(|mass| record.force_on(mass));
+            if on_all.is_some() || on_one.is_some() {
+                let force: f64 = on_all.into_iter().chain(on_one).map(|values| recent(values, record, k)).sum();
+                let share = force / largest_force.max(force.abs()).max(1e-12);
                 arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
             }
         }

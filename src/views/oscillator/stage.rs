@@ -30,8 +30,9 @@ impl Peak {
             before = Some(x);
         }
         let window = window(record);
-        let force = record.input().get(..to).unwrap_or_default().chunks_exact(window);
-        peak.force = largest(&mut force.map(|f| f.iter().sum::<f64>() / window as f64));
+        let inputs = std::iter::once(record.input()).chain(record.forces().map(|(_, values)| values));
+        let means = inputs.flat_map(|values| values.get(..to).unwrap_or_default().chunks_exact(window));
+        peak.force = largest(&mut means.map(|f| f.iter().sum::<f64>() / window as f64));
         peak
     }
 }
@@ -53,10 +54,10 @@ fn window(record: &Record) -> usize {
     (SPELL / record.dt()).round().clamp(1.0, 1e5) as usize
 }
 
-/// The mean force over mass within the [`SPELL`] that ends with sample `k` \[m/s²\].
-pub(super) fn recent(record: &Record, k: usize) -> f64 {
+/// The mean of an input within the [`SPELL`] that ends with sample `k` \[m/s²\].
+pub(super) fn recent(values: &[f64], record: &Record, k: usize) -> f64 {
     let first = (k + 1).saturating_sub(window(record));
-    let force = record.input().get(first..=k).unwrap_or_default();
+    let force = values.get(first..=k).unwrap_or_default();
     force.iter().sum::<f64>() / window(record) as f64
 }
 

@@ -6,7 +6,7 @@ use kalmanscope_filters::engine::columns::mirror;
 use kalmanscope_filters::engine::design::Method;
 use kalmanscope_filters::engine::level::{Baseline, Known, Level};
 use kalmanscope_filters::engine::wrapper::Span;
-use kalmanscope_filters::filter::Gaussian;
+use kalmanscope_filters::filter::{Gaussian, Input};
 use kalmanscope_filters::gaussian_likelihood::LogSum;
 use kalmanscope_filters::lists::mapped;
 use kalmanscope_records::record::Parts;
@@ -14,7 +14,8 @@ use kalmanscope_records::record::Parts;
 use crate::FilterSettings;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
-use crate::run::estimator::{Estimator, State};
+use crate::run::estimator::{Estimator, Inputs, State};
+use crate::run::forces::Forces;
 use crate::run::passage::Passage;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
@@ -96,9 +97,9 @@ impl FollowedEngine {
     }
 
     #[inline(always)]
-    fn predict(&mut self, level: impl Level, span: Span<f64>) -> Result<(), FilterError> {
+    fn predict(&mut self, level: impl Level, span: Span<'_, f64>) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
-        if !self.filter.are_finite(span.forces) {
+        if !self.filter.are_finite(span.inputs) {
             return Err(FilterError::UndefinedForce);
         }
         self.filter.predict(level, span);
@@ -117,9 +118,9 @@ impl FollowedEngine {
         self.learnt.weights.fill(f64::NAN);
     }
 
-    fn add(&mut self, level: impl Level, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn add(&mut self, level: impl Level, input: Input<'_>, readings: &[f64]) -> Result<(), FilterError> {
         let Self { filter, places, measured, .. } = self;
-        let [nis, determinant] = condition(level, filter, places, measured, force, readings)?;
+        let [nis, determinant] = condition(level, filter, places, measured, input, readings)?;
         self.take_update([nis, determinant]);
         Ok(())
     }
@@ -154,18 +155,27 @@ impl FollowedEngine {
     }
 
     /// The belief before the update is that before the last reading.
-    fn step_through(&mut self, level: impl Level, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(
+        &mut self,
+        level: impl Level,
+        parts: &Parts,
+        forces: &Forces,
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
         let mut whole = if parts.times.is_none() { self.next_sample() } else { [0.0; 2] };
         let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
         self.clear();
+        let (mut from, last) = (0.0, parts.iter().count().saturating_sub(1));
         for (place, (part, readings)) in parts.iter().enumerate() {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
             // A step without times has its plucks in its first part.
             let times = parts.between(place).unwrap_or(whole);
+            let ([begin, end], to) = (part.forces, from + part.share);
             if part.share > 0.0 {
-                self.predict(level, Span { share: part.share, forces: part.forces, times })?;
+                let inputs = [forces.within(begin, from), forces.within(end, to)];
+                self.predict(level, Span { share: part.share, inputs, times })?;
                 whole = [whole[1]; 2];
             }
             is_passed = readings.iter().any(|reading| !reading.is_nan());
@@ -173,7 +183,9 @@ impl FollowedEngine {
                 self.keep_prior();
                 has_prior = true;
             }
-            self.add(level, part.force, readings)?;
+            let now = if place == last { forces.now(part.force) } else { forces.within(part.force, to) };
+            from = to;
+            self.add(level, now, readings)?;
             if is_passed {
                 pass(&mut self.filter, sink)?;
             }
@@ -198,23 +210,28 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         followed.report(sink.wants_prior(), sink).map_err(|_| FilterError::TooLarge)
     }
 
-    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step(
+        &mut self,
+        Inputs { ends, now }: Inputs<'_>,
+        measured: &[f64],
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
         let Self { level, followed } = self;
         let level = *level;
         let times = followed.next_sample();
-        followed.predict(level, Span { share: 1.0, forces: [before, force], times })?;
+        followed.predict(level, Span { share: 1.0, inputs: ends, times })?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
             followed.keep_prior();
         }
         if followed.filter.has_options() {
             followed.clear();
-            followed.add(level, force, measured)?;
+            followed.add(level, now, measured)?;
             pass(&mut followed.filter, sink)?;
             return followed.report(wants_prior, sink);
         }
         let FollowedEngine { filter, places, measured: own, prior, update: all, in_units, .. } = followed;
-        let [nis, determinant] = condition(level, filter, places, own, force, measured)?;
+        let [nis, determinant] = condition(level, filter, places, own, now, measured)?;
         pass(filter, sink)?;
         let m = all.innovation.len();
         let (belief, update) = (&filter.belief, &filter.update);
@@ -238,8 +255,8 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         filter.set_belief(mean, cov)
     }
 
-    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.followed.step_through(self.level, parts, sink)
+    fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.followed.step_through(self.level, parts, forces, sink)
     }
 
     fn keep_passages(&mut self) -> bool {
@@ -281,7 +298,7 @@ fn condition(
     filter: &mut PlantFilter<f64>,
     places: &[usize],
     own: &mut [f64],
-    force: f64,
+    input: Input<'_>,
     measured: &[f64],
 ) -> Result<[f64; 2], FilterError> {
     let mut is_infinite = false;
@@ -292,7 +309,7 @@ fn condition(
     if is_infinite && filter.is_predicted(0) {
         return Err(FilterError::InfiniteMeasurement);
     }
-    let result = filter.update(level, force, own);
+    let result = filter.update(level, input, own);
     if !result.holds {
         return Err(filter.reason(0));
     }

@@ -8,8 +8,9 @@ use kalmanscope_records::record::Parts;
 use super::engine::push;
 use super::setup::Beginning;
 use super::update::InUnits;
-use super::{Estimator, FilterContext};
+use super::{Estimator, FilterContext, Inputs};
 use crate::FilterSettings;
+use crate::run::forces::Forces;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
 struct FollowedBelief {
@@ -81,14 +82,14 @@ impl Estimator for FollowedBelief {
         self.report(prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
     }
 
-    fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.filter.predict([before, force])?;
+    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.filter.predict(inputs.ends)?;
         let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
-        self.filter.update(force, measured, &mut self.correction)?;
+        self.filter.update(inputs.now, measured, &mut self.correction)?;
         self.report(prior.as_ref(), sink)
     }
 
-    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let mut last = vec![f64::NAN; self.correction.innovation.len()];
         let (mut begin, mut end) = (None, 0.0);
         for (part, readings) in parts.iter() {
@@ -97,6 +98,7 @@ impl Estimator for FollowedBelief {
                 *last = *reading;
             }
         }
-        self.step(begin.unwrap_or(end), end, &last, sink)
+        let inputs = Inputs { ends: forces.over([begin.unwrap_or(end), end]), now: forces.now(end) };
+        self.step(inputs, &last, sink)
     }
 }

@@ -3,6 +3,7 @@
 use kalmanscope_filters::Dynamics as _;
 use kalmanscope_filters::engine::exponential::{Exponential, Impulse};
 use kalmanscope_filters::engine::level::Baseline;
+use kalmanscope_filters::engine::model::{ForceOn, Input};
 use kalmanscope_filters::engine::runge_kutta::classical;
 use kalmanscope_filters::linalg::{Matrix, Vector};
 
@@ -45,19 +46,19 @@ impl Response {
         }
     }
 
-    /// Moves on by `dt` \[s\] under a force linear between `forces` and a held one \[m/s²\]. Returns whether the step is done.
+    /// Moves on by `dt` \[s\] under an input that is linear between its ends and a held force \[m/s²\]. Returns whether the step is done.
     pub(crate) fn advance(
         &mut self,
         model: &Model,
-        forces: [f64; 2],
+        inputs: [Input<'_>; 2],
         disturbance: f64,
         dt: f64,
         most: u64,
     ) -> Result<bool, TruthError> {
         let Self { state, size, exact, work: [rate, change], step, is_under_way, halved } = self;
-        let [begin, end] = forces;
+        let [begin, end] = inputs.map(|input| input.force);
         if !model.is_linear() {
-            let motion = LinearMotion { model, forces, disturbance, dt };
+            let motion = LinearMotion { model, inputs, disturbance, dt };
             if !*is_under_way {
                 size.zip_apply(state, |size, x| *size = size.max(x.abs()));
                 step.begin(&motion, state.as_slice());
@@ -84,10 +85,15 @@ impl Response {
         }
         let acting = model.acting_force(state.as_slice(), begin) + disturbance;
         model.state.plant.motion_rate(state.as_slice(), acting, rate.as_mut_slice());
+        inputs[0].push(rate.as_mut_slice());
         integrals.constant.mul_to(rate, change);
         if begin != end {
             let by_force = model.by_force(state.as_slice()) * model.state.gain.map_or(1.0, |place| state[place]);
             *change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
+        }
+        let [from, to] = inputs.map(|input| input.at);
+        for ForceOn { place, ends: [begin, end] } in inputs[0].on.iter().filter(|_| from != to) {
+            *change += integrals.slope.column(*place) * ((end - begin) * (to - from) / dt);
         }
         for i in 0..motion {
             state[i] += change[i];
@@ -123,21 +129,24 @@ const MOST: u64 = 4096;
 
 struct LinearMotion<'a> {
     model: &'a Model,
-    forces: [f64; 2],
+    inputs: [Input<'a>; 2],
     disturbance: f64,
     dt: f64,
 }
 
 impl LinearMotion<'_> {
     fn step(&self, memory: &mut [Vec<f64>; 5], to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
-        let [begin, end] = self.forces;
+        let [begin, end] = self.inputs.map(|input| input.force);
         to.clear();
         to.extend_from_slice(state);
         memory.iter_mut().for_each(|numbers| numbers.resize(state.len(), 0.0));
         let rate = |y: &[f64], s: f64, rate: &mut [f64]| {
-            let force = if begin == end { begin } else { begin + (end - begin) * (from + share * s) };
+            let at = from + share * s;
+            let force = if begin == end { begin } else { begin + (end - begin) * at };
             let acting = self.model.acting_force(y, force) + self.disturbance;
             self.model.rate_under_into(y, acting, rate);
+            let [first, last] = self.inputs.map(|input| input.at);
+            Input { at: first + (last - first) * at, ..self.inputs[0] }.push(rate);
         };
         classical(rate, to, [0.0, 0.5, 1.0], share * self.dt, memory.each_mut().map(Vec::as_mut_slice));
     }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use kalmanscope_filters::engine::level::Level;
+use kalmanscope_filters::engine::model::Input;
 use kalmanscope_filters::engine::number::{Mask, Number};
 use kalmanscope_filters::engine::update::UpdateResult;
 use kalmanscope_filters::engine::wrapper::Span;
@@ -12,6 +13,7 @@ use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::InUnits;
+use crate::run::forces::Forces;
 use crate::statistics::score::lane_sums::{LogProducts, ScoreSums};
 use crate::statistics::score::{Outcome, SampleScore};
 
@@ -32,9 +34,13 @@ impl SetupRun<'_> {
             && self.setup.design == other.setup.design
             && self.setup.of_batch == other.setup.of_batch
             && self.setup.is_timed == other.setup.is_timed
-            && (!self.setup.is_timed || self.has_columns_of(other))
+            && (!(self.setup.is_timed || self.has_forces() || other.has_forces()) || self.has_columns_of(other))
             && self.setup.channels == other.setup.channels
             && (self.setup.channels.iter()).all(|&channel| knows(self.record, channel) == knows(other.record, channel))
+    }
+
+    fn has_forces(&self) -> bool {
+        !self.record.forced().is_empty()
     }
 
     fn has_columns_of(&self, other: &Self) -> bool {
@@ -73,6 +79,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[SetupRun<'_>], samples: &
 
 struct LaneInputs<'a> {
     timed: Option<SetupRun<'a>>,
+    first: SetupRun<'a>,
     force: LaneColumn<'a>,
     measured: Vec<LaneColumn<'a>>,
     truth: Vec<LaneColumn<'a>>,
@@ -118,6 +125,7 @@ impl<'a> LaneInputs<'a> {
             |&channel| column(&|run: SetupRun<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
         Self {
             timed: setup.is_timed.then_some(runs[0]),
+            first: runs[0],
             force: column(&force),
             measured: (0..setup.columns.len()).map(measured).collect(),
             truth: known.map(truth).collect(),
@@ -144,7 +152,8 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         let mut measured = vec![T::of(0.0); inputs.measured.len()];
         let mut truth = vec![T::of(0.0); inputs.truth.len()];
         let mut force: T = inputs.force.at(0);
-        let mut parts = Parts::default();
+        let (SetupRun { setup, record }, mut parts) = (inputs.first, Parts::default());
+        let mut forces = Forces::of(&setup.channels, record.forced(), record.hold());
         for k in 0..length {
             for (truth, column) in truth.iter_mut().zip(&inputs.truth) {
                 *truth = column.at(k);
@@ -152,17 +161,18 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
             if k > 0 {
                 let before = force;
                 force = inputs.force.at(k);
+                forces.take(record, k, setup.delays.input);
                 let goes_on = match inputs.timed {
                     Some(SetupRun { setup, record })
                         if record.parts_to(k, &setup.delays, &setup.columns, &mut parts) =>
                     {
-                        self.step_through(&parts, &mut measured, k)
+                        self.step_through(&parts, &forces, &mut measured, k)
                     }
                     _ => {
                         for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
                             *measured = column.at(k);
                         }
-                        self.step([before, force], &measured, k)
+                        self.step(forces.over([before, force]), forces.now(force), &measured, k)
                     }
                 };
                 if !goes_on {
@@ -179,8 +189,8 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         self.finish()
     }
 
-    fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
-        let Some(update) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
+    fn step(&mut self, inputs: [Input<'_, T>; 2], now: Input<'_, T>, measured: &[T], k: usize) -> bool {
+        let Some(update) = self.advance(1.0, inputs, now, measured, k) else { return false };
         let Self { level, scores, filter, .. } = self;
         level.apart(
             #[inline(always)]
@@ -193,12 +203,17 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         true
     }
 
-    fn step_through(&mut self, parts: &Parts, measured: &mut [T], k: usize) -> bool {
+    fn step_through(&mut self, parts: &Parts, forces: &Forces, measured: &mut [T], k: usize) -> bool {
         let ([mut all_nis, mut readings], mut product) = ([T::of(0.0); 2], T::of(1.0));
         self.of_parts.clear();
-        for (part, values) in parts.iter() {
+        let (mut from, last) = (0.0, parts.iter().count().saturating_sub(1));
+        for (place, (part, values)) in parts.iter().enumerate() {
+            let ([begin, end], to) = (part.forces.map(T::of), from + part.share);
+            let (inputs, force) = ([forces.within(begin, from), forces.within(end, to)], T::of(part.force));
+            let now = if place == last { forces.now(force) } else { forces.within(force, to) };
+            from = to;
             measured.iter_mut().zip(values).for_each(|(measured, value)| *measured = T::of(*value));
-            let update = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
+            let update = self.advance(part.share, inputs, now, measured, k);
             let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
@@ -210,13 +225,20 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
     }
 
     #[inline(never)]
-    fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<UpdateResult<T>> {
+    fn advance(
+        &mut self,
+        share: f64,
+        inputs: [Input<'_, T>; 2],
+        now: Input<'_, T>,
+        measured: &[T],
+        k: usize,
+    ) -> Option<UpdateResult<T>> {
         let Self { level, filter, .. } = self;
         let mut update = level.apart(
             #[inline(always)]
             || {
-                filter.predict(*level, Span { share, forces, times: [0.0; 2] });
-                filter.update(*level, force, measured)
+                filter.predict(*level, Span { share, inputs, times: [0.0; 2] });
+                filter.update(*level, now, measured)
             },
         );
         let has_stopped = T::of(0.5).le(self.stopped);

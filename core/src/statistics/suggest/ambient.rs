@@ -27,7 +27,7 @@ impl Sizes {
 }
 
 pub(super) fn has_no_input(record: &Record) -> bool {
-    record.input().windows(2).all(|pair| pair[0] == pair[1])
+    record.forced().is_empty() && record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
 
 pub(super) struct Ambient {

@@ -68,8 +68,8 @@ impl<T: Number> Update<T> {
                 descent.at.copy_from_slice(&belief.mean);
                 belief.copy_from(&descent.prior);
                 let Self { expected, active, .. } = self;
-                expected.derivatives.take(level, &design.model, &descent.at, observation.force);
-                expected.linearise(level, m, design, belief, active, observation.force, Some(&descent.at));
+                expected.derivatives.take(level, &design.model, &descent.at, observation.input);
+                expected.linearise(level, m, design, belief, active, observation.input.force, Some(&descent.at));
                 let number = self.compare(level, m, observation);
                 result.holds = self.correct(level, m, design, belief, number, checks).holds;
                 // No component has moved by more than 1e-6 of its standard deviation.

@@ -97,7 +97,7 @@ pub struct Adapting<T> {
 }
 
 impl<T: Number, P: Dynamics> Wrapper<T, P> for Adapting<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<'_, T>) {
         self.sample += 1;
         inner.predict(span);
     }

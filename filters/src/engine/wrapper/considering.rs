@@ -52,7 +52,7 @@ impl<T: Number> Considering<T> {
 }
 
 impl<T: Number, P: Dynamics> Wrapper<T, P> for Considering<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<'_, T>) {
         inner.predict(span);
         let filter = inner.filter();
         filter.square();

@@ -22,7 +22,7 @@ impl<T: Number> Jumping<T> {
 }
 
 impl<T: Number, P: Dynamics> Wrapper<T, P> for Jumping<T> {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<'_, T>) {
         let Self { jumps, narrow } = self;
         let GaussianFilter { noise, design, .. } = inner.filter();
         let mut has_widened = false;
@@ -81,7 +81,7 @@ impl Restarting {
 }
 
 impl<T: Number, P: Dynamics> Wrapper<T, P> for Restarting {
-    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<T>) {
+    fn predict(&mut self, inner: &mut dyn Recursion<T, P>, span: Span<'_, T>) {
         let [before, after] = span.times.map(|end| self.times.partition_point(|time| *time <= end));
         if after > before {
             let count = (after - before) as f64;
