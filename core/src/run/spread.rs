@@ -2,7 +2,7 @@
 
 use kalmanscope_filters::engine::design::{Method, Rule};
 use kalmanscope_filters::engine::runge_kutta::classical;
-use kalmanscope_filters::filter::Algorithm;
+use kalmanscope_filters::filter::{Algorithm, Input};
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
 use kalmanscope_filters::{Channel, Hold};
 
@@ -39,9 +39,12 @@ impl Spread {
         }
         let delays = settings.delays(record.dt());
         let force = |k: usize| record.delayed_force(k, delays.input);
-        let forces = [before, if context.hold == Hold::First { k } else { before }].map(force);
+        let ends = [before, if context.hold == Hold::First { k } else { before }].map(force);
+        let mut forces = context.forces(settings);
+        forces.take(record, k, delays.input);
+        let inputs = forces.over(ends);
         let parts = context.steps(settings);
-        let move_part = |state: &Vector, part: usize| moved(&model, state, forces, [part, parts], record.dt());
+        let move_part = |state: &Vector, part: usize| moved(&model, state, inputs, [part, parts], record.dt());
         let (mut mean, unit) = model.to_state(estimates.mean(before));
         let whole = |state: Vector| (0..parts).fold(state, |state, part| move_part(&state, part));
         let step = 1e-6 * (1e-3 + mean[at].abs());
@@ -95,13 +98,14 @@ fn moments(Rule { spread, offset }: Rule, points: &[Vector]) -> (Vector, Matrix)
     (&points[0] + shift, cov)
 }
 
-/// A state after one of the parts of a step with these forces at its ends \[m/s²\].
-fn moved(model: &Model, state: &Vector, [begin, end]: [f64; 2], [part, parts]: [usize; 2], dt: f64) -> Vector {
+/// A state after one of the parts of a step with these inputs at its ends.
+fn moved(model: &Model, state: &Vector, [begin, end]: [Input<'_>; 2], [part, parts]: [usize; 2], dt: f64) -> Vector {
     let (mut moved, mut memory) = (state.clone(), [const { Vec::new() }; 5]);
     memory.iter_mut().for_each(|numbers: &mut Vec<f64>| numbers.resize(state.len(), 0.0));
     let rate = |y: &[f64], share: f64, rate: &mut [f64]| {
-        let force = begin + (end - begin) * ((part as f64 + share) / parts as f64);
-        rate.copy_from_slice(model.rate(y, force).as_slice());
+        let share = (part as f64 + share) / parts as f64;
+        rate.copy_from_slice(model.rate(y, begin.force + (end.force - begin.force) * share).as_slice());
+        Input { at: begin.at + (end.at - begin.at) * share, ..begin }.push(rate);
     };
     let memory = memory.each_mut().map(Vec::as_mut_slice);
     classical(rate, moved.as_mut_slice(), [0.0, 0.5, 1.0], dt / parts as f64, memory);
