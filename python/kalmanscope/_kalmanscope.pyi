@@ -1,9 +1,11 @@
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._results import Results
 
 Array = NDArray[np.float64]
 Source = Scenario | Record | str | PathLike[str] | dict[str, Any]
@@ -52,19 +54,10 @@ class Estimates:
     diagnosis: Final[dict[str, Any]]
     def smooth(self) -> Estimates: ...
 
-class Results(Mapping[str, Estimates]):
-    def __len__(self) -> int: ...
-    def __iter__(self) -> Iterator[str]: ...
-    def __getitem__(self, name: str) -> Estimates: ...
-    def keys(self) -> list[str]: ...  # type: ignore[override]
-    def values(self) -> list[Estimates]: ...  # type: ignore[override]
-    record: Final[Record]
-    def free_run(self, record: Record) -> list[dict[str, Any]]: ...
-
 class Online:
     def __init__(self, scenario: Source, filter: str | None = None) -> None: ...
     def __getitem__(self, key: str) -> float: ...
-    def step(self, u: float = 0.0, z: Sequence[float] | None = None, **readings: float) -> Array: ...
+    def step(self, u: float = 0.0, z: Sequence[float] | None = None, **readings: float | None) -> Array: ...
     channels: Final[list[str]]
     sensors: Final[list[str]]
     covariance: Final[Array]
@@ -72,7 +65,7 @@ class Online:
 
 def run(scenario: Source, record: Record | None = None) -> Results: ...
 def tune(
-    scenario: Source, settings: Sequence[str] | Mapping[str, ArrayLike | str | tuple[Any, ...]], record: Record | None = None, *,
+    scenario: Source, settings: str | Sequence[str] | Mapping[str, ArrayLike | str | tuple[Any, ...]], record: Record | None = None, *,
     filter: str | None = None, goal: str = "log_likelihood",
 ) -> dict[str, Any]: ...
 def sweep(

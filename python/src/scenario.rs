@@ -37,7 +37,7 @@ pub(crate) struct Scenario {
     pub(crate) settings: Arc<Settings>,
     /// Where each start value comes from, or what was assumed; one sentence each.
     #[pyo3(get)]
-    remarks: Vec<String>,
+    pub(crate) remarks: Vec<String>,
 }
 
 impl Scenario {
@@ -107,6 +107,10 @@ impl Scenario {
         self.settings.filters.iter().map(|filter| filter.name.clone()).collect()
     }
 
+    fn __getnewargs__(&self) -> PyResult<(String,)> {
+        Ok((self.toml()?,))
+    }
+
     /// The number with an address, as ``"filters.EKF.fading"``.
     fn __getitem__(&self, key: &str) -> PyResult<f64> {
         Ok(Address::parse(&self.settings, key).map_err(error)?.get(&self.settings))
@@ -118,7 +122,7 @@ impl Scenario {
         let mut settings = Settings::clone(&self.settings);
         settings.seed = seed.unwrap_or(settings.seed);
         settings.validate().map_err(error)?;
-        Ok(Record::of(py.detach(|| simulate(&settings)), Vec::new()))
+        Ok(Record::of(interruptible(py, move |_| simulate(&settings))?, Vec::new()))
     }
 
     fn __repr__(&self) -> String {
@@ -132,16 +136,12 @@ impl Scenario {
 fn keywords(settings: Option<&Bound<'_, PyDict>>) -> PyResult<(Document, Vec<(String, Document)>)> {
     let (mut over, mut addressed) = (json!({}), Vec::new());
     for (key, value) in settings.into_iter().flat_map(|settings| settings.iter()) {
-        let key: String = key.extract()?;
-        if key.contains('.') {
-            addressed.push((key, to_document(&value)?));
-            continue;
+        let (key, value): (String, _) = (key.extract()?, to_document(&value)?);
+        match key.as_str() {
+            _ if key.contains('.') => addressed.push((key, value)),
+            "equation" => merge(&mut over, &json!({ "plant": { "equation": value } })),
+            _ => merge(&mut over, &json!({ key: value })),
         }
-        let value = to_document(&value)?;
-        merge(
-            &mut over,
-            &if key == "equation" { json!({ "plant": { "equation": value } }) } else { json!({ key: value }) },
-        );
     }
     Ok((over, addressed))
 }
@@ -165,10 +165,13 @@ fn document_of(source: &Bound<'_, PyAny>) -> PyResult<Document> {
     from_toml(&text).map_err(error)
 }
 
-/// Lays one document over another: tables key by key, lists of tables of equal length one by one.
+/// Lays one document over another: tables key by key, lists of tables of equal length one by one. A filter of another kind has its name.
 fn merge(under: &mut Document, over: &Document) {
     match (under, over) {
         (Document::Object(under), Document::Object(over)) => {
+            if over.get("kind").is_some_and(|kind| under.get("kind") != Some(kind)) {
+                under.remove("name");
+            }
             for (key, value) in over {
                 merge(under.entry(key).or_insert(Document::Null), value);
             }
@@ -203,10 +206,4 @@ fn name_sensors(document: &mut Document) -> PyResult<()> {
         filter["sensor_std"] = Document::from_iter(sensors.iter().map(own));
     }
     Ok(())
-}
-
-impl From<Settings> for Scenario {
-    fn from(settings: Settings) -> Self {
-        Self { settings: Arc::new(settings), remarks: Vec::new() }
-    }
 }
