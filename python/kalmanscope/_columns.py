@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from datetime import datetime
+from datetime import datetime, timezone
 from os import PathLike, fspath
 from typing import Any
 
@@ -19,11 +19,14 @@ def raw(values: Any) -> Any:
         except (TypeError, ValueError):
             values = values.to_numpy()
     if np.ma.isMaskedArray(values):
-        values = values.filled("NaT") if values.dtype.kind in "mM" else values.astype(np.float64).filled(np.nan)
+        is_time = values.dtype.kind in "mM"
+        masked: Any = values if is_time else values.astype(np.float64)
+        values = masked.filled(np.array("NaT", values.dtype) if is_time else np.nan)
     values = np.asarray(values)
     kinds = {type(value) for value in values.flat} if values.dtype.kind == "O" else set()
     if any(issubclass(kind, datetime) for kind in kinds):
-        return values.astype("datetime64[us]")
+        utc = [time.astimezone(timezone.utc).replace(tzinfo=None) if getattr(time, "tzinfo", None) else time for time in values]
+        return np.array(utc, dtype="datetime64[us]")
     if values.dtype.kind in "cSUV" or any(issubclass(kind, (str, bytes)) for kind in kinds):
         raise TypeError("there is text, or a complex number")
     if values.dtype.kind == "m":
@@ -36,7 +39,7 @@ def plain(name: str, values: Any) -> Any:
     try:
         values = raw(values)
     except (TypeError, ValueError) as problem:
-        raise Error(f"`{name}` is no column of numbers: {problem}") from None
+        raise Error(f"`{name}` is no column of numbers: {str(problem).split('. ')[0]}") from None
     if values.ndim != 1:
         raise Error(f"`{name}` must have one dimension, not {values.ndim}")
     return values
@@ -128,9 +131,9 @@ def axis(key: str, values: Any) -> str:
         return ":".join(map(str, [*map(float, values[:2]), *count, *values[2:]]))
     values = plain(key, values)
     if values.dtype.kind == "f" and len(values) and np.isfinite(values).all():
-        first, last, count = float(values[0]), float(values[-1]), len(values)
-        if np.allclose(values, np.linspace(first, last, count), rtol=1e-9, atol=1e-9 * abs(last - first)):
-            return f"{first!r}:{last!r}:{count}"
-        if (values > 0).all() and np.allclose(values, np.geomspace(first, last, count), rtol=1e-9, atol=0):
-            return f"{first!r}:{last!r}:{count}:log"
+        first, last, size = float(values[0]), float(values[-1]), len(values)
+        if np.allclose(values, np.linspace(first, last, size), rtol=1e-9, atol=1e-9 * abs(last - first)):
+            return f"{first!r}:{last!r}:{size}"
+        if (values > 0).all() and np.allclose(values, np.geomspace(first, last, size), rtol=1e-9, atol=0):
+            return f"{first!r}:{last!r}:{size}:log"
     raise Error(f"`{key}`: values are evenly spaced, in differences or in ratios, or (from, to, count)")

@@ -1,6 +1,5 @@
 """The package against the command line, an EKF in NumPy, and its users' mistakes."""
 
-import doctest
 import inspect
 import json
 import os
@@ -224,7 +223,5 @@ def test_everything_public_is_described():
     for name in set(ks.__all__) - {"__version__"}:
         thing = getattr(ks, name)
         assert thing.__doc__, name
-        examples = doctest.DocTestParser().get_doctest(thing.__doc__, {}, name, None, None)
-        assert doctest.DocTestRunner().run(examples).failed == 0, name
         for member in vars(thing) if inspect.isclass(thing) else []:
             assert member.startswith("_") or getattr(thing, member).__doc__, f"{name}.{member}"
