@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from datetime import datetime, timezone
-from os import PathLike, fspath
+from os import fspath
 from typing import Any
 
 import numpy as np
@@ -12,32 +12,28 @@ import numpy as np
 from ._kalmanscope import Error
 
 
-def raw(values: Any) -> Any:
-    if hasattr(values, "to_numpy"):
-        try:
-            values = values.to_numpy(na_value=np.nan)  # pandas, whose missing numbers may be no floats
-        except (TypeError, ValueError):
-            values = values.to_numpy()
-    if np.ma.isMaskedArray(values):
-        is_time = values.dtype.kind in "mM"
-        masked: Any = values if is_time else values.astype(np.float64)
-        values = masked.filled(np.array("NaT", values.dtype) if is_time else np.nan)
-    values = np.asarray(values)
-    kinds = {type(value) for value in values.flat} if values.dtype.kind == "O" else set()
-    if any(issubclass(kind, datetime) for kind in kinds):
-        utc = [time.astimezone(timezone.utc).replace(tzinfo=None) if getattr(time, "tzinfo", None) else time for time in values]
-        return np.array(utc, dtype="datetime64[us]")
-    if values.dtype.kind in "cSUV" or any(issubclass(kind, (str, bytes)) for kind in kinds):
-        raise TypeError("there is text, or a complex number")
-    if values.dtype.kind == "m":
-        values = values / np.timedelta64(1, "s")
-    return values if values.dtype.kind == "M" else np.asarray(values, dtype=np.float64)
-
-
 def plain(name: str, values: Any) -> Any:
-    """One dimension of float64, NaN where a value is missing; of datetime64 where they are times of day."""
+    """One dimension of float64, NaN where a value is missing; of datetime64 where they are dates with times."""
     try:
-        values = raw(values)
+        if hasattr(values, "to_numpy"):
+            try:
+                values = values.to_numpy(na_value=np.nan)  # pandas, whose missing numbers may be no floats
+            except (TypeError, ValueError):
+                values = values.to_numpy()
+        if np.ma.isMaskedArray(values):
+            is_time = values.dtype.kind in "mM"
+            masked: Any = values if is_time else values.astype(np.float64)
+            values = masked.filled(np.array("NaT", values.dtype) if is_time else np.nan)
+        values = np.asarray(values)
+        kinds = {type(value) for value in values.flat} if values.dtype.kind == "O" else set()
+        if any(issubclass(kind, datetime) for kind in kinds):
+            utc = [it.astimezone(timezone.utc).replace(tzinfo=None) if getattr(it, "tzinfo", None) else it for it in values]
+            values = np.array(utc, dtype="datetime64[us]")
+        elif values.dtype.kind in "cSUV" or any(issubclass(kind, (str, bytes)) for kind in kinds):
+            raise TypeError("there is text, or a complex number")
+        if values.dtype.kind == "m":
+            values = values / np.timedelta64(1, "s")
+        values = values if values.dtype.kind == "M" else np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as problem:
         raise Error(f"`{name}` is no column of numbers: {str(problem).split('. ')[0]}") from None
     if values.ndim != 1:
@@ -111,15 +107,7 @@ def arrays(t: Any, u: Any, sensors: dict[str, Any]) -> list[tuple[str, Any]]:
 
 def to_json(settings: Any) -> str:
     """Settings with numbers of NumPy, paths and tuples as JSON."""
-
-    def known(value: Any) -> Any:
-        if isinstance(value, PathLike):
-            return fspath(value)
-        if hasattr(value, "tolist"):
-            return value.tolist()
-        raise TypeError(f"a setting cannot be a {type(value).__name__}")
-
-    return json.dumps(settings, allow_nan=False, default=known)
+    return json.dumps(settings, allow_nan=False, default=lambda it: it.tolist() if hasattr(it, "tolist") else fspath(it))
 
 
 def axis(key: str, values: Any) -> str:

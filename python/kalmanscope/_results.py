@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from ._kalmanscope import Estimates, Record
@@ -11,24 +12,17 @@ class Results(dict[str, Estimates]):
     """The estimates of each filter of a run by its name; a picture in a notebook.
 
     ``record`` is the record, simulated or given. ``remarks`` say what is to be known of the run, as why a motion ended early.
+    ``free_run(record)`` says how well each identified model follows each sensor of a record, from its input alone: a list of dicts
+    with ``filter``, ``sensor``, ``rms`` and ``percent``.
     """
 
-    record: Record
-    remarks: list[str]
-
-    def __init__(self, run: Any) -> None:
+    def __init__(self, run: Any, record: Record, remarks: list[str]) -> None:
         super().__init__((one.name, one) for one in run.estimates())
-        self._run, self.record, self.remarks = run, run.record, run.remarks
+        self._run, self.record, self.remarks = run, record, remarks
+        self.free_run: Callable[[Record], list[dict[str, Any]]] = run.free_run
 
     def __missing__(self, name: str) -> Estimates:
         raise KeyError(f"there is no filter `{name}`, but {', '.join(self)}")
-
-    def free_run(self, record: Record) -> list[dict[str, Any]]:
-        """How well each identified model follows each sensor of a record, from its input alone.
-
-        A dict with ``filter``, ``sensor``, ``rms`` and ``percent`` for each.
-        """
-        return self._run.free_run(record)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return "\n".join(map(repr, self.values()))

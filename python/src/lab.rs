@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::document::{self, Document, json};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Scenario as Settings, Source, Spacing, simulate};
+use kalmanscope_core::{Axis, Scenario as Settings, Source, simulate};
 use kalmanscope_diagnosis::{Measure, UnknownMeasure};
 use kalmanscope_lab::tune::Tuner;
 use kalmanscope_lab::{Ensemble, EnsembleError, Plan, Priority, Runner, Threads, channels, processors};
@@ -137,13 +137,8 @@ pub(crate) fn sweep<'py>(
     let settings = Scenario::of(scenario)?;
     let axes = vary.iter().map(|(key, values)| axis(&key.extract::<String>()?, &values));
     let mut axes = axes.collect::<PyResult<Vec<_>>>()?;
-    axes.extend(seeds.map(|count| Axis {
-        key: "seed".to_owned(),
-        from: 1.0,
-        to: f64::from(count),
-        count: count as usize,
-        spacing: Spacing::Linear,
-    }));
+    let seeds = seeds.map(|count| Axis::parse(&format!("seed=1:{count}:{count}")));
+    axes.extend(seeds.transpose().map_err(error)?);
     let filters = match filters {
         Some(names) => names.iter().map(|name| place_of(&settings, Some(name))).collect::<PyResult<_>>()?,
         None => (0..settings.filters.len()).collect::<Vec<_>>(),

@@ -12,7 +12,8 @@ use pyo3::types::PyDict;
 use crate::arrays::{array, columns, to_document};
 use crate::{error, no_key};
 
-/// Samples of an input and of sensors, NaN where a reading is missing.
+/// Samples of an input and of sensors, NaN where a reading is missing. An `Error` says where columns have different lengths or text,
+/// times do not rise, or a file is none of a record.
 ///
 /// Record(t, u=None, *, input="force", hold="zero", **sensors)
 /// Record(source, *, mapping=None, input=None, hold="first")
@@ -35,11 +36,6 @@ use crate::{error, no_key};
 /// input : {"force", "ground_acceleration"}
 /// hold : {"zero", "first"}
 ///     The input between samples: held, or linear.
-///
-/// Raises
-/// ------
-/// Error
-///     Where columns have different lengths or text, times do not rise, or a file is none of a record.
 #[pyclass(module = "kalmanscope", frozen)]
 pub(crate) struct Record {
     pub(crate) record: Arc<Samples>,

@@ -13,17 +13,13 @@ use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::{Wanted, error, interruptible, no_key};
 
-/// Runs the filters of a scenario over its own simulated record, or over a given one.
+/// Runs the filters of a scenario over its own simulated record, or over a given one; returns their estimates by name. An `Error` says
+/// which sensor a record lacks, or what else does not fit.
 ///
 /// Parameters
 /// ----------
 /// scenario : Scenario, or what makes one
 /// record : Record, optional
-///
-/// Returns
-/// -------
-/// Results
-///     The estimates of each filter by its name.
 #[pyfunction]
 #[pyo3(signature = (scenario, record=None))]
 pub(crate) fn run<'py>(
@@ -39,8 +35,10 @@ pub(crate) fn run<'py>(
         while wanted.is_so() && run.advance_to(run.done() + portion) > 0 {}
         run
     })?;
-    let run = Finished { run: Mutex::new(run), report: OnceLock::new() };
-    py.import("kalmanscope._results")?.call_method1("Results", (Whole(Arc::new(run)),))
+    let record = Record::of(run.record().clone(), Vec::new());
+    let stop = run.truth_stop().map(|stop| format!("the record ends before sample {}: {}", stop.sample, stop.reason));
+    let run = Whole(Arc::new(Finished { run: Mutex::new(run), report: OnceLock::new() }));
+    py.import("kalmanscope._results")?.call_method1("Results", (run, record, Vec::from_iter(stop)))
 }
 
 /// A run to its end.
@@ -95,18 +93,6 @@ impl Whole {
     fn estimates(&self, py: Python<'_>) -> Vec<Estimates> {
         let run = self.0.run_attached(py);
         (0..run.estimates().len()).map(|place| Estimates::of(&self.0, place, &run.estimates()[place], None)).collect()
-    }
-
-    #[getter]
-    fn record(&self, py: Python<'_>) -> Record {
-        Record::of(self.0.run_attached(py).record().clone(), Vec::new())
-    }
-
-    #[getter]
-    fn remarks(&self, py: Python<'_>) -> Vec<String> {
-        let stop = self.0.run_attached(py).truth_stop();
-        let stop = stop.map(|stop| format!("the record ends before sample {}: {}", stop.sample, stop.reason));
-        stop.into_iter().collect()
     }
 
     fn free_run<'py>(&self, py: Python<'py>, record: &Bound<'_, Record>) -> PyResult<Bound<'py, PyAny>> {

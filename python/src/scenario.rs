@@ -14,7 +14,7 @@ use crate::arrays::{from_json, to_document};
 use crate::record::Record;
 use crate::{error, interruptible};
 
-/// A truth, its sensors, and the filters that estimate it.
+/// A truth, its sensors, and the filters that estimate it. An `Error` says which key is unknown, or which value is impossible.
 ///
 /// Scenario(source=None, **settings)
 ///
@@ -26,11 +26,6 @@ use crate::{error, interruptible};
 ///     Keys of a scenario, over those of the source: ``duration=20.0``, ``plant={"kind": "duffing"}``,
 ///     ``filters=[{"kind": "ukf", "sensor_std": {"acceleration": 0.02}}]``; ``equation="x'' + c x' + k x = f"`` for a plant of one's
 ///     own; settings by address, as in ``**{"filters.EKF.fading": 1.002}``, also those of a remedy's edits.
-///
-/// Raises
-/// ------
-/// Error
-///     Where a key is unknown or a value impossible.
 #[pyclass(module = "kalmanscope", frozen, eq)]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Scenario {
