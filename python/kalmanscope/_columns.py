@@ -90,6 +90,8 @@ def arrays(t: Any, u: Any, sensors: dict[str, Any]) -> list[tuple[str, Any]]:
         own, readings = column(f"times of {name}", values[0], since), column(name, values[1])
         if len(own) != len(readings):
             raise Error(f"`{name}` has {len(own)} times, but {len(readings)} readings")
+        if len(own) < 2 or not (np.diff(own) > 0).all():
+            raise Error(f"the times of `{name}` are two or more, and must rise")
         clocks += [(f"time {len(clocks)} (s)", own), (name, readings)]
     if not sensors or (times is None and not columns):
         raise Error("a record needs readings of a sensor, and times, an input or readings at each sample")

@@ -119,7 +119,8 @@ pub(crate) fn tune<'py>(
 /// Returns
 /// -------
 /// dict of str to ndarray, shape (rows,)
-///     A column for each setting and each measure of each filter; the last setting changes fastest.
+///     A column for each setting and each measure of each filter; the last setting changes fastest. NaN where settings are impossible or
+///     a filter stops.
 #[pyfunction]
 #[pyo3(signature = (scenario, vary, record=None, *, seeds=None, measures=None, filters=None, threads=None, part=(1, 1)))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
@@ -128,7 +129,7 @@ pub(crate) fn sweep<'py>(
     scenario: &Bound<'_, PyAny>,
     vary: &Bound<'_, PyDict>,
     record: Option<&Bound<'_, Record>>,
-    seeds: Option<u32>,
+    seeds: Option<i64>,
     measures: Option<Vec<String>>,
     filters: Option<Vec<String>>,
     threads: Option<usize>,

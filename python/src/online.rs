@@ -65,6 +65,7 @@ impl Online {
 
     /// Takes in the next sample: its input [m/s²], and readings in the order of `sensors` or by name; one that is left out is missing.
     /// Returns the means after it, shape (n,). The first sample begins with the initial belief, and its readings are not used.
+    /// With a negative `input_delay` the means are those of an earlier sample, and empty until there is one.
     #[pyo3(signature = (u=0.0, z=None, **readings))]
     fn step<'py>(
         &self,
@@ -103,7 +104,7 @@ impl Online {
         let place = self.channels.iter().position(|channel| *channel == key);
         let filter = self.filter(py);
         let mean = place.and_then(|place| filter.1.sample().mean.get(place).copied());
-        mean.ok_or_else(|| no_key(key, &self.channels))
+        mean.ok_or_else(|| if place.is_some() { error("no sample has come yet") } else { no_key(key, &self.channels) })
     }
 
     /// The covariance after the last sample, shape (n, n).

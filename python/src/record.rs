@@ -75,7 +75,12 @@ impl Record {
             given
         };
         let built = import::build(&table, &mapping, kind.unwrap_or(usual.0), hold.unwrap_or(usual.1), &Channel::all());
-        let Imported { record, mut remarks, .. } = built.map_err(error)?;
+        let all = |reason: import::ImportError| [vec![reason.to_string()], table.remarks.clone()].concat().join("; ");
+        let Imported { record, mut remarks, .. } = built.map_err(|reason| error(all(reason)))?;
+        let rows = table.columns[0].values.iter().filter(|time| !time.is_nan()).count();
+        if file.is_none() && record.len() < rows {
+            remarks.push(format!("{} steps remain of {rows} times: those in which all clocks run", record.len()));
+        }
         if file.is_some() {
             remarks.splice(0..0, [table.form.clone(), mapping.in_words()]);
         }

@@ -113,9 +113,10 @@ impl Scenario {
 
     /// A record of its truth and sensors, with the truth.
     #[pyo3(signature = (seed=None))]
-    fn simulate(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<Record> {
+    fn simulate(&self, py: Python<'_>, seed: Option<i128>) -> PyResult<Record> {
         let mut settings = Settings::clone(&self.settings);
-        settings.seed = seed.unwrap_or(settings.seed);
+        let seed = seed.map_or(Ok(settings.seed), TryInto::try_into);
+        settings.seed = seed.map_err(|_| error("a seed is a whole number from 0 to 2⁶⁴ − 1"))?;
         settings.validate().map_err(error)?;
         Ok(Record::of(interruptible(py, move |_| simulate(&settings))?, Vec::new()))
     }

@@ -91,15 +91,16 @@ def test_readings_may_have_times_of_their_own():
 
 MISTAKES = [
     (lambda: ks.Record(0.1, [1.0, 2.0], displacement=[1.0]), "column `displacement` has 1 values, but there are 2 samples"),
-    (lambda: ks.Record([0, 1, 2], [1.0, 2.0]), "column `input` has 2 values, but there are 3 samples"),
+    (lambda: ks.Record([0, 1, 2], [1.0, 2.0], velocity=[1, 2, 3]), "column `input` has 2 values, but there are 3 samples"),
     (lambda: ks.Record([0, 2, 1], displacement=[1, 2, 3]), "`time` goes back from 2 s to 1 s"),
     (lambda: ks.Record(0.1, [1.0, np.inf], displacement=[1.0, 1.0]), "`input`: the number is infinite"),
     (lambda: ks.Record(0.1, displacement=[]), "0"),
-    (lambda: ks.Record(-0.1, [1.0, 2.0]), "the time between samples is -0.1"),
+    (lambda: ks.Record(-0.1, [1.0, 2.0], velocity=[1.0, 2.0]), "the time between samples is -0.1"),
     (lambda: ks.Record(0.1, displacement=np.eye(2)), "`displacement` must have one dimension, not 2"),
     (lambda: ks.Record(0.1, displacement=["a", "b"]), "`displacement` is no column of numbers"),
     (lambda: ks.Record(0.1, displacement=[1j, 2j]), "`displacement` is no column of numbers"),
     (lambda: ks.Record([0, 1], displacement=(np.array(["2026-01-01", "2026-01-02"], "M8[s]"), [0, 1])), "has dates where"),
+    (lambda: ks.Record([0, 1], displacement=([1, 0.5], [1, 2]), velocity=[1, 2]), "the times of `displacement` are two or more"),
     (lambda: ks.Record("some.csv", displacement=[1.0]), "a file has all columns"),
     (lambda: ks.Record(0.1, [1.0], speed=[1.0]), "`speed` is no quantity: there are displacement, "),
     (lambda: ks.Record(0.1, [1.0, 1.0], displacement=([0.0], [1.0, 2.0])), "`displacement` has 1 times, but 2 readings"),
