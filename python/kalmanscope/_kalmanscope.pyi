@@ -9,7 +9,7 @@ from ._results import Results
 
 _Array = NDArray[np.float64]
 _Source = Scenario | Record | str | PathLike[str] | dict[str, Any]
-__all__: list[str]
+__all__ = ["Error", "Estimates", "Online", "Record", "Scenario", "_Run", "__version__", "run", "sweep", "tune"]
 __version__: Final[str]
 _Run: Any
 
