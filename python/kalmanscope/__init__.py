@@ -8,6 +8,7 @@
 'consistent'
 """
 
-from ._kalmanscope import Error, Estimates, Online, Record, Results, Scenario, __version__, run, sweep, tune
+from ._kalmanscope import Error, Estimates, Online, Record, Scenario, __version__, run, sweep, tune
+from ._results import Results
 
 __all__ = ["Error", "Estimates", "Online", "Record", "Results", "Scenario", "__version__", "run", "sweep", "tune"]

@@ -2,16 +2,16 @@
 
 use kalmanscope_core::document::{self, Document};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::error;
 
 /// The functions that are written in Python.
-fn helpers(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+pub(crate) fn helpers(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import("kalmanscope._columns")
 }
 
-/// A NumPy array of a shape, read-only.
+/// A new NumPy array of a shape, read-only.
 pub(crate) fn array<'py>(
     py: Python<'py>,
     shape: &[usize],
@@ -25,21 +25,20 @@ pub(crate) fn array<'py>(
     array.call_method1("reshape", (PyTuple::new(py, shape)?,))
 }
 
-/// A column of NumPy, pandas or polars, or a list, as numbers; NaN where a value is missing.
-pub(crate) fn column(values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let bytes = helpers(values.py())?.call_method1("column", (values,))?;
-    let (numbers, _) = bytes.cast::<PyBytes>()?.as_bytes().as_chunks();
-    Ok(numbers.iter().copied().map(f64::from_ne_bytes).collect())
-}
+/// A table's form, its columns by name, what of it is left out, and what the columns of arrays mean as JSON.
+type Columns = (String, Vec<(String, Vec<f64>)>, Vec<String>, Option<String>);
 
-/// The names and columns of a data frame.
-pub(crate) fn frame(of: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<f64>)>> {
-    let columns = helpers(of.py())?.call_method1("frame", (of,))?;
-    let columns = columns.try_iter()?.map(|pair| {
-        let (name, values): (String, Bound<'_, PyAny>) = pair?.extract()?;
-        Ok((name, column(&values)?))
-    });
-    columns.collect()
+/// The columns of a data frame, or of arrays of NumPy, pandas or polars or lists; NaN where a value is missing.
+pub(crate) fn columns(
+    source: &Bound<'_, PyAny>,
+    u: Option<&Bound<'_, PyAny>>,
+    sensors: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Columns> {
+    let found = helpers(source.py())?.call_method1("table", (source, u, sensors))?;
+    let (form, columns, remarks, mapping): (_, Vec<(String, Bound<'_, PyBytes>)>, _, _) = found.extract()?;
+    let numbers = |bytes: &[u8]| bytes.as_chunks().0.iter().copied().map(f64::from_ne_bytes).collect();
+    let columns = columns.into_iter().map(|(name, bytes)| (name, numbers(bytes.as_bytes()))).collect();
+    Ok((form, columns, remarks, mapping))
 }
 
 /// Dicts, lists and numbers as a document.

@@ -1,18 +1,17 @@
 //! Tuning and sweeps.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use kalmanscope_core::document::{self, Document, json};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Scenario as Settings, Source, Spacing, simulate};
+use kalmanscope_core::{Axis, Scenario as Settings, Source, simulate};
 use kalmanscope_diagnosis::{Measure, UnknownMeasure};
 use kalmanscope_lab::tune::Tuner;
 use kalmanscope_lab::{Ensemble, EnsembleError, Plan, Priority, Runner, Threads, channels, processors};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{array, from_json};
+use crate::arrays::{array, from_json, helpers};
 use crate::record::Record;
 use crate::scenario::Scenario;
 use crate::{error, interruptible};
@@ -28,7 +27,7 @@ pub(crate) fn place_of(settings: &Settings, name: Option<&str>) -> PyResult<usiz
 
 /// The values of an address: an array, a tuple, or a text.
 fn axis(key: &str, values: &Bound<'_, PyAny>) -> PyResult<Axis> {
-    let range: String = values.py().import("kalmanscope._columns")?.call_method1("axis", (values,))?.extract()?;
+    let range: String = helpers(values.py())?.call_method1("axis", (key, values))?.extract()?;
     Axis::parse(&format!("{key}={range}")).map_err(error)
 }
 
@@ -62,7 +61,10 @@ pub(crate) fn tune<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let before = Scenario::of(scenario)?;
     let place = place_of(&before, filter)?;
-    let keys: Vec<String> = settings.try_iter()?.map(|key| key?.extract()).collect::<PyResult<_>>()?;
+    let keys: Vec<String> = match settings.extract::<String>() {
+        Ok(key) => vec![key],
+        Err(_) => settings.try_iter()?.map(|key| key?.extract()).collect::<PyResult<_>>()?,
+    };
     let axes = keys.iter().map(|key| {
         let address = Address::parse(&before, key).map_err(error)?;
         match settings.cast::<PyDict>() {
@@ -73,7 +75,7 @@ pub(crate) fn tune<'py>(
     let axes = axes.collect::<PyResult<Vec<_>>>()?;
     let record = record.map(|record| record.get().record.clone());
     let goal = before.knowing(|| document::read(&json!(goal))).map_err(error)?;
-    let tuned = interruptible(py, |wanted| {
+    let tuned = interruptible(py, move |wanted| {
         let record = record.unwrap_or_else(|| Arc::new(simulate(&before)));
         let tuner = Tuner::new((*before).clone(), place, record, axes, goal, None)?;
         Ok::<_, EnsembleError>(wanted.finish(tuner))
@@ -91,7 +93,7 @@ pub(crate) fn tune<'py>(
         "runs": tuned.runs,
     });
     let result = from_json(py, &result.to_string())?;
-    result.set_item("scenario", Scenario::from(tuned.scenario))?;
+    result.set_item("scenario", Scenario { settings: Arc::new(tuned.scenario), remarks: Vec::new() })?;
     Ok(result)
 }
 
@@ -117,7 +119,8 @@ pub(crate) fn tune<'py>(
 /// Returns
 /// -------
 /// dict of str to ndarray, shape (rows,)
-///     A column for each setting and each measure of each filter; the last setting changes fastest.
+///     A column for each setting and each measure of each filter; the last setting changes fastest. NaN where settings are impossible or
+///     a filter stops.
 #[pyfunction]
 #[pyo3(signature = (scenario, vary, record=None, *, seeds=None, measures=None, filters=None, threads=None, part=(1, 1)))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
@@ -126,7 +129,7 @@ pub(crate) fn sweep<'py>(
     scenario: &Bound<'_, PyAny>,
     vary: &Bound<'_, PyDict>,
     record: Option<&Bound<'_, Record>>,
-    seeds: Option<u32>,
+    seeds: Option<i64>,
     measures: Option<Vec<String>>,
     filters: Option<Vec<String>>,
     threads: Option<usize>,
@@ -135,13 +138,8 @@ pub(crate) fn sweep<'py>(
     let settings = Scenario::of(scenario)?;
     let axes = vary.iter().map(|(key, values)| axis(&key.extract::<String>()?, &values));
     let mut axes = axes.collect::<PyResult<Vec<_>>>()?;
-    axes.extend(seeds.map(|count| Axis {
-        key: "seed".to_owned(),
-        from: 1.0,
-        to: f64::from(count),
-        count: count as usize,
-        spacing: Spacing::Linear,
-    }));
+    let seeds = seeds.map(|count| Axis::parse(&format!("seed=1:{count}:{count}")));
+    axes.extend(seeds.transpose().map_err(error)?);
     let filters = match filters {
         Some(names) => names.iter().map(|name| place_of(&settings, Some(name))).collect::<PyResult<_>>()?,
         None => (0..settings.filters.len()).collect::<Vec<_>>(),
@@ -166,17 +164,15 @@ pub(crate) fn sweep<'py>(
     let cells = all * (number - 1) / of..all * number / of;
     let width = runner.ensemble().width();
     let count = threads.unwrap_or_else(processors).clamp(1, cells.len().max(1));
-    let rows = interruptible(py, |wanted| {
+    let (shared, range) = (Arc::clone(&runner), cells.clone());
+    let rows = interruptible(py, move |wanted| {
         let team = Threads::new(count, 0).map_err(|error| error.to_string())?;
-        let work = team.rows(Priority::Map, &runner, cells.clone().collect(), |_| {});
-        let (mut rows, mut done) = (vec![f64::NAN; cells.len() * width], 0);
-        while done < cells.len() && wanted.is_so() {
-            let Some(slice) = work.take().map_err(|_| "a thread ended before its work was done".to_owned())? else {
-                std::thread::sleep(Duration::from_millis(1));
-                continue;
-            };
+        let work = team.rows(Priority::Map, &shared, range.clone().collect(), |_| {});
+        let (mut rows, mut done) = (vec![f64::NAN; range.len() * width], 0);
+        while done < range.len() && wanted.is_so() {
+            let slice = work.wait().ok_or("a thread ended before its work was done")?;
             for (cell, row) in slice.cells.iter().zip(slice.rows.chunks_exact(width)) {
-                rows[(cell - cells.start) * width..][..width].copy_from_slice(row);
+                rows[(cell - range.start) * width..][..width].copy_from_slice(row);
             }
             done += slice.cells.len();
         }

@@ -7,13 +7,15 @@ mod record;
 mod results;
 mod scenario;
 
+use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use kalmanscope_core::Task;
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
 create_exception!(
@@ -25,6 +27,12 @@ create_exception!(
 
 fn error(reason: impl ToString) -> PyErr {
     Error::new_err(reason.to_string())
+}
+
+/// A key that there is not, and those that there are.
+fn no_key(key: &str, known: &[impl AsRef<str>]) -> PyErr {
+    let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    PyKeyError::new_err(format!("there is no `{key}`, but {}", known.join(", ")))
 }
 
 /// Whether a call is still wanted: Ctrl-C ends it.
@@ -47,26 +55,27 @@ impl Wanted {
 }
 
 /// Works in a thread of its own without the GIL, and looks for Ctrl-C meanwhile: Python's signals come to its main thread alone,
-/// which would hear them only after the work.
-fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Wanted) -> T + Send) -> PyResult<T> {
+/// which would hear them only after the work. After Ctrl-C the call does not wait for the thread, which ends with its portion of work.
+fn interruptible<T: Send + 'static>(py: Python<'_>, work: impl FnOnce(&Wanted) -> T + Send + 'static) -> PyResult<T> {
     const PATIENCE: Duration = Duration::from_millis(20);
-    let wanted = Wanted(AtomicBool::new(true));
     py.detach(|| {
-        std::thread::scope(|scope| {
-            let (working, ended) = channel::<()>();
-            let wanted = &wanted;
-            let worker = scope.spawn(move || {
-                let _working = working;
-                work(wanted)
-            });
-            let mut heard = Ok(());
-            while heard.is_ok() && ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                heard = Python::attach(|py| py.check_signals());
+        let wanted = Arc::new(Wanted(AtomicBool::new(true)));
+        let (sender, outcome) = channel();
+        let of_worker = Arc::clone(&wanted);
+        let worker = std::thread::spawn(move || sender.send(work(&of_worker)));
+        loop {
+            match outcome.recv_timeout(PATIENCE) {
+                Ok(outcome) => return Ok(outcome),
+                Err(RecvTimeoutError::Timeout) => {
+                    Python::attach(|py| py.check_signals()).inspect_err(|_| wanted.0.store(false, Ordering::Relaxed))?
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(worker
+                        .join()
+                        .map_or_else(|panic| resume_unwind(panic), |_| error("the work was lost")));
+                }
             }
-            wanted.0.store(heard.is_ok(), Ordering::Relaxed);
-            let outcome = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            heard.map(|()| outcome)
-        })
+        }
     })
 }
 
@@ -76,7 +85,7 @@ fn _kalmanscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;
     module.add_class::<scenario::Scenario>()?;
     module.add_class::<record::Record>()?;
-    module.add_class::<results::Results>()?;
+    module.add_class::<results::Whole>()?;
     module.add_class::<results::Estimates>()?;
     module.add_class::<online::Online>()?;
     module.add_function(wrap_pyfunction!(results::run, module)?)?;

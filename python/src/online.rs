@@ -2,15 +2,15 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use kalmanscope_core::{Channel, LastSample, OnlineFilter, Quantity};
-use pyo3::exceptions::PyKeyError;
+use kalmanscope_core::{LastSample, OnlineFilter};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::array;
-use crate::error;
 use crate::lab::place_of;
 use crate::scenario::Scenario;
+use crate::{error, no_key};
 
 /// A filter of a scenario before its first sample, for samples that come one by one. The same bits as those of `run`.
 ///
@@ -33,13 +33,17 @@ use crate::scenario::Scenario;
 #[pyclass(module = "kalmanscope", frozen)]
 pub(crate) struct Online {
     filter: Mutex<(OnlineFilter, LastSample)>,
-    channels: Vec<Channel>,
-    sensors: Vec<Quantity>,
+    /// The keys of the channels, in the order of `mean`.
+    #[pyo3(get)]
+    channels: Vec<&'static str>,
+    /// The sensors, in the order of the readings.
+    #[pyo3(get)]
+    sensors: Vec<&'static str>,
 }
 
 impl Online {
-    fn filter(&self) -> MutexGuard<'_, (OnlineFilter, LastSample)> {
-        self.filter.lock().unwrap_or_else(PoisonError::into_inner)
+    fn filter(&self, py: Python<'_>) -> MutexGuard<'_, (OnlineFilter, LastSample)> {
+        self.filter.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -54,12 +58,14 @@ impl Online {
         let model = settings.filters[place].model(&settings.plant.kind, settings.input);
         let mut last = LastSample::default();
         last.want_prior(false);
-        let (channels, sensors) = (model.channels().to_vec(), settings.measured());
+        let channels = model.channels().iter().map(|channel| channel.key()).collect();
+        let sensors = settings.measured().iter().map(|sensor| sensor.key()).collect();
         Ok(Self { filter: Mutex::new((online, last)), channels, sensors })
     }
 
     /// Takes in the next sample: its input [m/s²], and readings in the order of `sensors` or by name; one that is left out is missing.
     /// Returns the means after it, shape (n,). The first sample begins with the initial belief, and its readings are not used.
+    /// With a negative `input_delay` the means are those of an earlier sample, and empty until there is one.
     #[pyo3(signature = (u=0.0, z=None, **readings))]
     fn step<'py>(
         &self,
@@ -70,16 +76,20 @@ impl Online {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut measured = z.unwrap_or_else(|| vec![f64::NAN; self.sensors.len()]);
         if measured.len() != self.sensors.len() {
-            let (found, wanted) = (measured.len(), self.sensors().join(", "));
+            let (found, wanted) = (measured.len(), self.sensors.join(", "));
             return Err(error(format_args!("{found} readings, but the sensors are {wanted}")));
         }
         for (key, value) in readings.into_iter().flat_map(|readings| readings.iter()) {
             let key: String = key.extract()?;
-            let place = self.sensors.iter().position(|sensor| sensor.key() == key);
-            let place = place.ok_or_else(|| error(format_args!("the scenario has no sensor `{key}`")))?;
-            measured[place] = value.extract()?;
+            let place = self.sensors.iter().position(|sensor| *sensor == key);
+            let place = place
+                .ok_or_else(|| error(format_args!("there is no sensor `{key}`, but {}", self.sensors.join(", "))))?;
+            measured[place] = value.extract::<Option<f64>>()?.unwrap_or(f64::NAN);
         }
-        let mut filter = self.filter();
+        if !u.is_finite() || measured.iter().any(|reading| reading.is_infinite()) {
+            return Err(error("an input is finite, and a reading is finite or missing"));
+        }
+        let mut filter = self.filter(py);
         let (online, last) = &mut *filter;
         online.step(u, &measured, last);
         if let Some(stop) = online.pass.stop {
@@ -89,30 +99,18 @@ impl Online {
         array(py, &[mean.len()], mean.iter().copied())
     }
 
-    /// The keys of the channels, in the order of `mean`.
-    #[getter]
-    fn channels(&self) -> Vec<&'static str> {
-        self.channels.iter().map(|channel| channel.key()).collect()
-    }
-
-    /// The sensors, in the order of the readings.
-    #[getter]
-    fn sensors(&self) -> Vec<&'static str> {
-        self.sensors.iter().map(|sensor| sensor.key()).collect()
-    }
-
     /// The mean of one channel after the last sample.
-    fn __getitem__(&self, key: &str) -> PyResult<f64> {
-        let place = self.channels.iter().position(|channel| channel.key() == key);
-        let filter = self.filter();
+    fn __getitem__(&self, py: Python<'_>, key: &str) -> PyResult<f64> {
+        let place = self.channels.iter().position(|channel| *channel == key);
+        let filter = self.filter(py);
         let mean = place.and_then(|place| filter.1.sample().mean.get(place).copied());
-        mean.ok_or_else(|| PyKeyError::new_err(key.to_owned()))
+        mean.ok_or_else(|| if place.is_some() { error("no sample has come yet") } else { no_key(key, &self.channels) })
     }
 
     /// The covariance after the last sample, shape (n, n).
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let filter = self.filter();
+        let filter = self.filter(py);
         let cov = filter.1.sample().cov;
         let n = cov.len().isqrt();
         array(py, &[n, n], cov.iter().copied())
@@ -120,7 +118,7 @@ impl Online {
 
     /// The NIS of the last sample.
     #[getter]
-    fn nis(&self) -> f64 {
-        self.filter().1.sample().nis
+    fn nis(&self, py: Python<'_>) -> f64 {
+        self.filter(py).1.sample().nis
     }
 }

@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use kalmanscope_core::document::{self, json};
 use kalmanscope_core::import::{self, Column, Imported, Mapping, Table};
-use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record as Samples, Run, Scenario as Settings};
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{array, column, frame, to_document};
-use crate::error;
+use crate::arrays::{array, columns, to_document};
+use crate::{error, no_key};
 
-/// Samples of an input and of sensors, NaN where a reading is missing.
+/// Samples of an input and of sensors, NaN where a reading is missing. An `Error` says where columns have different lengths or text,
+/// times do not rise, or a file is none of a record.
 ///
 /// Record(t, u=None, *, input="force", hold="zero", **sensors)
 /// Record(source, *, mapping=None, input=None, hold="first")
@@ -22,7 +21,8 @@ use crate::error;
 /// Parameters
 /// ----------
 /// t : float or array_like, shape (N,)
-///     Time between samples, or the times of the samples [s].
+///     Time between samples [s], or the times of the samples, in seconds or as dates. Uneven times are kept, and gaps filled, as of
+///     a file: `remarks` say so.
 /// u : array_like, shape (N,), optional
 ///     Force over mass, or acceleration of the ground [m/s²]; zero if left out.
 /// **sensors : array_like, shape (N,), or a pair of times and readings, shape (M,) each
@@ -36,11 +36,6 @@ use crate::error;
 /// input : {"force", "ground_acceleration"}
 /// hold : {"zero", "first"}
 ///     The input between samples: held, or linear.
-///
-/// Raises
-/// ------
-/// Error
-///     Where columns have different lengths, or a file is none of a record.
 #[pyclass(module = "kalmanscope", frozen)]
 pub(crate) struct Record {
     pub(crate) record: Arc<Samples>,
@@ -65,32 +60,32 @@ impl Record {
     ) -> PyResult<Self> {
         let kind = input.map(|input| document::read::<InputKind>(&json!(input))).transpose().map_err(error)?;
         let hold = hold.map(|hold| document::read::<Hold>(&json!(hold))).transpose().map_err(error)?;
-        if let Some((table, file)) = table(t)? {
-            return of_table(&table, file, mapping, kind, hold.unwrap_or(Hold::First));
+        let given = mapping.map(|given| document::read::<Mapping>(&to_document(given)?).map_err(error)).transpose()?;
+        let (table, arrays, file) = table_of(t, u, sensors)?;
+        if arrays.is_some() && given.is_some() {
+            return Err(error("`mapping` is for a file or a data frame"));
         }
-        let (mut readings, mut truth) = (Vec::new(), Vec::new());
-        for (key, values) in sensors.into_iter().flat_map(|sensors| sensors.iter()) {
-            let key: String = key.extract()?;
-            if let Some(channel) = key.strip_prefix("true_").and_then(Channel::from_key) {
-                truth.push((channel, column(&values)?));
-                continue;
-            }
-            let unknown = || {
-                let keys: Vec<&str> = Quantity::all().iter().take(5).map(|quantity| quantity.key()).collect();
-                error(format_args!("`{key}` is no quantity: there are {}, also as `displacement_2`", keys.join(", ")))
-            };
-            let quantity = Quantity::from_key(&key).ok_or_else(unknown)?;
-            // A pair of columns are times and readings; two numbers are two readings.
-            readings.push(match values.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>() {
-                Ok((times, values)) if times.len().is_ok() => (quantity, Some(column(&times)?), column(&values)?),
-                _ => (quantity, None, column(&values)?),
-            });
+        let (guess, guessed) = Mapping::guess(&table);
+        let usual = if arrays.is_some() { (InputKind::Force, Hold::Zero) } else { (guessed, Hold::First) };
+        let given = arrays.or(given).unwrap_or_default();
+        let mapping = if given.sensors.is_empty() {
+            let time = if given.time == Default::default() { guess.time } else { given.time };
+            Mapping { time, input: given.input.or(guess.input), sensors: guess.sensors, ..given }
+        } else {
+            given
+        };
+        let built = import::build(&table, &mapping, kind.unwrap_or(usual.0), hold.unwrap_or(usual.1), &Channel::all());
+        let all = |reason: import::ImportError| [vec![reason.to_string()], table.remarks.clone()].concat().join("; ");
+        let Imported { record, mut remarks, .. } = built.map_err(|reason| error(all(reason)))?;
+        let rows = table.columns[0].values.iter().filter(|time| !time.is_nan()).count();
+        if file.is_none() && record.len() < rows {
+            remarks.push(format!("{} steps remain of {rows} times: those in which all clocks run", record.len()));
         }
-        let given = u.map(column).transpose()?;
-        let times = if t.len().is_ok() { Ok(column(t)?) } else { Err(t.extract()?) };
-        let (kind, hold) = (kind.unwrap_or(InputKind::Force), hold.unwrap_or_default());
-        let record = of_columns(times, given, kind, hold, readings)?;
-        Ok(Self::of(if truth.is_empty() { record } else { record.with_truth(truth).map_err(error)? }, Vec::new()))
+        if file.is_some() {
+            remarks.splice(0..0, [table.form.clone(), mapping.in_words()]);
+        }
+        let mapping = file.map(|file| Mapping { file, ..mapping });
+        Ok(Self { mapping, ..Self::of(record, remarks) })
     }
 
     fn __len__(&self) -> usize {
@@ -126,7 +121,7 @@ impl Record {
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
         let truth = || self.record.truth(Channel::from_key(key.strip_prefix("true_")?)?);
         let readings = Quantity::from_key(key).and_then(|quantity| self.record.measured_quantity(quantity));
-        let column = readings.or_else(truth).ok_or_else(|| PyKeyError::new_err(key.to_owned()))?;
+        let column = readings.or_else(truth).ok_or_else(|| no_key(key, &self.sensors()))?;
         array(py, &[column.len()], column.iter().copied())
     }
 
@@ -154,96 +149,34 @@ impl Record {
     }
 }
 
-/// The columns of a file or of a data frame, and the file's name; `None` of anything else.
-fn table(source: &Bound<'_, PyAny>) -> PyResult<Option<(Table, String)>> {
-    if source.hasattr("columns")? {
-        let columns = frame(source)?.into_iter().map(|(name, values)| Column::of_header(&name, None, values)).collect();
-        return Ok(Some((Table::of_columns("a data frame", columns, Vec::new()), String::new())));
+/// The columns of a file, of a data frame, or of arrays; what those of arrays mean; and the file's name.
+fn table_of(
+    source: &Bound<'_, PyAny>,
+    u: Option<&Bound<'_, PyAny>>,
+    sensors: Option<&Bound<'_, PyDict>>,
+) -> PyResult<(Table, Option<Mapping>, Option<String>)> {
+    for key in sensors.into_iter().flat_map(|sensors| sensors.keys()) {
+        let key: String = key.extract()?;
+        let channel = key.strip_prefix("true_").and_then(Channel::from_key);
+        if Quantity::from_key(&key).is_none() && channel.is_none() {
+            let known = Quantity::all()[..5].iter().map(|quantity| quantity.key()).collect::<Vec<_>>().join(", ");
+            return Err(error(format_args!("`{key}` is no quantity: there are {known}, also as `displacement_2`")));
+        }
     }
-    let Ok(path) = source.extract::<PathBuf>() else { return Ok(None) };
-    let of_file = |reason: &dyn ToString| error(format_args!("{}: {}", path.display(), reason.to_string()));
-    let bytes = std::fs::read(&path).map_err(|reason| of_file(&reason))?;
-    let table = import::read(bytes, None).map_err(|reason| of_file(&reason))?;
-    Ok(Some((table, path.display().to_string())))
-}
-
-fn of_table(
-    table: &Table,
-    file: String,
-    given: Option<&Bound<'_, PyAny>>,
-    kind: Option<InputKind>,
-    hold: Hold,
-) -> PyResult<Record> {
-    let given = given.map(|given| document::read::<Mapping>(&to_document(given)?).map_err(error)).transpose()?;
-    let given = given.unwrap_or_default();
-    let (guess, guessed) = Mapping::guess(table);
-    let mapping = if given.sensors.is_empty() {
-        let time = if given.time == Default::default() { guess.time } else { given.time };
-        Mapping { time, input: given.input.or(guess.input), sensors: guess.sensors, ..given }
-    } else {
-        given
-    };
-    let built = import::build(table, &mapping, kind.unwrap_or(guessed), hold, &Channel::all());
-    let Imported { record, remarks, .. } = built.map_err(error)?;
-    let remarks = [table.form.clone(), mapping.in_words()].into_iter().chain(remarks).collect();
-    Ok(Record { mapping: Some(Mapping { file, ..mapping }), ..Record::of(record, remarks) })
-}
-
-/// Times that differ from even ones by less than this share of a step are even.
-const EVEN: f64 = 1e-3;
-
-type Readings = (Quantity, Option<Vec<f64>>, Vec<f64>);
-
-fn of_columns(
-    times: Result<Vec<f64>, f64>,
-    given: Option<Vec<f64>>,
-    kind: InputKind,
-    hold: Hold,
-    sensors: Vec<Readings>,
-) -> PyResult<Samples> {
-    let length = |times: &Vec<f64>| times.len();
-    let first = || sensors.iter().find(|(_, own, _)| own.is_none()).map_or(0, |(.., values)| values.len());
-    let samples = times.as_ref().map_or_else(|_| given.as_ref().map_or_else(first, Vec::len), length);
-    let (start, dt) = match &times {
-        Err(dt) => (0.0, *dt),
-        Ok(times) if samples < 2 || times.iter().any(|time| !time.is_finite()) => {
-            return Err(error(format_args!("{} times are none of a record: they must be finite", times.len())));
+    match source.extract::<PathBuf>() {
+        Ok(path) if u.is_none() && sensors.is_none() => {
+            let of_file = |reason: &dyn ToString| error(format_args!("{}: {}", path.display(), reason.to_string()));
+            let bytes = std::fs::read(&path).map_err(|reason| of_file(&reason))?;
+            let table = import::read(bytes, None).map_err(|reason| of_file(&reason))?;
+            Ok((table, None, Some(path.display().to_string())))
         }
-        Ok(times) => (times[0], (times[samples - 1] - times[0]) / (samples - 1) as f64),
-    };
-    let is_even =
-        |times: &Vec<f64>| times.iter().enumerate().all(|(k, time)| ((time - start) / dt - k as f64).abs() < EVEN);
-    let uneven = times.ok().filter(|times| !is_even(times));
-    let own = |times: &[f64]| -> Vec<f64> { times.iter().map(|time| (time - start) / dt).collect() };
-    let has_clocks = uneven.is_some() || sensors.iter().any(|(_, times, _)| times.is_some());
-    let (mut columns, mut readings) = (Vec::new(), Vec::new());
-    for (quantity, times, values) in sensors {
-        if !has_clocks {
-            columns.push((quantity, values));
-            continue;
+        Ok(_) => Err(error("a file has all columns: `mapping` says what they mean")),
+        Err(_) => {
+            let (form, columns, remarks, mapping) = columns(source, u, sensors)?;
+            let columns = columns.into_iter().map(|(name, values)| Column::of_header(&name, None, values)).collect();
+            let mapping = mapping.map(|mapping| document::read_json(&mapping).map_err(error)).transpose()?;
+            let file = mapping.is_none().then(String::new);
+            Ok((Table::of_columns(&form, columns, remarks), mapping, file))
         }
-        let times = match (&times, &uneven) {
-            (Some(times), _) | (None, Some(times)) => own(times),
-            (None, None) => (0..values.len()).map(|k| k as f64).collect(),
-        };
-        if times.len() != values.len() {
-            let name = quantity.key();
-            return Err(error(format_args!("`{name}` has {} times, but {} readings", times.len(), values.len())));
-        }
-        // A column has the last reading of each step at its end.
-        let mut column = vec![f64::NAN; samples];
-        let there = times.iter().zip(&values).filter(|(_, value)| !value.is_nan());
-        for (time, value) in there.clone() {
-            if let Some(sample) = column.get_mut((time - EVEN).ceil().max(0.0) as usize) {
-                *sample = *value;
-            }
-        }
-        let (times, values) = there.map(|(time, value)| (*time, *value)).unzip();
-        readings.push(Timed { times, values });
-        columns.push((quantity, column));
     }
-    let values = given.unwrap_or_else(|| vec![0.0; samples]);
-    let input = uneven.map(|times| Timed { times: own(&times), values: values.clone() });
-    let record = Samples::new(dt, Input { kind, hold, values }, columns).map_err(error)?.starting_at(start);
-    if has_clocks { record.with_clocks(Clocks { input, readings }).map_err(error) } else { Ok(record) }
 }

@@ -14,7 +14,7 @@ use crate::arrays::{from_json, to_document};
 use crate::record::Record;
 use crate::{error, interruptible};
 
-/// A truth, its sensors, and the filters that estimate it.
+/// A truth, its sensors, and the filters that estimate it. An `Error` says which key is unknown, or which value is impossible.
 ///
 /// Scenario(source=None, **settings)
 ///
@@ -26,18 +26,13 @@ use crate::{error, interruptible};
 ///     Keys of a scenario, over those of the source: ``duration=20.0``, ``plant={"kind": "duffing"}``,
 ///     ``filters=[{"kind": "ukf", "sensor_std": {"acceleration": 0.02}}]``; ``equation="x'' + c x' + k x = f"`` for a plant of one's
 ///     own; settings by address, as in ``**{"filters.EKF.fading": 1.002}``, also those of a remedy's edits.
-///
-/// Raises
-/// ------
-/// Error
-///     Where a key is unknown or a value impossible.
 #[pyclass(module = "kalmanscope", frozen, eq)]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Scenario {
     pub(crate) settings: Arc<Settings>,
     /// Where each start value comes from, or what was assumed; one sentence each.
     #[pyo3(get)]
-    remarks: Vec<String>,
+    pub(crate) remarks: Vec<String>,
 }
 
 impl Scenario {
@@ -107,6 +102,10 @@ impl Scenario {
         self.settings.filters.iter().map(|filter| filter.name.clone()).collect()
     }
 
+    fn __getnewargs__(&self) -> PyResult<(String,)> {
+        Ok((self.toml()?,))
+    }
+
     /// The number with an address, as ``"filters.EKF.fading"``.
     fn __getitem__(&self, key: &str) -> PyResult<f64> {
         Ok(Address::parse(&self.settings, key).map_err(error)?.get(&self.settings))
@@ -114,11 +113,12 @@ impl Scenario {
 
     /// A record of its truth and sensors, with the truth.
     #[pyo3(signature = (seed=None))]
-    fn simulate(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<Record> {
+    fn simulate(&self, py: Python<'_>, seed: Option<i128>) -> PyResult<Record> {
         let mut settings = Settings::clone(&self.settings);
-        settings.seed = seed.unwrap_or(settings.seed);
+        let seed = seed.map_or(Ok(settings.seed), TryInto::try_into);
+        settings.seed = seed.map_err(|_| error("a seed is a whole number from 0 to 2⁶⁴ − 1"))?;
         settings.validate().map_err(error)?;
-        Ok(Record::of(py.detach(|| simulate(&settings)), Vec::new()))
+        Ok(Record::of(interruptible(py, move |_| simulate(&settings))?, Vec::new()))
     }
 
     fn __repr__(&self) -> String {
@@ -132,16 +132,12 @@ impl Scenario {
 fn keywords(settings: Option<&Bound<'_, PyDict>>) -> PyResult<(Document, Vec<(String, Document)>)> {
     let (mut over, mut addressed) = (json!({}), Vec::new());
     for (key, value) in settings.into_iter().flat_map(|settings| settings.iter()) {
-        let key: String = key.extract()?;
-        if key.contains('.') {
-            addressed.push((key, to_document(&value)?));
-            continue;
+        let (key, value): (String, _) = (key.extract()?, to_document(&value)?);
+        match key.as_str() {
+            _ if key.contains('.') => addressed.push((key, value)),
+            "equation" => merge(&mut over, &json!({ "plant": { "equation": value } })),
+            _ => merge(&mut over, &json!({ key: value })),
         }
-        let value = to_document(&value)?;
-        merge(
-            &mut over,
-            &if key == "equation" { json!({ "plant": { "equation": value } }) } else { json!({ key: value }) },
-        );
     }
     Ok((over, addressed))
 }
@@ -165,10 +161,13 @@ fn document_of(source: &Bound<'_, PyAny>) -> PyResult<Document> {
     from_toml(&text).map_err(error)
 }
 
-/// Lays one document over another: tables key by key, lists of tables of equal length one by one.
+/// Lays one document over another: tables key by key, lists of tables of equal length one by one. A filter of another kind has its name.
 fn merge(under: &mut Document, over: &Document) {
     match (under, over) {
         (Document::Object(under), Document::Object(over)) => {
+            if over.get("kind").is_some_and(|kind| under.get("kind") != Some(kind)) {
+                under.remove("name");
+            }
             for (key, value) in over {
                 merge(under.entry(key).or_insert(Document::Null), value);
             }
@@ -203,10 +202,4 @@ fn name_sensors(document: &mut Document) -> PyResult<()> {
         filter["sensor_std"] = Document::from_iter(sensors.iter().map(own));
     }
     Ok(())
-}
-
-impl From<Settings> for Scenario {
-    fn from(settings: Settings) -> Self {
-        Self { settings: Arc::new(settings), remarks: Vec::new() }
-    }
 }

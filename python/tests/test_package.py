@@ -1,12 +1,13 @@
 """The package against the command line, an EKF in NumPy, and its users' mistakes."""
 
-import doctest
 import inspect
 import json
 import os
+import pickle
 import signal
 import subprocess
-import threading
+import sys
+import time
 from pathlib import Path
 
 import kalmanscope as ks
@@ -15,10 +16,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLI = Path(os.environ.get("KALMANSCOPE_CLI", ROOT / "target/debug/kalmanscope-cli"))
-SCENARIOS = ["forgetting", "duffing", "earthquake"]
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", ["forgetting", "duffing", "earthquake"])
 def test_numbers_have_the_bits_of_the_command_line(name, tmp_path):
     scenario = ROOT / f"assets/scenarios/{name}.toml"
     out = tmp_path / "results.json"
@@ -77,18 +77,28 @@ def test_readings_may_have_times_of_their_own():
     truth = scenario.simulate()
     times = np.sort(np.random.default_rng(1).uniform(0, 20, 900))
     readings = np.interp(times, truth.time, truth["true_displacement"])
-    for t, x in [(truth.dt, (times, readings)), (truth.time, (times, readings))]:
-        record = ks.Record(t, truth.input, displacement=x, velocity=truth["velocity"])
-        assert "times of their own" in repr(record)
+    day = np.datetime64("2026-01-01T12:00:00")
+    dates = [day + (1e9 * seconds).astype("timedelta64[ns]") for seconds in (truth.time, times)]
+    for t, own in [(truth.dt, times), (truth.time, times), dates]:
+        record = ks.Record(t, truth.input, displacement=(own, readings), velocity=truth["velocity"])
+        assert "times of their own" in repr(record) and "each column has its own clock" in record.remarks[0]
         (found,) = ks.run(scenario, record).values()
         assert abs(found["natural_frequency"][-1] - 6.0) < 0.1
     uneven = ks.Record(times, np.interp(times, truth.time, truth.input), displacement=readings, hold="first")
-    assert len(uneven) == 900 and "times of their own" in repr(uneven)
+    assert "irregular" in uneven.remarks[0] and "times of their own" in repr(uneven)
 
 
 MISTAKES = [
-    (lambda: ks.Record(0.1, [1.0, 2.0], displacement=[1.0]), "column `displacement` has 1 values, but the input has 2"),
-    (lambda: ks.Record(0.1, [1.0, np.inf], displacement=[1.0, 1.0]), "sample 1, column `input`"),
+    (lambda: ks.Record(0.1, [1.0, 2.0], displacement=[1.0]), "column `displacement` has 1 values, but there are 2 samples"),
+    (lambda: ks.Record([0, 1, 2], [1.0, 2.0], velocity=[1, 2, 3]), "column `input` has 2 values, but there are 3 samples"),
+    (lambda: ks.Record([0, 2, 1], displacement=[1, 2, 3]), "`time` goes back from 2 s to 1 s"),
+    (lambda: ks.Record(0.1, [1.0, np.inf], displacement=[1.0, 1.0]), "`input`: the number is infinite"),
+    (lambda: ks.Record(-0.1, [1.0, 2.0], velocity=[1.0, 2.0]), "the time between samples is -0.1"),
+    (lambda: ks.Record(0.1, displacement=np.eye(2)), "`displacement` must have one dimension, not 2"),
+    (lambda: ks.Record(0.1, displacement=["a", "b"]), "`displacement` is no column of numbers"),
+    (lambda: ks.Record([0, 1], displacement=(np.array(["2026-01-01", "2026-01-02"], "M8[s]"), [0, 1])), "has dates where"),
+    (lambda: ks.Record([0, 1], displacement=([1, 0.5], [1, 2]), velocity=[1, 2]), "the times of `displacement` are two or more"),
+    (lambda: ks.Record("some.csv", displacement=[1.0]), "a file has all columns"),
     (lambda: ks.Record(0.1, [1.0], speed=[1.0]), "`speed` is no quantity: there are displacement, "),
     (lambda: ks.Record(0.1, [1.0, 1.0], displacement=([0.0], [1.0, 2.0])), "`displacement` has 1 times, but 2 readings"),
     (lambda: ks.Record("nothing.csv"), "nothing.csv: No such file"),
@@ -99,6 +109,8 @@ MISTAKES = [
     (lambda: ks.Scenario(equation="x'' + (x = f"), "is expected here, at character 10"),
     (lambda: ks.Scenario(**{"filters.EKF.fadng": 1.0}), "has no number `filters.EKF.fadng`"),
     (lambda: ks.Online({}, "PF"), "the scenario has no filter `PF`"),
+    (lambda: ks.Online({}).step(0.0, speed=1.0), "there is no sensor `speed`, but displacement, velocity"),
+    (lambda: ks.Online({}).step(np.nan), "an input is finite"),
     (lambda: ks.Online({}).step(0.0, [1.0]), "1 readings, but the sensors are displacement, velocity"),
     (lambda: ks.tune({}, ["filters.EKF.nothing"]), "has no number `filters.EKF.nothing`"),
     (lambda: ks.tune({}, ["filters.EKF.fading"], goal="beauty"), "beauty"),
@@ -132,6 +144,8 @@ def test_scenarios_are_equal_in_every_form():
     assert scenario["filters.UKF.fading"] == 1.01 and ks.Scenario(scenario, seed=7)["seed"] == 7
     own = ks.Scenario(equation="x'' + c x' + k x = f", plant={"c": 0.6}, duration=5)
     assert ks.run(own)["EKF"].channels == ["displacement", "velocity", "c", "k"]
+    other = ks.Scenario(scenario, filters=[{"kind": "enkf"}])
+    assert other.filters == ["EnKF"] and pickle.loads(pickle.dumps(other)) == other
     assert any("k (guess 1)" in remark for remark in own.remarks), own.remarks
 
 
@@ -168,30 +182,29 @@ def test_hindsight_and_free_runs():
     assert all(fit["percent"] > 80 for fit in results.free_run(other))
 
 
+CALL = """
+import threading, time, kalmanscope as ks
 LONG = {"duration": 2000.0, "filters": [{"kind": "pf", "ensemble_size": 2000}]}
+ticks = []
+threading.Thread(target=lambda: [ticks.append(time.sleep(0.005)) for _ in range(9999)], daemon=True).start()
+print("begun", flush=True)
+try:
+    ks.%s
+except KeyboardInterrupt:
+    print(len(ticks))
+"""
 
 
-def test_others_run_meanwhile_and_ctrl_c_is_heard():
-    ticks, end = [], threading.Event()
-
-    def tick():
-        while not end.wait(0.005):
-            ticks.append(1)
-        os.kill(os.getpid(), signal.SIGINT)
-
-    thread = threading.Thread(target=tick)
-    threading.Timer(0.5, end.set).start()
-    thread.start()
-    with pytest.raises(KeyboardInterrupt):
-        ks.run(LONG)
-    thread.join()
-    assert len(ticks) > 20, "the lock is released"
+@pytest.mark.parametrize("call", ["run(LONG)", "tune(LONG, 'filters.PF.sensor_std.velocity')", "sweep(LONG, {'seed': (1, 4, 4)})"])
+def test_others_run_meanwhile_and_ctrl_c_ends_a_call(call):
+    with subprocess.Popen([sys.executable, "-c", CALL % call], stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout.readline() == "begun\n"
+        time.sleep(0.5)
+        child.send_signal(signal.SIGINT)
+        assert int(child.communicate(timeout=20)[0]) > 20, "others run meanwhile"
 
 
-NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
-
-
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("notebook", sorted((ROOT / "python/notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
 def test_notebooks_run(notebook, monkeypatch):
     monkeypatch.chdir(notebook.parent)
     names = {"__name__": "notebook"}
@@ -201,14 +214,8 @@ def test_notebooks_run(notebook, monkeypatch):
 
 
 def test_everything_public_is_described():
-    stub = (Path(ks.__file__).parent / "_kalmanscope.pyi").read_text()
-    for name in ks.__all__:
+    for name in set(ks.__all__) - {"__version__"}:
         thing = getattr(ks, name)
-        assert name == "__version__" or thing.__doc__, name
-        assert name in stub, name
-        examples = doctest.DocTestParser().get_doctest(thing.__doc__ or "", {}, name, None, None)
-        assert doctest.DocTestRunner().run(examples).failed == 0, name
-        for member in dir(thing) if inspect.isclass(thing) and thing is not ks.Error else []:
-            if not member.startswith("_"):
-                assert getattr(thing, member).__doc__, f"{name}.{member}"
-                assert f"def {member}(" in stub or f" {member}: " in stub, f"{name}.{member}"
+        assert thing.__doc__, name
+        for member in vars(thing) if inspect.isclass(thing) else []:
+            assert member.startswith("_") or getattr(thing, member).__doc__, f"{name}.{member}"
