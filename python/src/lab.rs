@@ -38,10 +38,8 @@ fn axis(key: &str, values: &Bound<'_, PyAny>) -> PyResult<Axis> {
 /// scenario : Scenario, or what makes one
 /// settings : list of str, or dict of str to (from, to) or (from, to, "log")
 ///     Addresses such as ``"filters.EKF.process_std"``, and where to look for the best value.
-/// record : Record, optional
-///     A measured record; the scenario's simulated one if left out.
-/// filter : str, optional
-///     The filter's name; the first one if left out.
+/// record : Record, a measured one; the scenario's simulated one if left out
+/// filter : str, the name of one; the first one if left out
 /// goal : {"log_likelihood", "nis", "free_run.SENSOR"}
 ///
 /// Returns
@@ -106,15 +104,12 @@ pub(crate) fn tune<'py>(
 ///     Values by address: evenly spaced in differences or in ratios, ``(from, to, count)``, ``(from, to, count, "log")``, or
 ///     ``"FROM:TO:COUNT:log"``.
 /// record : Record, optional
-/// seeds : int, optional
-///     Each combination with the seeds 1 to this.
+/// seeds : int, each combination with the seeds 1 to this
 /// measures : list of str, optional
 ///     ``"nis"``, ``"rmse.natural_frequency"``, ...; all that need no history if left out.
-/// filters : list of str, optional
-///     Names; all filters if left out.
+/// filters : list of str, names of some; all if left out
 /// threads : int, optional
-/// part : (int, int), optional
-///     The k-th of n parts of the rows, from 1 on, for a cluster.
+/// part : (int, int), the k-th of n parts of the rows, from 1 on, for a cluster
 ///
 /// Returns
 /// -------

@@ -18,10 +18,8 @@ use crate::{error, no_key};
 ///
 /// Parameters
 /// ----------
-/// scenario : Scenario, or what makes one
-///     Its ``dt`` is the time between samples.
-/// filter : str, optional
-///     The filter's name; the first one if left out.
+/// scenario : Scenario, or what makes one; ``dt`` is the time between samples
+/// filter : str, the name of one; the first one if left out
 ///
 /// Examples
 /// --------

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::document::{self, json};
 use kalmanscope_core::import::{self, Column, Imported, Mapping, Table};
-use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record as Samples, Run, Scenario as Settings};
+use kalmanscope_core::{Channel, ForcedMass, Hold, InputKind, Quantity, Record as Samples, Run, Scenario as Settings};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -28,7 +28,7 @@ use crate::{error, no_key};
 /// **sensors : array_like, shape (N,), or a pair of times and readings, shape (M,) each
 ///     Readings by quantity in SI units: ``displacement``, ``velocity``, ``acceleration``, ``total_acceleration``, ``drift``; of
 ///     further masses ``displacement_2`` and so on. NaN, None and null are missing readings. True values of a channel, where they
-///     are known, as ``true_natural_frequency``.
+///     are known, as ``true_natural_frequency``; forces over mass on single masses, besides u, as ``force_on_3``.
 /// source : path or data frame of pandas or polars
 ///     A file that the program can read, or columns with names; what they mean is guessed.
 /// mapping : dict, optional
@@ -70,7 +70,7 @@ impl Record {
         let given = arrays.or(given).unwrap_or_default();
         let mapping = if given.sensors.is_empty() {
             let time = if given.time == Default::default() { guess.time } else { given.time };
-            Mapping { time, input: given.input.or(guess.input), sensors: guess.sensors, ..given }
+            Mapping { time, input: given.input.or(guess.input), forces: guess.forces, sensors: guess.sensors, ..given }
         } else {
             given
         };
@@ -117,11 +117,12 @@ impl Record {
         self.record.sensors().iter().map(|quantity| quantity.key()).collect()
     }
 
-    /// The readings of a quantity, or the truth of a channel as ``true_natural_frequency``; shape (N,).
+    /// The readings of a quantity, the truth of a channel as ``true_natural_frequency``, or a force as ``force_on_3``; shape (N,).
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
         let truth = || self.record.truth(Channel::from_key(key.strip_prefix("true_")?)?);
         let readings = Quantity::from_key(key).and_then(|quantity| self.record.measured_quantity(quantity));
-        let column = readings.or_else(truth).ok_or_else(|| no_key(key, &self.sensors()))?;
+        let force = || self.record.force_on(ForcedMass::from_key(key)?);
+        let column = readings.or_else(truth).or_else(force).ok_or_else(|| no_key(key, &self.sensors()))?;
         array(py, &[column.len()], column.iter().copied())
     }
 
@@ -158,7 +159,7 @@ fn table_of(
     for key in sensors.into_iter().flat_map(|sensors| sensors.keys()) {
         let key: String = key.extract()?;
         let channel = key.strip_prefix("true_").and_then(Channel::from_key);
-        if Quantity::from_key(&key).is_none() && channel.is_none() {
+        if Quantity::from_key(&key).is_none() && channel.is_none() && ForcedMass::from_key(&key).is_none() {
             let known = Quantity::all()[..5].iter().map(|quantity| quantity.key()).collect::<Vec<_>>().join(", ");
             return Err(error(format_args!("`{key}` is no quantity: there are {known}, also as `displacement_2`")));
         }
