@@ -103,7 +103,6 @@ pub(crate) fn tune<'py>(
 /// vary : dict of str to array_like, tuple or str
 ///     Values by address: evenly spaced in differences or in ratios, ``(from, to, count)``, ``(from, to, count, "log")``, or
 ///     ``"FROM:TO:COUNT:log"``.
-/// record : Record, optional
 /// seeds : int, each combination with the seeds 1 to this
 /// measures : list of str, optional
 ///     ``"nis"``, ``"rmse.natural_frequency"``, ...; all that need no history if left out.

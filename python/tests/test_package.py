@@ -57,8 +57,7 @@ def test_forces_on_single_masses_go_in_and_out():
     forces = {"force_on_2": {"white_noise": {"std": 9.0}}}
     scenario = ks.Scenario(duration=5.0, plant={"kind": "shear_2"}, force="none", forces=forces)
     record = scenario.simulate()
-    columns = {key: record[key] for key in ["displacement", "velocity", "force_on_2"]}
-    again = ks.Record(record.dt, record.input, **columns)
+    again = ks.Record(record.dt, **{key: record[key] for key in ["displacement", "velocity", "force_on_2"]})
     one, other = ks.run(scenario)["UKF"], ks.run(scenario, again)["UKF"]
     np.testing.assert_array_equal(one.mean, other.mean)
     assert np.std(record["force_on_2"]) > 5.0
