@@ -90,6 +90,7 @@ pub fn controls_ui(
             duration: _,
             plant: _,
             force: _,
+            forces: _,
             input: _,
             hold: _,
             sensors: _,

@@ -64,9 +64,10 @@ impl Scenario {
         }
         for &mass in forces.keys() {
             let key = format_args!("forces.{}", mass.key());
-            let (has, count) = (plant.kind.masses() > mass.mass(), plant.kind.masses());
-            require(has, key, "set", format_args!("on one of the {count} mass(es) of the plant"))?;
-            let own = self.with_force_of(mass).unwrap_or_default();
+            let (count, own) = (plant.kind.masses(), self.with_force_of(mass).unwrap_or_default());
+            if mass.mass() >= count {
+                return Err(impossible(key, "set", format_args!("on one of the {count} mass(es) of the plant")));
+            }
             for info in FORCE.iter().filter(|info| (info.serves)(&own, &plant.kind)) {
                 let own_key = info.key.strip_prefix("force").unwrap_or(info.key);
                 number(format_args!("{key}{own_key}"), (info.get)(&own), info.allowed)?;

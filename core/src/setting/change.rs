@@ -2,11 +2,12 @@
 
 use crate::document::{self, Document};
 use kalmanscope_filters::lists::sort_items;
-use kalmanscope_filters::quantity::Quantity;
+use kalmanscope_filters::quantity::{ForcedMass, Quantity};
 
 use super::filters::split_id;
 use super::{
-    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, address, edit, filters, name, of_filter,
+    Address, Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, Edit, FORCE, address, edit, filters, name,
+    of_filter,
 };
 use crate::scenario::{FilterSettings, Scenario, ScenarioError, Sensor};
 
@@ -208,6 +209,9 @@ impl<'a> Changed<'a> {
         if let Some((own, "")) = filter {
             return come_or_gone(filter_of(was, own.id).is_some(), &own.name);
         }
+        if let Some(mass) = key.strip_prefix("forces.").and_then(ForcedMass::from_key) {
+            return format!("{} = {}", mass.name(), force_words(was, mass, number));
+        }
         let old = words(&value(was, key), number);
         if let Some(quantity) = sensor(key) {
             let sensor = format!("the {} sensor", quantity.key());
@@ -265,6 +269,15 @@ fn written(of: &impl serde::Serialize, key: &str) -> Document {
 
 fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<Document> {
     Some(all.iter().find(|info| info.key == key)?.chosen(of)?.name.into())
+}
+
+/// The shape of a force on one mass, and its numbers.
+fn force_words(scenario: &Scenario, mass: ForcedMass, number: &impl Fn(f64) -> String) -> String {
+    let Some(own) = scenario.with_force_of(mass) else { return "none".to_owned() };
+    let shape = chosen(&CHOICES_OF_SCENARIO, "force", &own).unwrap_or_default();
+    let rows = FORCE.iter().filter(|info| (info.serves)(&own, &own.plant.kind));
+    let numbers = rows.map(|info| format!(" {} {}", (info.label)(&own).unwrap_or(info.name), number((info.get)(&own))));
+    std::iter::once(words(&shape, number)).chain(numbers).collect()
 }
 
 fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {

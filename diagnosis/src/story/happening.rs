@@ -154,7 +154,27 @@ fn still(scenario: &Scenario) -> Writer {
     text.say(format!(" {}; its parameters stay constant", moved(scenario)))
 }
 
+/// The forces on single masses, in words.
+fn on_masses(scenario: &Scenario) -> Option<String> {
+    let numbers: Vec<String> = scenario.forces.keys().map(|mass| (mass.mass() + 1).to_string()).collect();
+    let (last, rest) = numbers.split_last()?;
+    Some(if rest.is_empty() {
+        format!("a force on mass {last}")
+    } else {
+        format!("forces on masses {} and {last}", rest.join(", "))
+    })
+}
+
 fn moved(scenario: &Scenario) -> String {
+    let on_masses = on_masses(scenario);
+    match (on_masses, scenario.force) {
+        (Some(forces), Force::WhiteNoise { std: 0.0 } | Force::None) => format!("is moved by {forces}"),
+        (Some(forces), _) => format!("{}, and by {forces}", moved_by_all(scenario)),
+        (None, _) => moved_by_all(scenario),
+    }
+}
+
+fn moved_by_all(scenario: &Scenario) -> String {
     let by_ground = matches!(scenario.input, InputKind::GroundAcceleration);
     match scenario.force {
         Force::WhiteNoise { std: 0.0 } | Force::None => {

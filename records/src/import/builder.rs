@@ -8,6 +8,7 @@ use kalmanscope_filters::{Channel, Hold, InputKind, Quantity};
 
 use super::conditioning::{Conditioning, above_nyquist, cells_without_readings, fill, is_still, shift};
 use super::guess::no_time;
+use super::header::{Dimension, unit};
 use super::own_times::{OwnTimes, on_one_clock};
 use super::shape::{counted, unwrapped};
 use super::times::{Clock, Timing};
@@ -170,6 +171,11 @@ impl Columns<'_> {
     fn force(&mut self, name: &str, mapped: &MappedColumn, hold: Hold, keeps: bool) -> Result<Vec<f64>> {
         let (timing, steps) = (self.conditioning.timing, self.conditioning.steps());
         let mut values = self.mapped(mapped)?;
+        // The input's mass is found with its gain.
+        if !keeps && mapped.gain == 1.0 && matches!(unit(&mapped.unit), Some((Dimension::Force, _))) {
+            self.remarks
+                .push(format!("the {name} is taken for a force over mass: give 1 / mass as the gain of its column"));
+        }
         if let Some(own) = self.own.as_mut().filter(|_| self.is_kept) {
             let values = if keeps { own.input(mapped, hold, steps) } else { own.force(mapped, hold, steps) };
             let Some(values) = values else {
