@@ -31,7 +31,7 @@ pub(crate) enum Command {
     #[command(
         after_help = "Examples:\n  kalmanscope-cli import record.csv --out record.toml\n  kalmanscope-cli import raw.txt --rate 200 --input V1 --sensor displacement=V2 --out record.toml\n  kalmanscope-cli import phyphox.csv --decay decay.csv --out decay.toml\n  zcat record.csv.gz | kalmanscope-cli import - > record.toml"
     )]
-    Import(ImportArgs),
+    Import(Box<ImportArgs>),
     /// Run every combination of some settings and write a row of scores for each
     #[command(
         after_help = "Example:\n  kalmanscope-cli sweep scenario.toml --vary filters.EKF.fading=1:1.02:5 --seeds 100 --out table.csv"

@@ -98,7 +98,7 @@ fn chains_answer_as_their_impedances_say() {
             for (&w, found) in frequencies.iter().zip(found) {
                 let expected =
                     chain_by_impedance(&(0..masses).map(|mass| kappas[mass % 10]).collect::<Vec<f64>>(), damping, w);
-                let limit = if masses <= 4 { 1e-9 } else { 1e-6 };
+                let limit = if (5..=10).contains(&masses) { 1e-6 } else { 1e-9 };
                 assert!((found / expected - 1.0).abs() < limit, "{found} instead of {expected} at {w}, {}", kind.key());
             }
         }

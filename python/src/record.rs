@@ -74,7 +74,7 @@ impl Record {
         } else {
             given
         };
-        let built = import::build(&table, &mapping, kind.unwrap_or(usual.0), hold.unwrap_or(usual.1), &Channel::all());
+        let built = import::build(&table, &mapping, kind.unwrap_or(usual.0), hold.unwrap_or(usual.1), Channel::all());
         let all = |reason: import::ImportError| [vec![reason.to_string()], table.remarks.clone()].concat().join("; ");
         let Imported { record, mut remarks, .. } = built.map_err(|reason| error(all(reason)))?;
         let rows = table.columns[0].values.iter().filter(|time| !time.is_nan()).count();

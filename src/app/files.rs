@@ -101,7 +101,7 @@ impl App {
         let failed = |reason: &str| format!("The file cannot be written: {reason}.");
         match made.and_then(|file| Ok((deliver?, file))) {
             Ok((deliver, file)) => {
-                deliver(file, self.inbox.done(ctx, move |place| format!("Written: {place}{remark}"), failed))
+                deliver(file, self.inbox.done(ctx, move |place| format!("Written: {place}{remark}"), failed));
             }
             Err(reason) => self.notice = Some(failed(&reason).into()),
         }

@@ -78,20 +78,21 @@ fn head_ui(ui: &mut Ui, sensors: &Sensors, scenario: &Scenario, requests: &mut V
     ui.horizontal_wrapped(|ui| {
         if scenario.filters.len() > 1 {
             let filters = scenario.filters.iter().map(|filter| (Some(filter.id), filter.name.clone()));
-            next.filter = menu_ui(ui, "Filter that estimates", next.filter(scenario), filters).unwrap_or(next.filter);
+            next.filter = menu_ui(ui, "Filter that estimates", &next.filter(scenario), filters).unwrap_or(next.filter);
         }
         if let Some((_, forecast)) = &sensors.shown {
             let all = forecast.channels.iter().map(|&channel| (channel, channel.symbol().to_owned()));
             let shown = forecast.channels[place(&next, forecast)];
-            next.parameter = menu_ui(ui, "Parameter to narrow", shown, all).or(next.parameter);
+            next.parameter = menu_ui(ui, "Parameter to narrow", &shown, all).or(next.parameter);
         }
         let rate = |rate: f64| (rate, format!("{} Hz, ×{rate}", significant(rate / scenario.dt, 4)));
-        next.plan.rate = menu_ui(ui, "Rate of the readings", next.plan.rate, RATES.map(rate)).unwrap_or(next.plan.rate);
+        next.plan.rate =
+            menu_ui(ui, "Rate of the readings", &next.plan.rate, RATES.map(rate)).unwrap_or(next.plan.rate);
         let seconds = |by: f64| format!("{} s, ×{by}", significant(by * scenario.duration, 4));
         let all = DURATIONS.into_iter().map(seconds).enumerate();
-        next.duration = menu_ui(ui, "Duration of the record", next.duration, all).unwrap_or(next.duration);
+        next.duration = menu_ui(ui, "Duration of the record", &next.duration, all).unwrap_or(next.duration);
         let all = [(false, "beside today's sensors"), (true, "alone")].map(|(alone, text)| (alone, text.to_owned()));
-        next.plan.alone = menu_ui(ui, "Place of the new sensor", next.plan.alone, all).unwrap_or(next.plan.alone);
+        next.plan.alone = menu_ui(ui, "Place of the new sensor", &next.plan.alone, all).unwrap_or(next.plan.alone);
     });
     ui.horizontal_wrapped(|ui| {
         ui.weak("noise ±σ of a new sensor");
@@ -117,11 +118,11 @@ fn head_ui(ui: &mut Ui, sensors: &Sensors, scenario: &Scenario, requests: &mut V
     }
 }
 
-fn menu_ui<T: PartialEq>(ui: &mut Ui, name: &str, now: T, all: impl IntoIterator<Item = (T, String)>) -> Option<T> {
+fn menu_ui<T: PartialEq>(ui: &mut Ui, name: &str, now: &T, all: impl IntoIterator<Item = (T, String)>) -> Option<T> {
     let mut all: Vec<(T, String)> = all.into_iter().collect();
-    let chosen = all.iter().find(|(one, _)| *one == now).map_or("", |(_, text)| text);
+    let chosen = all.iter().find(|(one, _)| one == now).map_or("", |(_, text)| text);
     let combo = ComboBox::from_id_salt(name).selected_text(chosen).width(58.0).show_ui(ui, |ui| {
-        let is_clicked = |(one, text): &(T, String)| ui.selectable_label(*one == now, text).clicked();
+        let is_clicked = |(one, text): &(T, String)| ui.selectable_label(one == now, text).clicked();
         all.iter().map(is_clicked).collect::<Vec<_>>().into_iter().position(|clicked| clicked)
     });
     named(combo.response.on_hover_text(name), name);

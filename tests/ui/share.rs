@@ -99,7 +99,7 @@ fn the_menu_copies_a_link_of_the_page() {
 
 #[test]
 fn a_link_and_a_saved_session_keep_what_is_chosen_in_the_laboratory_where_it_is_shown() {
-    let views = [ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune];
+    let views = [ViewKind::Map, ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::Sensors];
     let mut one = screen(DESKTOP, Theme::Light);
     show_whole(&mut one, Scenario { duration: 5.0, ..Scenario::default() });
     show(&mut one, &views);

@@ -13,6 +13,8 @@ use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
 use kalmanscope_filters::lists::{mapped, sort_numbers};
 use kalmanscope_records::Record;
 
+use nalgebra::{Complex, DMatrix, DVector};
+
 use crate::{Estimates, Model, PlantKind};
 
 const DRAWS: usize = 96;
@@ -138,6 +140,45 @@ pub struct TransferFunction {
     degree: usize,
     /// A power of two \[rad/s\].
     unit: f64,
+    long: Option<LongChain>,
+}
+
+/// Many masses, `ẍ = K x + C ẋ + b f`: their polynomials have no correct digit.
+#[derive(Clone, Debug, PartialEq)]
+struct LongChain {
+    stiffness: Matrix,
+    damping: Matrix,
+    push: Vec<f64>,
+}
+
+impl LongChain {
+    /// Of a motion `[x, v]` with `ẋ = v`.
+    fn of(motion: &Matrix, push: &[f64]) -> Option<Self> {
+        let m = motion.nrows() / 2;
+        let moves = |i: usize, j: usize| motion[(i, j)] == f64::from(u8::from(j == m + i));
+        let is_of_masses = motion.nrows() == 2 * m && (0..m).all(|i| (0..2 * m).all(|j| moves(i, j)));
+        let block = |column: usize| motion.view((m, column), (m, m)).into_owned();
+        let own = || Self { stiffness: block(0), damping: block(m), push: push[m..2 * m].to_vec() };
+        (motion.nrows() > LONG && is_of_masses).then(own)
+    }
+
+    /// Solves `(-ω² - iω C - K) x = b`.
+    fn magnitude(&self, w: f64) -> f64 {
+        let Self { stiffness, damping, push } = self;
+        let entry = |i: usize, j: usize| {
+            let inertia = if i == j { w * w } else { 0.0 };
+            Complex::new(-stiffness[(i, j)] - inertia, -w * damping[(i, j)])
+        };
+        let dynamic = DMatrix::from_fn(push.len(), push.len(), entry);
+        let force = DVector::from_iterator(push.len(), push.iter().map(|push| Complex::new(*push, 0.0)));
+        dynamic.lu().solve(&force).map_or(f64::INFINITY, |motion| motion[0].norm_sqr().sqrt())
+    }
+
+    fn natural_span(&self) -> Option<(f64, f64)> {
+        let least = (-&self.stiffness).try_inverse()?.trace().sqrt().recip();
+        let greatest = -self.stiffness.trace();
+        (least.is_normal() && greatest > 0.0).then(|| (least, greatest.sqrt()))
+    }
 }
 
 impl TransferFunction {
@@ -150,7 +191,9 @@ impl TransferFunction {
         let motion = jacobian.view((0, 0), (degree, degree)).into_owned();
         // A few masses need no unit: their polynomials are exact enough.
         let unit = if degree <= FEW { 1.0 } else { unit_of(&motion) };
-        let (a, b) = (motion / unit, push.rows(0, degree) / (unit * unit));
+        let long = LongChain::of(&motion, push.as_slice());
+        let degree = if long.is_some() { 0 } else { degree };
+        let (a, b) = (motion.view((0, 0), (degree, degree)) / unit, push.rows(0, degree) / (unit * unit));
         let output = model.place(Channel::DISPLACEMENT).unwrap_or(0);
         let coefficients = 2 * (degree / 2 + 1);
         let mut numerator = vec![0.0; coefficients];
@@ -166,12 +209,15 @@ impl TransferFunction {
                 adjugate[(i, i)] += coefficient;
             }
         }
-        Self { numerator, denominator, degree, unit }
+        Self { numerator, denominator, degree, unit, long }
     }
 
     /// |H(iω)| at positive frequencies \[rad/s\]; infinite at a resonance without damping \[s²\].
     pub fn magnitude(&self, frequencies: &[f64]) -> Vec<f64> {
-        let Self { numerator, denominator, degree: _, unit } = self;
+        if let Some(long) = &self.long {
+            return mapped(frequencies, &|&w| long.magnitude(w));
+        }
+        let Self { numerator, denominator, unit, .. } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
         // Where a zero meets a pole, as that of a hum that the force does not drive, both are rounding; beside them is the limit.
         let meet = |w: f64| is_rounding(numerator, w / unit) && is_rounding(denominator, w / unit);
@@ -186,6 +232,9 @@ impl TransferFunction {
     ///
     /// with a₂ the coefficient two below the highest of a, and a₂' two above the lowest over the lowest.
     pub fn natural_span(&self) -> Option<(f64, f64)> {
+        if let Some(long) = &self.long {
+            return long.natural_span();
+        }
         let Self { denominator, degree, unit, .. } = self;
         let greatest = denominator.get(degree.checked_sub(2)?)?.abs().sqrt();
         // A hysteretic displacement at rest adds a factor s, which is zero up to rounding.
@@ -203,6 +252,9 @@ const ROUNDING: f64 = 1e-12;
 
 /// The largest degree of polynomials that need no unit of time.
 const FEW: usize = 8;
+
+/// Ten masses: their polynomials have six digits.
+const LONG: usize = 20;
 
 /// A power of two near the greatest natural frequency of a motion, by the norm of `A²` \[rad/s\].
 fn unit_of(motion: &Matrix) -> f64 {
