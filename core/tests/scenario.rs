@@ -4,11 +4,11 @@ use kalmanscope_core::import::{Mapping, build, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Quantity, Record, RecordError, Scenario,
+    Channel, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Record, RecordError, Scenario,
     ScenarioError, Sensor, Signal, Values, document, simulate,
 };
 
-use crate::run::{assets, finished, oscillator};
+use crate::run::{assets, finished, oscillator, plants};
 
 fn parsed(text: &str) -> Scenario {
     Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
@@ -269,7 +269,7 @@ fn a_record_is_simulated_and_changed_without_a_run() {
 #[test]
 fn a_file_of_a_simulated_record_is_that_record() {
     let mut count = 0;
-    for kind in PlantKind::ALL {
+    for kind in plants() {
         for input in [InputKind::Force, InputKind::GroundAcceleration] {
             for hold in [Hold::Zero, Hold::First] {
                 let all: Vec<Quantity> = kind.quantities().collect();
