@@ -56,7 +56,7 @@ pub(crate) struct Exporting {
     figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
     drawn: Vec<String>,
     film: Option<Film>,
-    /// What the user should know about the file, beyond its place.
+    /// A sentence about the file, besides its place.
     pub(crate) remark: String,
     written: Option<RunningTask<Everything>>,
 }

@@ -14,7 +14,6 @@ use egui::{Color32, Label, Pos2, RichText, Sense, Ui, Vec2, pos2, vec2};
 
 use crate::legend::{LegendMark, paint_mark};
 use crate::plot::medium::Medium;
-use crate::plot::time_axis::TimeAxis;
 use crate::request::{FigureFormat, Proportions, ViewKind};
 use crate::theme::Palette;
 use crate::view::ViewContext;
@@ -30,7 +29,7 @@ pub struct Figure {
 
 impl Figure {
     pub fn new(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Self {
-        arrange(context, rows, format)
+        context.without_marks(&Palette::of(egui::Theme::Light), |context| arrange(context, rows, format))
     }
 
     /// Width and height \[mm\].
@@ -60,14 +59,6 @@ const LARGEST: f32 = 3.0;
 
 fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Figure {
     let geometry = Geometry::of(format);
-    let palette = Palette::of(egui::Theme::Light);
-    let mut visible = context.visible.clone();
-    visible.verdicts = false;
-    // A figure must not show the marks that follow the pointer.
-    let axis = TimeAxis { pointed: None, ..*context.axis };
-    let laboratory = context.laboratory;
-    let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
-    let context = &context.in_laboratory(laboratory);
     let rows: Vec<&[ViewKind]> = if geometry.is_narrow {
         rows.iter().flatten().map(std::slice::from_ref).collect()
     } else {

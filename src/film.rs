@@ -1,7 +1,7 @@
 //! A film: five seconds of a view as an animated GIF.
 //!
-//! The film leads the playback, picture by picture, and draws the view in a context of its own, without a screen or a graphics card:
-//! a slow machine, a page and a test make the same film.
+//! The film sets the time of each picture and draws the view off the screen, without a graphics card. So a slow machine, a page and a
+//! test make the same film.
 
 mod changes;
 mod encoding;
@@ -16,7 +16,6 @@ use raster::{Textures, drawn};
 
 use crate::figure::{extent, legend_ui};
 use crate::plot::medium::Medium;
-use crate::plot::time_axis::TimeAxis;
 use crate::request::{Proportions, ViewKind};
 use crate::session::Session;
 use crate::team::{Lost, Priority, RunningTask};
@@ -30,7 +29,7 @@ pub use encoding::LARGEST;
 const RATE: usize = 12;
 const COUNT: usize = 5 * RATE;
 
-/// The size of a picture \[pixels\], as wide as half a screen; the height of a view that is text is that of the text, within limits.
+/// The size of a picture \[pixels\]: half a screen wide. A view of text is as high as its text, within limits.
 const WIDTH: f32 = 800.0;
 const HEIGHT: f32 = 450.0;
 const FLAT: f32 = 260.0;
@@ -44,7 +43,7 @@ const PASSES: usize = 4;
 pub(crate) struct Film {
     pub(crate) view: ViewKind,
     studio: Studio,
-    /// The time to which playback returns, that of the first picture, and the time between two \[s\].
+    /// The playback returns to `before`. The first picture shows `begin`, and each next one is `step` later \[s\].
     pub(crate) before: f64,
     begin: f64,
     step: f64,
@@ -83,7 +82,9 @@ impl Film {
         let session = context.session;
         if !self.is_over() {
             if !session.behind() {
-                self.pictures.push(self.studio.picture(self.view, context));
+                let palette = Palette::of(self.studio.theme);
+                let picture = context.without_marks(&palette, |context| self.studio.picture(self.view, context));
+                self.pictures.push(picture);
             }
             return None;
         }
@@ -119,13 +120,6 @@ impl Studio {
     }
 
     fn picture(&mut self, kind: ViewKind, context: &ViewContext<'_>) -> Vec<Color> {
-        let palette = Palette::of(self.theme);
-        let mut visible = context.visible.clone();
-        visible.verdicts = false;
-        let axis = TimeAxis { pointed: None, ..*context.axis };
-        let laboratory = context.laboratory;
-        let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
-        let context = &context.in_laboratory(laboratory);
         if self.drawn == 0 {
             self.size = self.room(kind, context).map(|side| side as usize);
         }
@@ -135,7 +129,7 @@ impl Studio {
         let shapes = self.pass(size, kind, context);
         self.drawn += 1;
         let primitives = self.ctx.tessellate(shapes, 1.0);
-        drawn(&primitives, &self.textures, palette.ground, self.size)
+        drawn(&primitives, &self.textures, context.palette.ground, self.size)
     }
 
     fn room(&mut self, kind: ViewKind, context: &ViewContext<'_>) -> [f32; 2] {

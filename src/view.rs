@@ -51,6 +51,14 @@ impl<'a> ViewContext<'a> {
         Self { laboratory, ..self }
     }
 
+    /// Draws with another palette, without verdicts and the marks that follow the pointer, as figures and films are.
+    pub(crate) fn without_marks<R>(&self, palette: &Palette, draw: impl FnOnce(&ViewContext<'_>) -> R) -> R {
+        let mut visible = self.visible.clone();
+        visible.verdicts = false;
+        let axis = TimeAxis { pointed: None, ..*self.axis };
+        draw(&ViewContext::new(self.session, palette, &visible, &axis, self.ruler).in_laboratory(self.laboratory))
+    }
+
     pub(crate) fn picture(&self, layout: &ViewLayout) -> SavedPicture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);

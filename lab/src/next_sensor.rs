@@ -34,7 +34,7 @@ const FEW: u64 = 8;
 /// Limits the samples between two pauses: about a millisecond of the largest plants.
 const PIECE: usize = 32;
 
-/// What is compared.
+/// The choices that a forecast compares.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorPlan {
@@ -58,7 +58,7 @@ impl Default for SensorPlan {
 pub struct SensorForecast {
     /// The parameters that the filter estimates; if it knows them all, the motion.
     pub channels: Vec<Channel>,
-    /// That of the present sensors as they are, at the end of the scenario, in the unit of each channel.
+    /// The standard deviation that today's sensors give at the end of the scenario, in the unit of each channel.
     pub now: Vec<f64>,
     /// The present sensors at the plan's rate, then every other choice.
     pub rows: Vec<SensorRow>,
@@ -83,7 +83,7 @@ impl SensorPlan {
     /// Checks every value.
     ///
     /// # Errors
-    /// In words.
+    /// A sentence that says which value is impossible.
     pub fn check(&self) -> Result<(), String> {
         let Self { rate, alone: _, noise_std } = self;
         let is_noise = noise_std.values().all(|std| std.is_finite() && *std > 0.0);
@@ -122,7 +122,7 @@ impl SensorPlan {
     /// The forecast for the filter at `place`, over simulated inputs of the seeds 1 and on, or members of a population. Errors are larger
     /// where a filter has not settled, as after a short record, or loses the truth.
     ///
-    /// The mean is of covariances, as that of squared errors over many records is. A mean of information would give a σ that is 3 to
+    /// It takes the mean of covariances, which is that of squared errors over many records. A mean of information would give a σ that is 3 to
     /// 25 % smaller. Source: Miller and Chang (1978), A modified Cramér-Rao bound and its applications.
     ///
     /// # Errors
@@ -234,7 +234,7 @@ fn samples(scenario: &Scenario, duration: usize) -> usize {
     libm::round(DURATIONS[duration] * scenario.duration / scenario.dt) as usize
 }
 
-/// The same truth, with readings at another rate. One between two samples is there if that of the later sample is.
+/// The same truth, with readings at another rate. A reading between two samples is missing where the later sample's is.
 fn at_rate(record: &Record, rate: f64) -> Record {
     let count = (record.len().saturating_sub(1) as f64 * rate) as usize;
     let of = |sensor: usize| {

@@ -56,9 +56,9 @@ def table(source: Any, u: Any, sensors: dict[str, Any] | None) -> tuple[str, lis
     """The columns of a data frame, and what is left out; or those of arrays, and what they mean."""
     if not hasattr(source, "columns"):
         columns = arrays(source, u, sensors or {})
-        named = {name: {"column": name} for name in sensors or {} if name[:5] != "true_"}
-        forces = {name: named.pop(name) for name in list(named) if name[:9] == "force_on_"}
-        mapping: dict[str, Any] = {"time": {"column": "time"}, "sensors": named, "forces": forces}
+        meant = {name: {"column": name} for name in sensors or {} if name[:5] != "true_"}
+        forces = {name: meant.pop(name) for name in list(meant) if name[:9] == "force_on_"}
+        mapping: dict[str, Any] = {"time": {"column": "time"}, "sensors": meant, "forces": forces}
         if u is not None:
             mapping["input"] = {"column": "input"}
         return "", [(name, values.tobytes()) for name, values in columns], [], json.dumps(mapping)

@@ -42,7 +42,7 @@ pub(crate) struct Record {
     /// How it was read, one sentence each.
     #[pyo3(get)]
     remarks: Vec<String>,
-    /// What the columns of its file mean.
+    /// The meaning of its file's columns.
     pub(crate) mapping: Option<Mapping>,
 }
 

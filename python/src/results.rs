@@ -84,7 +84,7 @@ fn report(run: &Run, wanted: &Wanted) -> Result<String, String> {
     results.json(&[]).map_err(|error| error.to_string())
 }
 
-/// What `Results` needs of a run.
+/// The part of a run that `Results` needs.
 #[pyclass(module = "kalmanscope", name = "_Run", frozen)]
 pub(crate) struct Whole(Arc<Finished>);
 
@@ -110,7 +110,7 @@ impl Whole {
     }
 }
 
-/// What one filter has estimated, sample by sample: N samples, n channels, m sensors. Each access makes a new array, read-only.
+/// The estimates of one filter, sample by sample: N samples, n channels, m sensors. Each access makes a new array, read-only.
 #[pyclass(module = "kalmanscope", frozen)]
 pub(crate) struct Estimates {
     of: Arc<Finished>,

@@ -3,7 +3,7 @@
 use egui::{DragValue, PopupCloseBehavior, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
-use kalmanscope_core::{Force, ForcedMass, Hold, Scenario};
+use kalmanscope_core::{Force, ForcedMass, Hold};
 
 use super::highlight::highlight_ui;
 use super::number::{Named, NumberField, REMARK, limit_ui};
@@ -131,8 +131,8 @@ fn forces_ui(ui: &mut Ui, edits: &mut Edits<'_>) {
             }
         }
     });
-    for (&mass, force) in &scenario.forces {
-        let own = Scenario { force: *force, ..Scenario::clone(scenario) };
+    for &mass in scenario.forces.keys() {
+        let Some(own) = scenario.with_force_of(mass) else { continue };
         ui.label(sentence(&mass.name()));
         if let Some(shape) = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == "force") {
             choice_row_ui(ui, shape, (&own, &address(mass)), &mass.name(), edits);

@@ -11,7 +11,7 @@ use super::changes::{Change, Color, Shades, UNCHANGED};
 /// Limits the size of a film \[bytes\].
 pub const LARGEST: usize = 2_000_000;
 
-/// One of so many pictures is kept, until the film is small enough.
+/// Keeps one picture of this many: the first of these numbers with which the film is small enough.
 const KEPT: [usize; 4] = [1, 2, 4, 6];
 
 pub(crate) struct Pictures {

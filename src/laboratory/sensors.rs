@@ -51,7 +51,7 @@ impl SensorChoice {
     }
 }
 
-/// What a forecast is about: the scenario with one filter, and the plan.
+/// The subject of a forecast: the scenario with one filter, and the plan.
 type Question = (Scenario, SensorPlan);
 
 #[derive(Default)]

@@ -1,15 +1,24 @@
-//! The forces on single masses that a record has besides its input, as a model feels them.
+//! Recorded forces on single masses, besides the input on all of them, by the places of a model's state.
 
 use kalmanscope_filters::filter::{ForceOn, Input};
 use kalmanscope_filters::{Channel, ForcedMass, Hold};
 use kalmanscope_records::Record;
+use kalmanscope_records::record::Parts;
 
-/// Those on masses that the model has.
+/// The forces on the masses that a model has.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Forces {
     on: Vec<ForceOn>,
     masses: Vec<ForcedMass>,
     is_held: bool,
+}
+
+/// The inputs at both ends of a part of a step, the input and the readings after it.
+pub(crate) struct PartInputs<'a> {
+    pub(crate) share: f64,
+    pub(crate) ends: [Input<'a>; 2],
+    pub(crate) now: Input<'a>,
+    pub(crate) readings: &'a [f64],
 }
 
 impl Forces {
@@ -48,8 +57,20 @@ impl Forces {
     }
 
     /// At a share of the step; held forces change at its end.
-    pub(crate) fn within<T>(&self, force: T, share: f64) -> Input<'_, T> {
+    fn within<T>(&self, force: T, share: f64) -> Input<'_, T> {
         self.at(force, if self.is_held { 0.0 } else { share })
+    }
+
+    /// The inputs through the parts of a step.
+    pub(crate) fn through<'a>(&'a self, parts: &'a Parts) -> impl Iterator<Item = PartInputs<'a>> {
+        let (last, mut from) = (parts.iter().count().saturating_sub(1), 0.0);
+        parts.iter().enumerate().map(move |(place, (part, readings))| {
+            let ([begin, end], to) = (part.forces, from + part.share);
+            let ends = [self.within(begin, from), self.within(end, to)];
+            let now = if place == last { self.now(part.force) } else { self.within(part.force, to) };
+            from = to;
+            PartInputs { share: part.share, ends, now, readings }
+        })
     }
 
     fn at<T>(&self, force: T, at: f64) -> Input<'_, T> {

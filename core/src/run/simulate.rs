@@ -48,7 +48,7 @@ pub struct TruthStop {
 pub struct Simulator {
     scenario: Scenario,
     inputs: InputSignal,
-    /// Those on single masses, as the record and the plant have them.
+    /// Forces on single masses: the recorded ones, and those that act in the plant.
     forces: Vec<(ForcedMass, InputSignal)>,
     acting: Forces,
     disturbance_noise: Normal,
@@ -199,7 +199,7 @@ impl Simulator {
             };
             let exact = reading
                 .as_ref()
-                .map_or(f64::NAN, |r| model.read_disturbed(r, state, acting.within(force, 0.0), disturbance));
+                .map_or(f64::NAN, |r| model.read_disturbed(r, state, acting.over([force; 2])[0], disturbance));
             let exact = act(FaultStage::Exact, exact);
             let value = exact + sensor.noise_std * act(FaultStage::Noise, noise.sample());
             if !value.is_finite() {

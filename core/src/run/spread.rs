@@ -1,8 +1,7 @@
 //! The prediction of a step once more, for a picture of it.
 
 use kalmanscope_filters::engine::design::{Method, Rule};
-use kalmanscope_filters::engine::runge_kutta::classical;
-use kalmanscope_filters::filter::{Algorithm, Input};
+use kalmanscope_filters::filter::{Algorithm, States, Step, System as _};
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
 use kalmanscope_filters::{Channel, Hold};
 
@@ -42,16 +41,19 @@ impl Spread {
         let ends = [before, if context.hold == Hold::First { k } else { before }].map(force);
         let mut forces = context.forces(settings);
         forces.take(record, k, delays.input);
-        let inputs = forces.over(ends);
+        let whole = Step { inputs: forces.over(ends), hold: context.hold, dt: record.dt() };
+        let mut system = States::new(model.state.clone());
         let parts = context.steps(settings);
-        let move_part = |state: &Vector, part: usize| moved(&model, state, inputs, [part, parts], record.dt());
+        let mut move_part = |state: &mut Vector, part: usize| {
+            system.advance(state.as_mut_slice(), whole.part(part, parts));
+        };
         let (mut mean, unit) = model.to_state(estimates.mean(before));
-        let whole = |state: Vector| (0..parts).fold(state, |state, part| move_part(&state, part));
         let step = 1e-6 * (1e-3 + mean[at].abs());
         let [high, low] = [step, -step].map(|step| {
             let mut state = mean.clone();
             state[at] += step;
-            whole(state)[at]
+            (0..parts).for_each(|part| move_part(&mut state, part));
+            state[at]
         });
         let in_unit =
             |state: &Vector| if model.state.logarithms.contains(&at) { libm::exp(state[at]) } else { state[at] };
@@ -60,7 +62,8 @@ impl Spread {
             let mut cov = Matrix::from_fn(n, n, |i, j| cov[i * n + j] * unit[i] * unit[j]);
             for part in 0..parts {
                 let before = points(rule, &mean, &cov)?;
-                let after: Vec<Vector> = before.iter().map(|point| move_part(point, part)).collect();
+                let mut after = before.clone();
+                after.iter_mut().for_each(|point| move_part(point, part));
                 (mean, cov) = moments(rule, &after);
                 if part == 0 {
                     spread.points[0] = before.iter().map(in_unit).collect();
@@ -96,20 +99,6 @@ fn moments(Rule { spread, offset }: Rule, points: &[Vector]) -> (Vector, Matrix)
     }
     cov += &shift * shift.transpose() * offset;
     (&points[0] + shift, cov)
-}
-
-/// A state after one of the parts of a step with these inputs at its ends.
-fn moved(model: &Model, state: &Vector, [begin, end]: [Input<'_>; 2], [part, parts]: [usize; 2], dt: f64) -> Vector {
-    let (mut moved, mut memory) = (state.clone(), [const { Vec::new() }; 5]);
-    memory.iter_mut().for_each(|numbers: &mut Vec<f64>| numbers.resize(state.len(), 0.0));
-    let rate = |y: &[f64], share: f64, rate: &mut [f64]| {
-        let share = (part as f64 + share) / parts as f64;
-        rate.copy_from_slice(model.rate(y, begin.force + (end.force - begin.force) * share).as_slice());
-        Input { at: begin.at + (end.at - begin.at) * share, ..begin }.push(rate);
-    };
-    let memory = memory.each_mut().map(Vec::as_mut_slice);
-    classical(rate, moved.as_mut_slice(), [0.0, 0.5, 1.0], dt / parts as f64, memory);
-    moved
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::FilterContext;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
-use crate::run::forces::Forces;
+use crate::run::forces::{Forces, PartInputs};
 use crate::run::waste::Piecewise;
 use crate::scenario::Fault;
 use crate::{FilterSettings, Scenario, Sensor};
@@ -97,14 +97,11 @@ impl CramerRao {
                 let has_parts =
                     columns.as_ref().is_some_and(|columns| record.parts_to(k, &delays, columns, &mut parts));
                 forces.take(record, k, delays.input);
-                let (mut holds, mut from) = (true, 0.0);
-                for (part, readings) in parts.iter().filter(|_| has_parts) {
-                    let ([begin, end], to) = (part.forces, from + part.share);
-                    let inputs = [forces.within(begin, from), forces.within(end, to)];
-                    from = to;
-                    filter.predict(Baseline, Span { share: part.share, inputs, times: [0.0; 2] });
+                let mut holds = true;
+                for PartInputs { share, ends, now, readings } in forces.through(&parts).filter(|_| has_parts) {
+                    filter.predict(Baseline, Span { share, inputs: ends, times: [0.0; 2] });
                     let truth = filter.belief.mean.clone();
-                    holds &= filter.update(Baseline, forces.within(part.force, to), readings).holds;
+                    holds &= filter.update(Baseline, now, readings).holds;
                     filter.belief.mean = truth;
                 }
                 if !has_parts {

@@ -12,8 +12,7 @@ use kalmanscope_filters::Channel;
 use kalmanscope_filters::linalg::{Matrix, Vector, lower_root};
 use kalmanscope_filters::lists::{mapped, sort_numbers};
 use kalmanscope_records::Record;
-
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 use crate::{Estimates, Model, PlantKind};
 
@@ -143,35 +142,67 @@ pub struct TransferFunction {
     long: Option<LongChain>,
 }
 
-/// Many masses, `ẍ = K x + C ẋ + b f`: their polynomials have no correct digit.
+/// Many masses, `ẍ = K x + C ẋ + b f`. Their polynomials lose digits: at 13 masses they were wrong by 4e-6.
 #[derive(Clone, Debug, PartialEq)]
 struct LongChain {
     stiffness: Matrix,
     damping: Matrix,
     push: Vec<f64>,
+    /// The largest distance of two masses that act on each other.
+    reach: usize,
 }
 
 impl LongChain {
-    /// Of a motion `[x, v]` with `ẋ = v`.
+    /// `None` where the motion is not `[x, v]` with `ẋ = v`, or has few masses.
     fn of(motion: &Matrix, push: &[f64]) -> Option<Self> {
         let m = motion.nrows() / 2;
         let moves = |i: usize, j: usize| motion[(i, j)] == f64::from(u8::from(j == m + i));
         let is_of_masses = motion.nrows() == 2 * m && (0..m).all(|i| (0..2 * m).all(|j| moves(i, j)));
-        let block = |column: usize| motion.view((m, column), (m, m)).into_owned();
-        let own = || Self { stiffness: block(0), damping: block(m), push: push[m..2 * m].to_vec() };
-        (motion.nrows() > LONG && is_of_masses).then(own)
+        if motion.nrows() <= LONG || !is_of_masses {
+            return None;
+        }
+        let [stiffness, damping] = [0, m].map(|column| motion.view((m, column), (m, m)).into_owned());
+        let acts = |i: usize, j: usize| stiffness[(i, j)] != 0.0 || damping[(i, j)] != 0.0;
+        let distances = (0..m).flat_map(|i| (0..m).filter(move |j| acts(i, *j)).map(move |j| i.abs_diff(j)));
+        Some(Self { reach: distances.max().unwrap_or(0), push: push[m..2 * m].to_vec(), stiffness, damping })
     }
 
-    /// Solves `(-ω² - iω C - K) x = b`.
+    /// Solves `(-ω² - iω C - K) x = b` within the band, with partial pivoting. A thousand operations for twenty masses: a band of the
+    /// response takes 150,000 solutions.
     fn magnitude(&self, w: f64) -> f64 {
-        let Self { stiffness, damping, push } = self;
-        let entry = |i: usize, j: usize| {
-            let inertia = if i == j { w * w } else { 0.0 };
-            Complex::new(-stiffness[(i, j)] - inertia, -w * damping[(i, j)])
-        };
-        let dynamic = DMatrix::from_fn(push.len(), push.len(), entry);
-        let force = DVector::from_iterator(push.len(), push.iter().map(|push| Complex::new(*push, 0.0)));
-        dynamic.lu().solve(&force).map_or(f64::INFINITY, |motion| motion[0].norm_sqr().sqrt())
+        let Self { stiffness, damping, push, reach } = self;
+        let m = push.len();
+        let mut a = DMatrix::<Complex<f64>>::zeros(m, m);
+        for j in 0..m {
+            for i in j.saturating_sub(*reach)..m.min(j + reach + 1) {
+                let inertia = if i == j { w * w } else { 0.0 };
+                a[(i, j)] = Complex::new(-stiffness[(i, j)] - inertia, -w * damping[(i, j)]);
+            }
+        }
+        let mut x: Vec<Complex<f64>> = mapped(push, &|push| Complex::new(*push, 0.0));
+        // A swap of rows doubles the reach above the diagonal.
+        let columns = |i: usize| i..m.min(i + 2 * reach + 1);
+        for i in 0..m {
+            let below = i + 1..m.min(i + reach + 1);
+            let larger =
+                |one: usize, two: usize| if a[(two, i)].norm_sqr() > a[(one, i)].norm_sqr() { two } else { one };
+            let pivot = below.clone().fold(i, larger);
+            if pivot != i {
+                columns(i).for_each(|j| a.swap((i, j), (pivot, j)));
+                x.swap(i, pivot);
+            }
+            for row in below {
+                let factor = a[(row, i)] / a[(i, i)];
+                columns(i).for_each(|j| a[(row, j)] = a[(row, j)] - factor * a[(i, j)]);
+                x[row] = x[row] - factor * x[i];
+            }
+        }
+        for i in (0..m).rev() {
+            let known: Complex<f64> = columns(i).skip(1).map(|j| a[(i, j)] * x[j]).sum();
+            x[i] = (x[i] - known) / a[(i, i)];
+        }
+        let square = x[0].norm_sqr();
+        if square.is_nan() { f64::INFINITY } else { square.sqrt() }
     }
 
     fn natural_span(&self) -> Option<(f64, f64)> {

@@ -377,9 +377,9 @@ impl ForceOn {
 pub struct Input<'a, T = f64> {
     /// The force over mass on all masses \[m/s²\].
     pub force: T,
-    /// Those on single masses.
+    /// The forces on single masses.
     pub on: &'a [ForceOn],
-    /// The share of the step between samples at which these act: 0 for its beginning, 1 for its end.
+    /// The share of the step between samples at which the forces on single masses act: 0 for its beginning, 1 for its end.
     pub at: f64,
 }
 
@@ -399,8 +399,9 @@ impl<'a, T: Real> Input<'a, T> {
         }
     }
 
+    /// The same with another force on all masses.
     #[inline(always)]
-    pub(crate) fn with<U>(self, force: U) -> Input<'a, U> {
+    pub fn with<U>(self, force: U) -> Input<'a, U> {
         Input { force, on: self.on, at: self.at }
     }
 
@@ -448,7 +449,8 @@ impl<'a, T: Number> Step<'a, T> {
         [begin, Input::between(self.inputs, 0.5), end]
     }
 
-    pub(crate) fn part(&self, i: usize, parts: usize) -> Self {
+    /// One of some equal parts, counted from 0.
+    pub fn part(&self, i: usize, parts: usize) -> Self {
         let input = |i: usize| match i {
             0 => self.inputs[0],
             i if i == parts => self.inputs[1],

@@ -177,7 +177,7 @@ pub struct Observation {
     pub variances: Vec<f64>,
     /// The recorded force over mass at the sample on all masses \[m/s²\].
     pub force: f64,
-    /// Those on single masses.
+    /// The recorded forces on single masses.
     pub on: Vec<ForceOn>,
 }
 

@@ -15,7 +15,7 @@ use crate::FilterSettings;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
 use crate::run::estimator::{Estimator, Inputs, State};
-use crate::run::forces::Forces;
+use crate::run::forces::{Forces, PartInputs};
 use crate::run::passage::Passage;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
 
@@ -165,17 +165,14 @@ impl FollowedEngine {
         let mut whole = if parts.times.is_none() { self.next_sample() } else { [0.0; 2] };
         let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
         self.clear();
-        let (mut from, last) = (0.0, parts.iter().count().saturating_sub(1));
-        for (place, (part, readings)) in parts.iter().enumerate() {
-            if !part.forces.iter().all(|force| force.is_finite()) {
+        for (place, PartInputs { share, ends, now, readings }) in forces.through(parts).enumerate() {
+            if !ends.iter().all(|input| input.force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
             // A step without times has its plucks in its first part.
             let times = parts.between(place).unwrap_or(whole);
-            let ([begin, end], to) = (part.forces, from + part.share);
-            if part.share > 0.0 {
-                let inputs = [forces.within(begin, from), forces.within(end, to)];
-                self.predict(level, Span { share: part.share, inputs, times })?;
+            if share > 0.0 {
+                self.predict(level, Span { share, inputs: ends, times })?;
                 whole = [whole[1]; 2];
             }
             is_passed = readings.iter().any(|reading| !reading.is_nan());
@@ -183,8 +180,6 @@ impl FollowedEngine {
                 self.keep_prior();
                 has_prior = true;
             }
-            let now = if place == last { forces.now(part.force) } else { forces.within(part.force, to) };
-            from = to;
             self.add(level, now, readings)?;
             if is_passed {
                 pass(&mut self.filter, sink)?;

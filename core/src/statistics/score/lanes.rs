@@ -13,7 +13,7 @@ use kalmanscope_records::record::Parts;
 
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::InUnits;
-use crate::run::forces::Forces;
+use crate::run::forces::{Forces, PartInputs};
 use crate::statistics::score::lane_sums::{LogProducts, ScoreSums};
 use crate::statistics::score::{Outcome, SampleScore};
 
@@ -206,14 +206,10 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
     fn step_through(&mut self, parts: &Parts, forces: &Forces, measured: &mut [T], k: usize) -> bool {
         let ([mut all_nis, mut readings], mut product) = ([T::of(0.0); 2], T::of(1.0));
         self.of_parts.clear();
-        let (mut from, last) = (0.0, parts.iter().count().saturating_sub(1));
-        for (place, (part, values)) in parts.iter().enumerate() {
-            let ([begin, end], to) = (part.forces.map(T::of), from + part.share);
-            let (inputs, force) = ([forces.within(begin, from), forces.within(end, to)], T::of(part.force));
-            let now = if place == last { forces.now(force) } else { forces.within(force, to) };
-            from = to;
+        for PartInputs { share, ends, now, readings: values } in forces.through(parts) {
+            let [begin, end, now] = [ends[0], ends[1], now].map(|input| input.with(T::of(input.force)));
             measured.iter_mut().zip(values).for_each(|(measured, value)| *measured = T::of(*value));
-            let update = self.advance(part.share, inputs, now, measured, k);
+            let update = self.advance(share, [begin, end], now, measured, k);
             let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
