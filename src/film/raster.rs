@@ -32,6 +32,9 @@ impl Textures {
 /// Vertices stand at whole numbers of this part of a pixel: two triangles with a common side then share no pixel and leave none out.
 const PART: i64 = 256;
 
+/// Limits the places of corners \[pixels\]: a plot that is enlarged has some far away, and products of larger numbers overflow.
+const FAR: f32 = 1e6;
+
 /// A picture of `[width, height]` pixels of shapes with one pixel per point.
 pub(super) fn drawn(
     primitives: &[ClippedPrimitive],
@@ -66,7 +69,8 @@ fn triangle(
     mut put: impl FnMut([usize; 2], [u8; 4]),
 ) {
     let cross = |[a, b]: [[i64; 2]; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-    let mut places = corners.map(|corner| [corner.pos.x, corner.pos.y].map(|x| (x * PART as f32).round() as i64));
+    let mut places =
+        corners.map(|corner| [corner.pos.x, corner.pos.y].map(|x| (x.clamp(-FAR, FAR) * PART as f32).round() as i64));
     if cross([places[0], places[1]], places[2]) < 0 {
         corners.swap(1, 2);
         places.swap(1, 2);
@@ -117,7 +121,7 @@ mod tests {
         // Half of white over black, once: 128. Pixels of the diagonal that were drawn twice would be 192.
         let half = Color32::from_rgba_premultiplied(128, 128, 128, 128);
         let clip_rect = Rect::from_min_max(Pos2::ZERO, pos2(5.0, 9.0));
-        for [from, to] in [[0.0, 8.0], [1.0, 6.0], [-50.0, 70.0]] {
+        for [from, to] in [[0.0, 8.0], [1.0, 6.0], [-50.0, 70.0], [-1e30, 1e30]] {
             let (rect, mut mesh) = (Rect::from_min_max(pos2(from, from), pos2(to, to)), Mesh::default());
             mesh.add_colored_rect(rect, half);
             let primitive = ClippedPrimitive { clip_rect, primitive: Primitive::Mesh(mesh) };
