@@ -18,12 +18,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
-create_exception!(
-    kalmanscope,
-    Error,
-    PyValueError,
-    "What is wrong with a scenario, a record or a call, in a sentence."
-);
+create_exception!(kalmanscope, Error, PyValueError, "What is wrong with a scenario, record or call.");
 
 fn error(reason: impl ToString) -> PyErr {
     Error::new_err(reason.to_string())
@@ -54,10 +49,12 @@ impl Wanted {
     }
 }
 
+/// The time between two looks for Ctrl-C.
+const PATIENCE: Duration = Duration::from_millis(20);
+
 /// Works in a thread of its own without the GIL, and looks for Ctrl-C meanwhile: Python's signals come to its main thread alone,
 /// which would hear them only after the work. After Ctrl-C the call does not wait for the thread, which ends with its portion of work.
 fn interruptible<T: Send + 'static>(py: Python<'_>, work: impl FnOnce(&Wanted) -> T + Send + 'static) -> PyResult<T> {
-    const PATIENCE: Duration = Duration::from_millis(20);
     py.detach(|| {
         let wanted = Arc::new(Wanted(AtomicBool::new(true)));
         let (sender, outcome) = channel();

@@ -1,6 +1,7 @@
 //! Runs, and what their filters have estimated.
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Instant;
 
 use kalmanscope_cli::{Results as Report, svg};
 use kalmanscope_core::{Diagnostics, Estimates as History, Run, Source, smoothed};
@@ -11,7 +12,7 @@ use pyo3::sync::MutexExt;
 use crate::arrays::{array, from_json};
 use crate::record::Record;
 use crate::scenario::Scenario;
-use crate::{Wanted, error, interruptible, no_key};
+use crate::{PATIENCE, Wanted, error, interruptible, no_key};
 
 /// Runs the filters of a scenario over its own simulated record, or over a given one; returns their estimates by name. An `Error` says
 /// which sensor a record lacks, or what else does not fit.
@@ -30,11 +31,13 @@ pub(crate) fn run<'py>(
     let settings = Scenario::of(scenario)?;
     let source = record.map_or(Source::Simulated, |record| Source::Measured(record.get().record.clone()));
     let mut run = Run::from_source(settings, source).map_err(error)?;
-    let run = interruptible(py, move |wanted| {
-        let portion = 1 + run.samples() / 1000;
-        while wanted.is_so() && run.advance_to(run.done() + portion) > 0 {}
-        run
-    })?;
+    // In this thread: another one would take memory of its own for every run.
+    let (mut portion, mut begun) = (1, Instant::now());
+    while py.detach(|| run.advance_to(run.done() + portion)) > 0 {
+        py.check_signals()?;
+        portion = if begun.elapsed() < PATIENCE { 2 * portion } else { portion.div_ceil(2) };
+        begun = Instant::now();
+    }
     let record = Record::of(run.record().clone(), Vec::new());
     let stop = run.truth_stop().map(|stop| format!("the record ends before sample {}: {}", stop.sample, stop.reason));
     let run = Whole(Arc::new(Finished { run: Mutex::new(run), report: OnceLock::new() }));
@@ -230,10 +233,7 @@ impl Estimates {
     /// too little was measured.
     #[getter]
     fn verdict(&self, py: Python<'_>) -> Option<&'static str> {
-        if self.smoothed.is_some() {
-            return None;
-        }
-        let run = self.of.run_attached(py);
+        let run = self.smoothed.is_none().then(|| self.of.run_attached(py))?;
         let (estimates, record) = (&run.estimates()[self.place], run.record());
         let verdict = Diagnosis::new(&Diagnostics::new(estimates, record), estimates, record)?.verdict?;
         Some(verdict.kind.name())
