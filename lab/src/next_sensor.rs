@@ -1,7 +1,7 @@
 //! Which sensor next: the ±2σ of each parameter that a sensor would give, before anything is measured.
 //!
 //! ```text
-//! σ² = mean over inputs of J⁻¹,  J of the Cramér-Rao bound along the truth of each input
+//! σ² = mean over inputs of J⁻¹,  J of the Cramér-Rao bound along the truth of each input, with the filter's fading
 //! ```
 
 use std::collections::BTreeMap;
@@ -25,8 +25,11 @@ pub const DURATIONS: [f64; 3] = [0.5, 1.0, 2.0];
 /// The place of the scenario's own duration.
 pub const WHOLE: usize = 1;
 
-/// The inputs for the present sensors: J⁻¹ of one random force differs by 25 to 100 % from that of another, so σ is known to 2 to 6 %.
-const INPUTS: u64 = 64;
+/// The inputs for the present sensors, at least and at most: J⁻¹ of one random force differs by 25 to 100 % from that of another.
+const INPUTS: (u64, u64) = (32, 256);
+
+/// Limits the standard error of a mean variance, relative to it, from which on no more inputs are needed.
+const PRECISION: f64 = 0.05;
 
 /// The first inputs, for the other choices: their ratios to the present sensors differ less, and the mean of these is that of all inputs.
 const FEW: u64 = 8;
@@ -66,8 +69,6 @@ pub struct SensorForecast {
     pub inputs: u64,
     /// Whether the plant has several masses.
     pub has_places: bool,
-    /// Whether the filter has a fading factor above 1, which the bound does not have.
-    pub forgets: bool,
 }
 
 /// One choice of sensors.
@@ -119,8 +120,8 @@ impl SensorPlan {
         next
     }
 
-    /// The forecast for the filter at `place`, over simulated inputs of the seeds 1 and on, or members of a population. Errors are larger
-    /// where a filter has not settled, as after a short record, or loses the truth.
+    /// The forecast for the filter at `place`, over simulated inputs of the seeds 1 and on, or members of a population. This is the
+    /// σ that the filter will say; its errors are smaller where it forgets or lets walk what stays, and larger until it has settled.
     ///
     /// It takes the mean of covariances, which is that of squared errors over many records. A mean of information would give a σ that is 3 to
     /// 25 % smaller. Source: Miller and Chang (1978), A modified Cramér-Rao bound and its applications.
@@ -155,6 +156,13 @@ pub fn measurable(scenario: &Scenario) -> Vec<Quantity> {
 
 type Variances = [Vec<f64>; DURATIONS.len()];
 
+/// Whether the means of some variances are known well enough, by the sums of these and of their squares.
+fn is_known(sums: &Variances, squares: &Variances, count: f64) -> bool {
+    let mut both =
+        sums.iter().flatten().zip(squares.iter().flatten()).map(|(sum, square)| (sum / count, square / count));
+    !both.any(|(mean, square)| (square - mean * mean) / count > (PRECISION * mean).powi(2))
+}
+
 async fn compare(plan: SensorPlan, scenario: Scenario, progress: Progress) -> SensorForecast {
     let channels = channels(&scenario);
     let sensors = plan.sensors(&scenario);
@@ -163,9 +171,9 @@ async fn compare(plan: SensorPlan, scenario: Scenario, progress: Progress) -> Se
         sum.iter_mut().flatten().zip(more.iter().flatten()).for_each(|(sum, one)| *sum += one);
     };
     // The present sensors at the plan's rate come before the others.
-    let (mut all, mut few, mut sums) = (zeros(), zeros(), vec![zeros(); sensors.len() + 1]);
+    let (mut all, mut squares, mut few, mut sums) = (zeros(), zeros(), zeros(), vec![zeros(); sensors.len() + 1]);
     let (mut inputs, mut first): (u64, Option<Variances>) = (0, None);
-    for seed in 1..=INPUTS {
+    for seed in 1..=INPUTS.1 {
         let member = scenario.member(seed);
         if member.validate().is_err() {
             continue;
@@ -179,6 +187,7 @@ async fn compare(plan: SensorPlan, scenario: Scenario, progress: Progress) -> Se
             break;
         }
         add(&mut all, &present);
+        add(&mut squares, &present.each_ref().map(|all| all.iter().map(|variance| variance * variance).collect()));
         if inputs < FEW {
             add(&mut few, &present);
             let record = if plan.rate == 1.0 { record } else { at_rate(&record, plan.rate) };
@@ -192,7 +201,10 @@ async fn compare(plan: SensorPlan, scenario: Scenario, progress: Progress) -> Se
         first.get_or_insert(present);
         inputs += 1;
         if inputs >= FEW {
-            progress.set(0.5 + 0.5 * inputs as f64 / INPUTS as f64);
+            progress.set(0.5 + 0.5 * inputs as f64 / INPUTS.1 as f64);
+        }
+        if inputs >= INPUTS.0 && is_known(&all, &squares, inputs as f64) {
+            break;
         }
     }
     // Without any input all are NaN.
@@ -205,7 +217,7 @@ async fn compare(plan: SensorPlan, scenario: Scenario, progress: Progress) -> Se
     let choices = std::iter::once(None).chain(sensors.into_iter().map(Some));
     let rows = choices.zip(sums).map(|(sensor, sum)| SensorRow { sensor, std: stds(sum) }).collect();
     let has_places = scenario.plant.kind.quantities().any(|quantity| quantity.mass() > 0);
-    SensorForecast { channels, now, rows, inputs, has_places, forgets: scenario.filters[0].fading > 1.0 }
+    SensorForecast { channels, now, rows, inputs, has_places }
 }
 
 fn channels(scenario: &Scenario) -> Vec<Channel> {
@@ -248,7 +260,7 @@ fn at_rate(record: &Record, rate: f64) -> Record {
 }
 
 async fn variances(scenario: &Scenario, record: &Record, channels: &[Channel]) -> Variances {
-    let bound = CramerRao::new(scenario, 0, record.dt());
+    let bound = CramerRao::with_fading(scenario, 0, record.dt());
     let ends = [0, 1, 2].map(|duration| samples(scenario, duration));
     let Some(mut bound) = bound else { return ends.map(|_| vec![f64::NAN; channels.len()]) };
     let mut end = PIECE;
@@ -301,7 +313,7 @@ impl SensorForecast {
         let name = self.name(best.sensor).to_lowercase();
         let name = format!("{} {name}", if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "An" } else { "A" });
         let ([best, now], present) = ([of(best), self.now[at]], of(&self.rows[0]));
-        let said = if !(best.is_finite() && now.is_finite()) {
+        if !(best.is_finite() && now.is_finite()) {
             format!("There is no bound for {symbol}{with}: the truth ends before, or no filter can begin.")
         } else if plan.alone {
             format!("{name} alone would give {symbol} best{with}: {}. Today's sensors give {}.", two(best), two(now))
@@ -309,8 +321,7 @@ impl SensorForecast {
             format!("No further sensor would narrow {symbol} by {} %{with}: {}.", 100.0 * LITTLE, two(present))
         } else {
             format!("{name} would narrow {symbol} most{with}: {} → {}.", two(now), two(best))
-        };
-        said + if self.forgets { " The filter's own ±2σ will be wider, as it forgets." } else { "" }
+        }
     }
 }
 

@@ -17,8 +17,8 @@ pub(super) static VIEW: View = View {
     name: "Which sensor next",
     help: [
         "What each further sensor would tell about each parameter, before anything is measured.",
-        "A bar is ±2σ at the end, the line that of today's sensors: the Cramér-Rao bound along the true motion, with the filter's Q and first ±σ, and the sensors' own noise.",
-        "The errors of an EKF agree within 10 % once it has settled. After a short record, or with too few sensors to keep the truth, it does worse.",
+        "A bar is the filter's ±2σ at the end, the line that of today's sensors: by the Cramér-Rao bound along the true motion, with the filter's Q, λ and first ±σ, and the sensors' own noise.",
+        "±2σ of 200 runs agrees within 10 %. Errors are smaller where λ or Q forgets what stays, and larger until an EKF has settled, or where it loses the truth.",
     ],
     ui: Some(view_ui),
     ..View::NONE
@@ -62,7 +62,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
             inputs => format!("the mean over {inputs} simulated inputs"),
         };
         let filter = about.filters.first().map_or("", |filter| &filter.name);
-        ui.small(format!("±2σ at the end and its ratio to today's, by the Cramér-Rao bound for {filter}, {of}."));
+        ui.small(format!("±2σ at the end and its ratio to today's, by the bound with Q and λ of {filter}, {of}."));
     });
     None
 }

@@ -38,7 +38,17 @@ pub struct CramerRao {
 impl CramerRao {
     /// The bound for the filter at `place`, if there is one, before the first sample, with `dt` \[s\] between samples.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
+        Some(Self::with(bound_settings(scenario, place)?, scenario, dt))
+    }
+
+    /// The same with the filter's fading factor, `λ Φₖ Jₖ⁻¹ Φₖᵀ + Q`: where λ > 1 no bound, but the σ that the filter says.
+    pub fn with_fading(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
         let settings = bound_settings(scenario, place)?;
+        let fading = scenario.filters[place].fading;
+        Some(Self::with(FilterSettings { fading, ..settings }, scenario, dt))
+    }
+
+    fn with(settings: FilterSettings, scenario: &Scenario, dt: f64) -> Self {
         let context = FilterContext::new(scenario, dt, &settings);
         let sensors = &context.sensors;
         let channels = context.model(&settings).channels().to_vec();
@@ -46,7 +56,7 @@ impl CramerRao {
             let sensors = mapped(&setup.columns, &|&place| sensors[place]);
             (filter(&|_| &setup), sensors)
         });
-        Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
+        Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false }
     }
 
     /// Reuses the memory of an old bound, before the first sample.
