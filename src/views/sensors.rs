@@ -161,7 +161,7 @@ fn table_ui(
     let size = vec2(room.clamp(BAR.0, BAR.1), ui.spacing().interact_size.y);
     let is_screen = Medium::of(ui.ctx()) == Medium::Screen;
     Grid::new("sensors").spacing(vec2(10.0, 3.0)).show(ui, |ui| {
-        ui.label("");
+        (0..2).for_each(|_| _ = ui.label(""));
         for &at in &columns {
             let channel = forecast.channels[at];
             let unit = context.unit(channel.unit());
@@ -175,16 +175,19 @@ fn table_ui(
             let name = forecast.name(row.sensor);
             let name = if is_narrow { name.replace(" on mass", "\non mass") } else { name };
             ui.label(if row.sensor.is_some() { RichText::new(name) } else { RichText::new(name).weak() });
+            match row.sensor.filter(|_| is_screen) {
+                None => _ = ui.label(""),
+                Some(sensor) => {
+                    let (text, what) = if choice.plan.alone { ("Use alone", "Use alone:") } else { ("Add", "Add:") };
+                    let what = format!("{what} {}", sensor.measures.name());
+                    let hint = "Changes the sensors of the scenario; its rate and duration stay";
+                    if named(ui.small_button(text).on_hover_text(hint), what).clicked() {
+                        requests.extend(Request::edit(choice.change(sensor, context.session.scenario())));
+                    }
+                }
+            }
             for &at in &columns {
                 bar_ui(ui, context, (row, forecast.now[at]), (choice.duration, at), at == chosen, size);
-            }
-            if let Some(sensor) = row.sensor.filter(|_| is_screen) {
-                let (text, what) = if choice.plan.alone { ("Use alone", "Use alone:") } else { ("Add", "Add:") };
-                let what = format!("{what} {}", sensor.measures.name());
-                let hint = "Changes the sensors of the scenario; its rate and duration stay";
-                if named(ui.small_button(text).on_hover_text(hint), what).clicked() {
-                    requests.extend(Request::edit(choice.change(sensor, context.session.scenario())));
-                }
             }
             ui.end_row();
         }
