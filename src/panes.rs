@@ -8,7 +8,7 @@ use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiRespons
 use crate::layout::{ViewLayout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::theme;
-use crate::view::ViewContext;
+use crate::view::{View, ViewContext};
 use crate::views::view;
 use crate::widgets::named;
 
@@ -29,6 +29,9 @@ const MARGIN: f32 = 4.0;
 
 /// The height of the titles of plots, below which the bar of a view is \[points\].
 const BELOW_TITLES: f32 = 24.0;
+
+/// Limits the width below which the names of tabs are short \[points\].
+const TABS: f32 = 450.0;
 
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
@@ -237,14 +240,15 @@ impl Panes<'_> {
 
     fn title_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> Response {
         let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
-        let name = |kind: ViewKind| RichText::new(view(kind).name).small();
         let tabs = kind.tabs();
         if tabs.len() < 2 {
-            return ui.add(Label::new(name(kind).weak()).selectable(false).sense(sense));
+            return ui.add(Label::new(RichText::new(view(kind).name).small().weak()).selectable(false).sense(sense));
         }
+        let is_narrow = ui.available_width() < TABS;
+        let name = |view: &View| RichText::new(view.short.filter(|_| is_narrow).unwrap_or(view.name)).small();
         ui.horizontal(|ui| {
             let tab_ui = |tab: &ViewKind| {
-                let button = ui.add(Button::selectable(*tab == kind, name(*tab)).sense(sense));
+                let button = ui.add(Button::selectable(*tab == kind, name(view(*tab))).sense(sense));
                 if button.clicked() && *tab != kind {
                     self.requests.push(Request::ChooseTab(kind, *tab));
                 }

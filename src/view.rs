@@ -131,6 +131,8 @@ type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 // A table, since a trait would need a type for each view and a function for each constant.
 pub struct View {
     pub name: &'static str,
+    /// In a narrow row of tabs, where it is not the name.
+    pub(crate) short: Option<&'static str>,
     pub help: [&'static str; 3],
     pub(crate) wanted: Wanted,
     pub(crate) wants_free_runs: bool,
@@ -146,6 +148,7 @@ pub struct View {
 impl View {
     pub(crate) const NONE: Self = Self {
         name: "",
+        short: None,
         help: [""; 3],
         wanted: Wanted::NOTHING,
         wants_free_runs: false,

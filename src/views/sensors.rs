@@ -15,6 +15,7 @@ use crate::widgets::named;
 
 pub(super) static VIEW: View = View {
     name: "Which sensor next",
+    short: Some("Next sensor"),
     help: [
         "What each further sensor would tell about each parameter, before anything is measured.",
         "A bar is the filter's ±2σ at the end, the line that of today's sensors: by the Cramér-Rao bound along the true motion, with the filter's Q, λ and first ±σ, and the sensors' own noise.",
@@ -28,7 +29,7 @@ pub(super) static VIEW: View = View {
 const NARROW: f32 = 520.0;
 
 /// The width for the names and buttons, in a narrow view too, and the limits of a bar's \[points\].
-const NAMES: [f32; 2] = [330.0, 215.0];
+const NAMES: [f32; 2] = [330.0, 230.0];
 const BAR: (f32, f32) = (104.0, 190.0);
 
 /// The place of today's ±2σ in the width of a bar, so that worse choices have room.
@@ -133,12 +134,15 @@ fn noise_ui(ui: &mut Ui, aspect: Aspect, choice: &mut SensorChoice, scenario: &S
     let (first, usual) = (Quantity::new(aspect, 0), aspect.info().usual_noise);
     let std = choice.plan.noise_std_of(aspect, scenario);
     let mut now = std;
-    ui.weak(first.symbol());
     let (name, height) = (format!("Noise of a new {} sensor", first.name()), ui.spacing().interact_size.y);
-    ui.allocate_ui(vec2(64.0, height), |ui| {
-        field_ui(ui, &mut now, 0.0, usual, name.as_str(), "Its standard deviation")
+    // In one line, however narrow.
+    ui.allocate_ui_with_layout(vec2(136.0, height), Layout::left_to_right(Align::Center), |ui| {
+        ui.weak(first.symbol());
+        ui.allocate_ui(vec2(64.0, height), |ui| {
+            field_ui(ui, &mut now, 0.0, usual, name.as_str(), "Its standard deviation")
+        });
+        ui.weak(unit_in(scenario, first.unit()));
     });
-    ui.weak(unit_in(scenario, first.unit()));
     ui.add_space(8.0);
     if now != std && now > 0.0 {
         choice.plan.noise_std.insert(first, now);

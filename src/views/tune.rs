@@ -22,6 +22,7 @@ const SETTINGS: f32 = 360.0;
 
 pub(super) static VIEW: View = View {
     name: "Tune for me",
+    short: Some("Tune"),
     help: [
         "A search for the values of the ticked settings with the best score over the whole record.",
         "The likelihood of the innovations finds Q and R where the model is right; the free run, a model to simulate with.",
