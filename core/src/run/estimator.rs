@@ -5,7 +5,7 @@ pub(crate) mod sampled;
 pub(crate) mod setup;
 pub(crate) mod update;
 
-use kalmanscope_filters::filter::{Gaussian, Input};
+use kalmanscope_filters::filter::Gaussian;
 use kalmanscope_filters::truncated_normal::truncated;
 use kalmanscope_filters::{Channel, FilterError, ForcedMass, Hold, InputKind, Quantity, Stop};
 use kalmanscope_records::Record;
@@ -19,8 +19,8 @@ use crate::{FilterSettings, Model, PlantKind, Scenario};
 pub(crate) trait Estimator: Send {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
-    /// From the inputs at the sample before and just before this one, to the one at this sample.
-    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
+    /// With the force on all masses at the sample before and at this one.
+    fn step(&mut self, force: [f64; 2], forces: &Forces, z: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
     fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError>;
@@ -43,13 +43,6 @@ pub(crate) trait Estimator: Send {
     fn restore(&mut self, _: &State) -> Result<(), FilterError> {
         Err(FilterError::IndefiniteCovariance)
     }
-}
-
-/// The inputs at both ends of a step between samples, and at the sample at its end.
-#[derive(Clone, Copy)]
-pub(crate) struct Inputs<'a> {
-    pub(crate) ends: [Input<'a>; 2],
-    pub(crate) now: Input<'a>,
 }
 
 pub(crate) struct State {
@@ -75,7 +68,7 @@ impl Estimator for FilterError {
         Err(*self)
     }
 
-    fn step(&mut self, _: Inputs<'_>, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
+    fn step(&mut self, _: [f64; 2], _: &Forces, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(*self)
     }
 

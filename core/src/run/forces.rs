@@ -31,7 +31,9 @@ impl Forces {
 
     /// Takes the values at the samples before `k` and at `k`, recorded `delay` samples before.
     pub(crate) fn take(&mut self, record: &Record, k: usize, delay: i32) {
-        record.forces_to(k, delay, &self.masses, &mut self.on);
+        if !self.on.is_empty() {
+            record.forces_to(k, delay, &self.masses, &mut self.on);
+        }
     }
 
     /// Sets the values at the beginning and at the end of a step.
@@ -47,11 +49,13 @@ impl Forces {
     }
 
     /// From the sample before to this one, with the force on all masses at both.
+    #[inline(always)]
     pub(crate) fn over<T>(&self, [begin, end]: [T; 2]) -> [Input<'_, T>; 2] {
         [self.at(begin, 0.0), self.at(end, if self.is_held { 0.0 } else { 1.0 })]
     }
 
     /// At this sample.
+    #[inline(always)]
     pub(crate) fn now<T>(&self, force: T) -> Input<'_, T> {
         self.at(force, 1.0)
     }
@@ -73,6 +77,7 @@ impl Forces {
         })
     }
 
+    #[inline(always)]
     fn at<T>(&self, force: T, at: f64) -> Input<'_, T> {
         Input { force, on: &self.on, at }
     }

@@ -19,7 +19,7 @@ use kalmanscope_records::record::Parts;
 use crate::FilterSettings;
 use crate::run::estimator::setup::Beginning;
 use crate::run::estimator::update::SensorUpdate;
-use crate::run::estimator::{Estimator, FilterContext, Inputs};
+use crate::run::estimator::{Estimator, FilterContext};
 use crate::run::forces::Forces;
 use crate::run::sink::{AssumedNoise, LastSample, Sample, Sink};
 
@@ -141,8 +141,8 @@ impl Estimator for Mixture {
         Ok(())
     }
 
-    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.step_all(sink, &|member, sink| member.step(inputs, measured, sink))
+    fn step(&mut self, force: [f64; 2], forces: &Forces, z: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.step_all(sink, &|member, sink| member.step(force, forces, z, sink))
     }
 
     fn step_through(&mut self, parts: &Parts, forces: &Forces, sink: &mut dyn Sink) -> Result<(), FilterError> {

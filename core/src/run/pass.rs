@@ -10,9 +10,7 @@ use kalmanscope_records::Record;
 use kalmanscope_records::record::{Delays, Parts};
 
 use crate::run::estimator::setup::Setup;
-use crate::run::estimator::{
-    Estimator, FilterContext, Inputs, Truncating, Truncation, counts_in_samples, engine, sampled,
-};
+use crate::run::estimator::{Estimator, FilterContext, Truncating, Truncation, counts_in_samples, engine, sampled};
 use crate::run::forces::Forces;
 use crate::run::mixture::{Guesses, Mixture, Scales, Walk};
 use crate::run::run_error::{RunError, one_input, sensor_places};
@@ -160,8 +158,7 @@ impl Pass {
                     for (place, (value, &sensor)) in measured.iter_mut().zip(sensors.iter()).enumerate() {
                         *value = record.late_reading(sensor, k, delays.of(place));
                     }
-                    let ends = forces.over([force(k - 1), force(k)]);
-                    filter.step(Inputs { ends, now: forces.now(force(k)) }, measured, sink)
+                    filter.step([force(k - 1), force(k)], forces, measured, sink)
                 }
             };
             if let Err(reason) = step {

@@ -83,7 +83,7 @@ impl<T: Number> ExpectedReadings<T> {
                 self.is_linear = false;
                 return apart!(level, self.transform(level, rule, design, belief, active, input));
             }
-            self.derivatives.take(level, &design.model, &belief.mean, input);
+            self.derivatives.take(level, &design.model, &belief.mean, &input);
         }
         apart!(level, self.linearise(level, count, design, belief, active, input.force, None));
         rooted

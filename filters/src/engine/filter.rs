@@ -60,15 +60,23 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     #[inline(always)]
     pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [Input<'_, T>; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
-        let (end, hold) = if has_slope { (end, Hold::First) } else { (begin, Hold::Zero) };
-        let whole = Step { inputs: [begin, end], hold, dt: dt * share };
+        // Number by number: a choice between two inputs would copy both.
+        let (force, at) = if has_slope { (end.force, end.at) } else { (begin.force, begin.at) };
+        let hold = if has_slope { Hold::First } else { Hold::Zero };
+        let whole = Step { inputs: [begin, Input { force, at, ..begin }], hold, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         for at in 0..self.design.model.forgotten.len() {
             let (place, time) = self.design.model.forgotten[at];
             self.renew(level, place, [T::of(libm::exp(-whole.dt / time)), T::of(0.0)]);
         }
-        let first = if parts == 1 { whole } else { whole.part(0, parts) };
-        self.checks.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
+        let part;
+        let first = if parts == 1 {
+            &whole
+        } else {
+            part = whole.part(0, parts);
+            &part
+        };
+        self.checks.predicted = self.pass(level, share, first, parts == 1, renewed == 1);
         // The first part stands before the loop, so that a step of one part has no loop.
         for i in 1..parts {
             let before = self.checks.predicted;

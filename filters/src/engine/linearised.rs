@@ -95,7 +95,7 @@ impl<T: Number> Linearised<T> {
     /// A may be singular; Van Loan (1978), Computing integrals involving the matrix exponential.
     #[inline(always)]
     fn linearise<L: Level>(&mut self, level: L, model: &StateModel<impl Dynamics>, mean: &mut [T], step: &Step<'_, T>) {
-        self.derivatives.take(level, model, mean, step.inputs[0]);
+        self.derivatives.take(level, model, mean, &step.inputs[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
             apart!(level, self.swing(level, model, mean, step));
             return;
@@ -242,7 +242,7 @@ impl<T: Number> Linearised<T> {
         apart!(level, {
             let Self { derivatives, rows, .. } = self;
             let (moving, dt) = (model.moving(), T::of(step.dt));
-            derivatives.take(level, model, mean, step.inputs[0]);
+            derivatives.take(level, model, mean, &step.inputs[0]);
             add_times(&mut mean[..moving], dt, &derivatives.rate);
             begin(rows, moving);
             add_times(rows, dt, &derivatives.columns);
@@ -290,7 +290,7 @@ impl<T: Number> Linearised<T> {
         for i in 0..moving {
             stage[i] = begun[i] + derivatives.rate[i] * after;
         }
-        derivatives.take(level, model, stage, input);
+        derivatives.take(level, model, stage, &input);
         add_times(&mut mean[..moving], T::of(counts), &derivatives.rate);
         let (a, slope) = (&derivatives.columns[..moving * n], &mut slope[..moving * n]);
         product(slope, &a[..moving * moving], &before[..moving * n], moving, moving);

@@ -148,7 +148,7 @@ impl<P: Dynamics> StateModel<P> {
     /// `A = ∂g/∂y`, n × n, under this recorded force over mass \[m/s²\].
     pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
         let mut derivatives = Derivatives::new(self);
-        derivatives.take(Baseline, self, state, force.into());
+        derivatives.take(Baseline, self, state, &force.into());
         let rows = Matrix::from_column_slice(self.moving(), self.size, &derivatives.columns);
         rows.resize_vertically(self.size, 0.0)
     }
@@ -156,7 +156,7 @@ impl<P: Dynamics> StateModel<P> {
     /// `H = ∂h/∂y` of some sensors in a state, m × n.
     pub fn gradients(&self, readings: &[&Reading], state: &[f64], input: Input<'_>) -> Matrix {
         let mut derivatives = Derivatives::new(self);
-        derivatives.take(Baseline, self, state, input);
+        derivatives.take(Baseline, self, state, &input);
         let mut transposed = Matrix::zeros(self.size, readings.len());
         for (reading, row) in readings.iter().zip(transposed.as_mut_slice().chunks_exact_mut(self.size)) {
             gradient(self, reading, state, &derivatives, input.force, row);
@@ -206,7 +206,7 @@ impl<T: Number> Derivatives<T> {
         level: L,
         model: &StateModel<impl Dynamics>,
         state: &[T],
-        input: Input<'_, T>,
+        input: &Input<'_, T>,
     ) {
         apart!(level, {
             let force = input.force;
@@ -377,8 +377,8 @@ impl ForceOn {
 pub struct Input<'a, T = f64> {
     /// The force over mass on all masses \[m/s²\].
     pub force: T,
-    /// The forces on single masses.
-    pub on: &'a [ForceOn],
+    /// The forces on single masses. A list, since a slice's length would be copied with each step.
+    pub on: &'a Vec<ForceOn>,
     /// The share of the step between samples at which the forces on single masses act: 0 for its beginning, 1 for its end.
     pub at: f64,
 }
@@ -386,7 +386,8 @@ pub struct Input<'a, T = f64> {
 impl<T> From<T> for Input<'_, T> {
     /// A force on all masses alone.
     fn from(force: T) -> Self {
-        Self { force, on: &[], at: 0.0 }
+        static NONE: Vec<ForceOn> = Vec::new();
+        Self { force, on: &NONE, at: 0.0 }
     }
 }
 

@@ -116,7 +116,7 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
     #[inline(always)]
     pub fn predict<L: Level>(&mut self, level: L, span: Span<'_, T>) {
         if self.has_options() {
-            return self.in_options(level, |filter| filter.predict(span));
+            return self.in_options(level, move |filter| filter.predict(span));
         }
         self.filter.predict(level, span.share, span.inputs);
     }
@@ -124,7 +124,7 @@ impl<T: Number, P: Dynamics> Wrapped<T, P> {
     #[inline(always)]
     pub fn update<L: Level>(&mut self, level: L, input: Input<'_, T>, measured: &[T]) -> UpdateResult<T> {
         if self.has_options() {
-            return self.in_options(level, |filter| filter.update(Readings { input, measured, variances: None }));
+            return self.in_options(level, move |filter| filter.update(Readings { input, measured, variances: None }));
         }
         self.filter.update(level, input, measured, None)
     }

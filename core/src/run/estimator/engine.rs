@@ -14,7 +14,7 @@ use kalmanscope_records::record::Parts;
 use crate::FilterSettings;
 use crate::run::estimator::setup::{PlantFilter, Setup, filter};
 use crate::run::estimator::update::{InUnits, SensorUpdate};
-use crate::run::estimator::{Estimator, Inputs, State};
+use crate::run::estimator::{Estimator, State};
 use crate::run::forces::{Forces, PartInputs};
 use crate::run::passage::Passage;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
@@ -205,28 +205,23 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         followed.report(sink.wants_prior(), sink).map_err(|_| FilterError::TooLarge)
     }
 
-    fn step(
-        &mut self,
-        Inputs { ends, now }: Inputs<'_>,
-        measured: &[f64],
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError> {
+    fn step(&mut self, force: [f64; 2], forces: &Forces, z: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { level, followed } = self;
         let level = *level;
         let times = followed.next_sample();
-        followed.predict(level, Span { share: 1.0, inputs: ends, times })?;
+        followed.predict(level, Span { share: 1.0, inputs: forces.over(force), times })?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
             followed.keep_prior();
         }
         if followed.filter.has_options() {
             followed.clear();
-            followed.add(level, now, measured)?;
+            followed.add(level, forces.now(force[1]), z)?;
             pass(&mut followed.filter, sink)?;
             return followed.report(wants_prior, sink);
         }
         let FollowedEngine { filter, places, measured: own, prior, update: all, in_units, .. } = followed;
-        let [nis, determinant] = condition(level, filter, places, own, now, measured)?;
+        let [nis, determinant] = condition(level, filter, places, own, forces.now(force[1]), z)?;
         pass(filter, sink)?;
         let m = all.innovation.len();
         let (belief, update) = (&filter.belief, &filter.update);

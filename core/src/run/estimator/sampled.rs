@@ -8,7 +8,7 @@ use kalmanscope_records::record::Parts;
 use super::engine::push;
 use super::setup::Beginning;
 use super::update::InUnits;
-use super::{Estimator, FilterContext, Inputs};
+use super::{Estimator, FilterContext};
 use crate::FilterSettings;
 use crate::run::forces::Forces;
 use crate::run::sink::{AssumedNoise, Sample, Sink};
@@ -82,10 +82,10 @@ impl Estimator for FollowedBelief {
         self.report(prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
     }
 
-    fn step(&mut self, inputs: Inputs<'_>, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.filter.predict(inputs.ends)?;
+    fn step(&mut self, force: [f64; 2], forces: &Forces, z: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.filter.predict(forces.over(force))?;
         let prior = sink.wants_prior().then(|| self.filter.belief.gaussian().into_owned());
-        self.filter.update(inputs.now, measured, &mut self.correction)?;
+        self.filter.update(forces.now(force[1]), z, &mut self.correction)?;
         self.report(prior.as_ref(), sink)
     }
 
@@ -98,7 +98,6 @@ impl Estimator for FollowedBelief {
                 *last = *reading;
             }
         }
-        let inputs = Inputs { ends: forces.over([begin.unwrap_or(end), end]), now: forces.now(end) };
-        self.step(inputs, &last, sink)
+        self.step([begin.unwrap_or(end), end], forces, &last, sink)
     }
 }

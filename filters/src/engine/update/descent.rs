@@ -68,7 +68,7 @@ impl<T: Number> Update<T> {
                 descent.at.copy_from_slice(&belief.mean);
                 belief.copy_from(&descent.prior);
                 let Self { expected, active, .. } = self;
-                expected.derivatives.take(level, &design.model, &descent.at, observation.input);
+                expected.derivatives.take(level, &design.model, &descent.at, &observation.input);
                 expected.linearise(level, m, design, belief, active, observation.input.force, Some(&descent.at));
                 let number = self.compare(level, m, observation);
                 result.holds = self.correct(level, m, design, belief, number, checks).holds;
