@@ -131,7 +131,7 @@ type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 // A table, since a trait would need a type for each view and a function for each constant.
 pub struct View {
     pub name: &'static str,
-    /// In a narrow row of tabs, where it is not the name.
+    /// A shorter name, for a narrow row of tabs.
     pub(crate) short: Option<&'static str>,
     pub help: [&'static str; 3],
     pub(crate) wanted: Wanted,

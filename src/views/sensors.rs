@@ -135,7 +135,7 @@ fn noise_ui(ui: &mut Ui, aspect: Aspect, choice: &mut SensorChoice, scenario: &S
     let std = choice.plan.noise_std_of(aspect, scenario);
     let mut now = std;
     let (name, height) = (format!("Noise of a new {} sensor", first.name()), ui.spacing().interact_size.y);
-    // In one line, however narrow.
+    // Symbol, field and unit stay in one line of a narrow view.
     ui.allocate_ui_with_layout(vec2(136.0, height), Layout::left_to_right(Align::Center), |ui| {
         ui.weak(first.symbol());
         ui.allocate_ui(vec2(64.0, height), |ui| {
@@ -165,7 +165,9 @@ fn table_ui(
     let size = vec2(room.clamp(BAR.0, BAR.1), ui.spacing().interact_size.y);
     let is_screen = Medium::of(ui.ctx()) == Medium::Screen;
     Grid::new("sensors").spacing(vec2(10.0, 3.0)).show(ui, |ui| {
-        (0..2).for_each(|_| _ = ui.label(""));
+        // Above the names and the buttons.
+        ui.label("");
+        ui.label("");
         for &at in &columns {
             let channel = forecast.channels[at];
             let unit = context.unit(channel.unit());

@@ -60,7 +60,7 @@ impl<T: Number, P: Dynamics> GaussianFilter<T, P> {
     #[inline(always)]
     pub(super) fn predict<L: Level>(&mut self, level: L, share: f64, [begin, end]: [Input<'_, T>; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
-        // Number by number: a choice between two inputs would copy both.
+        // The compiler copies two whole inputs where it chooses between them.
         let (force, at) = if has_slope { (end.force, end.at) } else { (begin.force, begin.at) };
         let hold = if has_slope { Hold::First } else { Hold::Zero };
         let whole = Step { inputs: [begin, Input { force, at, ..begin }], hold, dt: dt * share };

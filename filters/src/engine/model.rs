@@ -377,7 +377,7 @@ impl ForceOn {
 pub struct Input<'a, T = f64> {
     /// The force over mass on all masses \[m/s²\].
     pub force: T,
-    /// The forces on single masses. A list, since a slice's length would be copied with each step.
+    /// The forces on single masses. This is no slice, whose length would be copied with each step.
     pub on: &'a Vec<ForceOn>,
     /// The share of the step between samples at which the forces on single masses act: 0 for its beginning, 1 for its end.
     pub at: f64,

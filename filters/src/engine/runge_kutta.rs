@@ -52,7 +52,8 @@ impl<T: Number> RungeKutta<T> {
         step: &Step<'_, T>,
     ) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;
-        // What writes to any place keeps the numbers of a small plant from staying in registers.
+        // The compiler does not know the place of a single mass. Where a force is added there, it keeps a small plant's numbers in memory
+        // and not in registers, so that only models with such forces take this way.
         if model.eta != 0.0 || !step.inputs[0].on.is_empty() {
             classical(
                 #[inline(always)]

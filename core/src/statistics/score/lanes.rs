@@ -172,7 +172,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
                         for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
                             *measured = column.at(k);
                         }
-                        self.step(&forces.over([before, force]), &forces.now(force), &measured, k)
+                        self.step(forces.over([before, force]), forces.now(force), &measured, k)
                     }
                 };
                 if !goes_on {
@@ -189,7 +189,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         self.finish()
     }
 
-    fn step(&mut self, inputs: &[Input<'_, T>; 2], now: &Input<'_, T>, measured: &[T], k: usize) -> bool {
+    fn step(&mut self, inputs: [Input<'_, T>; 2], now: Input<'_, T>, measured: &[T], k: usize) -> bool {
         let Some(update) = self.advance(1.0, inputs, now, measured, k) else { return false };
         let Self { level, scores, filter, .. } = self;
         level.apart(
@@ -209,7 +209,7 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         for PartInputs { share, ends, now, readings: values } in forces.through(parts) {
             let [begin, end, now] = [ends[0], ends[1], now].map(|input| input.with(T::of(input.force)));
             measured.iter_mut().zip(values).for_each(|(measured, value)| *measured = T::of(*value));
-            let update = self.advance(share, &[begin, end], &now, measured, k);
+            let update = self.advance(share, [begin, end], now, measured, k);
             let Some(UpdateResult { nis, determinant, measured, .. }) = update else { return false };
             let Self { filter, of_parts, .. } = self;
             of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
@@ -224,8 +224,8 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
     fn advance(
         &mut self,
         share: f64,
-        inputs: &[Input<'_, T>; 2],
-        now: &Input<'_, T>,
+        inputs: [Input<'_, T>; 2],
+        now: Input<'_, T>,
         measured: &[T],
         k: usize,
     ) -> Option<UpdateResult<T>> {
@@ -233,8 +233,8 @@ impl<T: Number, L: Level> LaneBatch<T, L> {
         let mut update = level.apart(
             #[inline(always)]
             || {
-                filter.predict(*level, Span { share, inputs: *inputs, times: [0.0; 2] });
-                filter.update(*level, *now, measured)
+                filter.predict(*level, Span { share, inputs, times: [0.0; 2] });
+                filter.update(*level, now, measured)
             },
         );
         let has_stopped = T::of(0.5).le(self.stopped);
